@@ -1,0 +1,32 @@
+# Thin: every target is one script or one CMake call. Works on a fresh clone of the repository.
+PRESET ?= release
+PREFIX ?= /usr/local
+SEQUENCE ?=
+DATA ?=
+
+.PHONY: all setup build demo test bench format install clean
+all: build
+
+setup:  ## install the Debian packages that are missing
+	@scripts/setup.sh
+
+build: setup  ## build/facet
+	@scripts/build.sh $(PRESET)
+
+demo: build  ## run and evaluate one sequence: make demo [SEQUENCE=dir]
+	@scripts/demo.sh "$(SEQUENCE)"
+
+test: setup  ## every test: SANITIZE=0 leaves out the address and undefined-behaviour sanitizers
+	@scripts/test.sh $(PRESET)
+
+bench: build  ## kernels, then the end-to-end table over every sequence found: make bench [DATA=dir]
+	@scripts/bench.sh "$(DATA)"
+
+format:  ## clang-format on every source file
+	@scripts/format.sh
+
+install: build  ## make install PREFIX=...
+	@cmake --install build --prefix "$(PREFIX)"
+
+clean:
+	rm -rf build build-asan

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-2-Clause
+# Two functions describe every folder of the project: facet_add_module and facet_add_test.
+
+add_library(facet_warnings INTERFACE)
+target_compile_options(facet_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wold-style-cast
+  -Woverloaded-virtual $<$<BOOL:${FACET_WERROR}>:-Werror>)
+
+# Results must not depend on whether the compiler fuses a multiplication with an addition.
+add_compile_options(-ffp-contract=off)
+if(FACET_NATIVE)
+  add_compile_options(-march=native)
+endif()
+if(FACET_SANITIZE)
+  add_compile_options(-fsanitize=${FACET_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${FACET_SANITIZE})
+endif()
+if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+  add_compile_definitions(EIGEN_INITIALIZE_MATRICES_BY_NAN)
+endif()
+
+# facet_add_module(NAME imu SRCS a.cpp ... DEPS geometry ... LIBS PNG::PNG ...)
+# A static library facet_imu with alias facet::imu; DEPS are other modules, LIBS are foreign targets.
+function(facet_add_module)
+  cmake_parse_arguments(ARG "" "NAME" "SRCS;DEPS;LIBS" ${ARGN})
+  set(target facet_${ARG_NAME})
+  if(ARG_SRCS)
+    add_library(${target} STATIC ${ARG_SRCS})
+    set(scope PUBLIC)
+    target_link_libraries(${target} PRIVATE facet_warnings)
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(facet::${ARG_NAME} ALIAS ${target})
+  target_include_directories(${target} ${scope} ${PROJECT_SOURCE_DIR}/src)
+  foreach(dep ${ARG_DEPS})
+    target_link_libraries(${target} ${scope} facet::${dep})
+  endforeach()
+  target_link_libraries(${target} ${scope} ${ARG_LIBS})
+endfunction()
+
+# facet_add_test(NAME so3_test SRCS so3_test.cpp DEPS geometry testing LIBS ... LABEL unit|sim|dataset)
+function(facet_add_test)
+  if(NOT FACET_BUILD_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "NAME;LABEL" "SRCS;DEPS;LIBS" ${ARGN})
+  if(NOT ARG_LABEL)
+    set(ARG_LABEL unit)
+  endif()
+  add_executable(${ARG_NAME} ${ARG_SRCS})
+  set_target_properties(${ARG_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  target_link_libraries(${ARG_NAME} PRIVATE facet_warnings GTest::gtest GTest::gmock GTest::gtest_main ${ARG_LIBS})
+  foreach(dep ${ARG_DEPS})
+    target_link_libraries(${ARG_NAME} PRIVATE facet::${dep})
+  endforeach()
+  target_compile_definitions(${ARG_NAME} PRIVATE
+    FACET_SOURCE_DIR="${PROJECT_SOURCE_DIR}" FACET_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 900)
+endfunction()

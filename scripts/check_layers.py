@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Fails where a file includes a folder that is not below its own.
+
+A folder may include folders of a lower rank. Folders of the same rank are siblings that meet only in
+the data of lower folders. Tests may also use the simulator, the file readers, the evaluation and testing/.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+RANK = {
+    "base": 0,
+    "geometry": 1,
+    "camera": 2,
+    "imu": 2,
+    "map": 3,
+    "frontend": 4,
+    "estimator": 4,
+    "mesh": 4,
+    "regularities": 5,
+    "io": 6,
+    "sim": 6,
+    "eval": 6,
+    "pipeline": 6,
+    "viewer": 7,
+    "apps": 8,
+    "bench": 8,
+}
+# Siblings that may meet: the evaluation judges what the readers read.
+SIDEWAYS = {("eval", "io")}
+FOR_TESTS = {"testing", "sim", "io", "eval"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]')
+
+
+def folder_of(path):
+    """The name in RANK of a source file relative to the root of the repository."""
+    parts = path.parts
+    return parts[2] if parts[:2] == ("src", "facet") else parts[0]
+
+
+def included_folder(header):
+    parts = header.split("/")
+    if parts[0] == "facet" and len(parts) > 2:
+        return parts[1]
+    return parts[0] if parts[0] in ("apps", "bench") else None
+
+
+def is_allowed(folder, other, is_test):
+    if folder == other or (folder, other) in SIDEWAYS:
+        return True
+    if folder == "testing":
+        return RANK.get(other, 99) <= RANK["map"]
+    if is_test and other in FOR_TESTS:
+        return True
+    return other in RANK and RANK[other] < RANK[folder]
+
+
+def complaints(root, path):
+    relative = path.relative_to(root)
+    folder = folder_of(relative)
+    if folder not in RANK and folder != "testing":
+        yield f"{relative}: folder '{folder}' has no rank in scripts/check_layers.py"
+        return
+    is_test = path.stem.endswith("_test") or folder == "bench"
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        match = INCLUDE.match(line)
+        other = included_folder(match.group(1)) if match else None
+        if other and not is_allowed(folder, other, is_test):
+            yield f"{relative}:{number}: '{folder}' may not include '{other}' ({match.group(1)})"
+
+
+def main():
+    root = Path(__file__).resolve().parent.parent
+    files = [p for top in ("src", "apps", "bench") for p in sorted((root / top).rglob("*"))
+             if p.suffix in (".h", ".cpp")]
+    found = [text for path in files for text in complaints(root, path)]
+    for text in found:
+        print(text, file=sys.stderr)
+    print(f"layers: {len(files)} files, {len(found)} includes that point the wrong way")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

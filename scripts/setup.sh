@@ -1,0 +1,37 @@
+#!/bin/sh
+# Installs the Debian packages that Facet is built with. Does nothing, quickly, when all are there.
+set -eu
+
+packages="g++ cmake ninja-build ccache pkg-config
+libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-features2d-dev
+libyaml-cpp-dev libcli11-dev libspdlog-dev nlohmann-json3-dev
+libpng-dev libjpeg62-turbo-dev libwebp-dev
+libgtest-dev libgmock-dev libbenchmark-dev libceres-dev
+python3 python3-numpy python3-matplotlib clang-format clang-tidy"
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  echo "setup: not a Debian system. Install the equivalents of these packages yourself:" $packages >&2
+  exit 0
+fi
+
+missing=""
+for package in $packages; do
+  status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
+  [ "$status" = installed ] || missing="$missing $package"
+done
+if [ -z "$missing" ]; then
+  exit 0
+fi
+
+echo "setup: installing with apt:$missing"
+as_root=""
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    echo "setup: not root and no sudo; run as root: apt-get install$missing" >&2
+    exit 1
+  fi
+  echo "setup: this needs root, so sudo may ask for your password"
+  as_root=sudo
+fi
+$as_root apt-get update -q
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The words that every module uses: time, ids, small matrix types.
+#pragma once
+
+#include <cmath>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace facet {
+
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::Matrix4d;
+using Eigen::MatrixXd;
+using Eigen::Quaterniond;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+using Eigen::VectorXd;
+template <int R, int C>
+using Matrix = Eigen::Matrix<double, R, C>;
+template <int N>
+using Vector = Eigen::Matrix<double, N, 1>;
+
+/// A span of time in integer nanoseconds.
+struct Duration {
+  std::int64_t ns = 0;
+  auto operator<=>(const Duration&) const = default;
+};
+
+/// A moment in integer nanoseconds; the epoch is the recording's own.
+struct Timestamp {
+  std::int64_t ns = 0;
+  auto operator<=>(const Timestamp&) const = default;
+};
+
+inline Duration operator-(Timestamp a, Timestamp b) { return {a.ns - b.ns}; }
+inline Timestamp operator+(Timestamp t, Duration d) { return {t.ns + d.ns}; }
+inline Timestamp operator-(Timestamp t, Duration d) { return {t.ns - d.ns}; }
+inline Duration operator+(Duration a, Duration b) { return {a.ns + b.ns}; }
+
+/// Only spans of time become floating point; an absolute stamp would lose digits.
+inline double ToSeconds(Duration d) { return static_cast<double>(d.ns) * 1e-9; }
+inline Duration FromSeconds(double s) { return {std::llround(s * 1e9)}; }
+
+/// An integer that cannot be mixed up with another kind of id; negative means "none".
+template <class Tag>
+struct Id {
+  std::int64_t value = -1;
+  auto operator<=>(const Id&) const = default;
+  bool IsValid() const { return value >= 0; }
+};
+
+using LandmarkId = Id<struct LandmarkTag>;
+using FrameId = Id<struct FrameTag>;
+using PlaneId = Id<struct PlaneTag>;
+
+}  // namespace facet
+
+template <class Tag>
+struct std::hash<facet::Id<Tag>> {
+  std::size_t operator()(facet::Id<Tag> id) const noexcept {
+    return std::hash<std::int64_t>()(id.value);
+  }
+};

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The sensor rig: two cameras rigidly mounted on the body (= IMU).
+#pragma once
+
+#include <array>
+
+#include "facet/camera/camera_model.h"
+#include "facet/geometry/se3.h"
+
+namespace facet {
+
+struct StereoRig {
+  std::array<CameraModel, 2> cameras;  ///< left, right
+  std::array<SE3, 2> T_BC;             ///< camera to body
+  /// t_imu = t_camera + time_offset (Kalibr's timeshift_cam_imu).
+  Duration time_offset;
+
+  SE3 T_C1C0() const { return T_BC[1].Inverse() * T_BC[0]; }
+  double baseline_m() const { return T_C1C0().p.norm(); }
+};
+
+}  // namespace facet

@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/vio_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+
+#include "facet/estimator/initializer.h"
+#include "facet/estimator/landmark_depth.h"
+#include "facet/estimator/window_policy.h"
+
+namespace facet {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+// IMU noise over an interval with a hole, and over one without any sample, times the usual.
+constexpr double kGapNoiseScale = 10.0;
+constexpr double kNoImuNoiseScale = 300.0;
+// Bias change that makes an interval worth integrating again.
+constexpr double kRelinearizeGyro = 2e-3;   // rad/s
+constexpr double kRelinearizeAccel = 2e-2;  // m/s^2
+constexpr int kStartIterations = 25;
+constexpr int kMinLandmarksOk = 8;
+// Beyond these the state is of no use to anybody: start again.
+constexpr double kLostVelocitySigma = 5.0;  // m/s
+constexpr double kLostSpeed = 100.0;        // m/s
+// A landmark nearer than this is a mismatch.
+constexpr double kMaxInverseDistance = 15.0;
+
+PreintegrationNoise Scaled(const PreintegrationNoise& noise, double scale) {
+  return {noise.gyro * scale, noise.accel * scale, noise.integration * scale};
+}
+
+// What an IMU would have seen at constant velocity; for intervals without any sample.
+std::vector<ImuSample> ConstantVelocity(const NavState& x, Timestamp t1) {
+  ImuSample sample{x.t, x.bias.b_g, x.bias.b_a - x.T_WB.q.conjugate() * GravityInWorld()};
+  std::vector<ImuSample> samples = {sample, sample};
+  samples.back().t = t1;
+  return samples;
+}
+
+}  // namespace
+
+VioEstimator::VioEstimator(const StereoRig& rig, const ImuNoise& noise, const EstimatorOptions& options)
+    : rig_(rig),
+      options_(options),
+      imu_noise_{noise.gyro_noise * options.imu.gyro_noise_scale,
+                 noise.accel_noise * options.imu.accel_noise_scale,
+                 1e-8},
+      bias_walk_{noise.gyro_walk * options.imu.gyro_walk_scale,
+                 noise.accel_walk * options.imu.accel_walk_scale},
+      solver_(rig, options.solver),
+      geometry_(rig) {
+  window_.T_BC0 = rig.T_BC[0];
+}
+
+EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
+                                       const ImuInterval& imu,
+                                       StageTimes& times) {
+  {
+    ScopedStage stage(times, Stage::kImu);
+    AppendFrame(observations, imu);
+  }
+  return initialised_ ? Track(observations, times) : Start(observations, times);
+}
+
+EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
+  EstimatorResult result;
+  ScopedStage stage(times, Stage::kOptimize);
+  AppendObservations(observations);
+  geometry_.Update(window_.frames);
+  InitializeDepths();
+
+  const auto num_constraining = std::count_if(window_.landmarks().begin(), window_.landmarks().end(), IsConstraining);
+  const int num_frames = static_cast<int>(window_.frames.size());
+  result.num_constraining = static_cast<int>(num_constraining);
+  result.reason = "collecting frames";
+  if (num_frames < options_.start.min_frames) return result;
+  if (num_constraining < options_.start.min_landmarks) {
+    result.reason = "too few stereo landmarks";
+  } else if (const auto start = InitializeFromStereo(rig_, options_.solver, window_); !start.ok) {
+    result.reason = start.reason;
+  } else {
+    solver_.Solve(window_, kStartIterations);
+    RemoveOutliers();
+    RelinearizeImu();
+    result.solve = solver_.Solve(window_, kStartIterations);
+    newest_covariance_ = solver_.system().FrameCovariance(num_frames - 1);
+    const double waited_s = ToSeconds(observations.t - first_t_);
+    if (TiltSigma() < options_.start.max_tilt_deg * kDegree || waited_s >= options_.start.max_wait_s) {
+      MoveOriginToNewestFrame();
+      initialised_ = true;
+      FillResult(result);
+      return result;
+    }
+    result.reason = "tilt not known well enough";
+  }
+  // The oldest frames may be what spoils the start (a blackout, a jump): let them go.
+  if (num_frames >= 3 * options_.start.min_frames) {
+    window_.RemoveFrame(0);
+    window_.frames.front().has_imu_link = false;
+    window_.start_prior.frame = window_.frames.front().id;
+  }
+  return result;
+}
+
+EstimatorResult VioEstimator::Track(const FrameObservations& observations, StageTimes& times) {
+  EstimatorResult result;
+  const bool is_keyframe = observations.is_keyframe;
+  {
+    ScopedStage stage(times, Stage::kOptimize);
+    AppendObservations(observations);
+    if (is_keyframe) {
+      geometry_.Update(window_.frames);
+      InitializeDepths();
+      RelinearizeImu();
+    }
+    const SolverOptions& solver = options_.solver;
+    result.solve = solver_.Solve(window_, is_keyframe ? solver.keyframe_iterations : solver.frame_iterations);
+    newest_covariance_ = solver_.system().FrameCovariance(static_cast<int>(window_.frames.size()) - 1);
+    if (is_keyframe) RemoveOutliers();
+  }
+  FillResult(result);
+  if (result.status == TrackingStatus::kLost) {
+    Reset();
+    result.was_reset = true;
+    return result;
+  }
+  if (is_keyframe || options_.window.keep_every_frame) {
+    ScopedStage stage(times, Stage::kMarginalize);
+    Shrink(result.finished_keyframes);
+  }
+  return result;
+}
+
+void VioEstimator::UpdatePreintegration(WindowFrame& frame) const {
+  frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, bias_walk_);
+}
+
+void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuInterval& imu) {
+  WindowFrame frame;
+  frame.id = observations.frame;
+  frame.is_keyframe = observations.is_keyframe || !initialised_;
+  frame.x.t = observations.t;
+  if (window_.frames.empty()) {
+    Vector3d mean = Vector3d::Zero();
+    for (const ImuSample& sample : imu.samples) mean += sample.accel;
+    if (mean.norm() > 1.0) frame.x.T_WB.q = RotationBetween(mean, Vector3d::UnitZ());
+    first_t_ = observations.t;
+    window_.start_prior = {true,
+                           frame.id,
+                           frame.x.T_WB,
+                           options_.start.sigma_position,
+                           options_.start.sigma_yaw,
+                           options_.start.sigma_velocity,
+                           options_.start.sigma_gyro_bias,
+                           options_.start.sigma_accel_bias};
+    frame.lin = frame.x;
+    window_.frames.push_back(frame);
+    return;
+  }
+
+  const NavState previous = window_.frames.back().x;
+  const bool no_imu = imu.samples.size() < 2;
+  const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(previous, observations.t) : imu.samples;
+  const double scale = no_imu ? kNoImuNoiseScale : imu.gaps > 0 ? kGapNoiseScale : 1.0;
+  ImuPreintegration step(previous.bias, Scaled(imu_noise_, scale));
+  step.Integrate(samples);
+  const bool joins = initialised_ && !window_.frames.back().is_keyframe && !options_.window.keep_every_frame;
+  if (joins) {
+    // The previous frame was only passing through: its IMU interval goes on to this frame.
+    if (scale == 1.0) {
+      frame.imu = window_.frames.back().imu;
+      frame.imu.Integrate(samples);
+    } else {
+      std::vector<ImuSample> all = window_.frames.back().imu.samples();
+      all.insert(all.end(), samples.begin() + (all.empty() ? 0 : 1), samples.end());
+      frame.imu = ImuPreintegration(previous.bias, Scaled(imu_noise_, scale));
+      frame.imu.Integrate(all);
+    }
+    window_.RemoveFrame(static_cast<int>(window_.frames.size()) - 1);
+  } else {
+    frame.imu = step;
+  }
+  frame.x = step.Predict(previous);
+  frame.x.t = observations.t;
+  frame.lin = frame.x;
+  frame.has_imu_link = true;
+  UpdatePreintegration(frame);
+  window_.frames.push_back(std::move(frame));
+}
+
+void VioEstimator::AppendObservations(const FrameObservations& observations) {
+  const int newest = static_cast<int>(window_.frames.size()) - 1;
+  const bool creates = window_.frames.back().is_keyframe;
+  for (const FeatureObservation& feature : observations.features) {
+    WindowLandmark* landmark = window_.Find(feature.landmark);
+    if (landmark == nullptr && !creates) continue;
+    const std::optional<UndistortedPoint> left = rig_.cameras[0].Undistort(feature.px_left);
+    if (!left || !(feature.sigma_left_px > 0)) continue;
+    WindowObservation observation;
+    observation.frame = newest;
+    const double scale = options_.solver.pixel_sigma_scale;
+    observation.xy[0] = left->xy;
+    observation.sqrt_info[0] = left->J_xy_px.inverse() / (scale * feature.sigma_left_px);
+    if (feature.px_right && feature.sigma_right_px > 0) {
+      if (const std::optional<UndistortedPoint> right = rig_.cameras[1].Undistort(*feature.px_right)) {
+        observation.has_right = true;
+        observation.xy[1] = right->xy;
+        observation.sqrt_info[1] = right->J_xy_px.inverse() / (scale * feature.sigma_right_px);
+      }
+    }
+    if (landmark == nullptr) landmark = &window_.AddLandmark(feature.landmark, newest);
+    if (!landmark->observations.empty() && landmark->observations.back().frame == newest) continue;
+    landmark->observations.push_back(observation);
+  }
+}
+
+void VioEstimator::InitializeDepths() {
+  for (WindowLandmark& landmark : window_.landmarks()) {
+    if (!landmark.has_depth) InitializeDepth(geometry_, landmark);
+  }
+}
+
+void VioEstimator::RelinearizeImu() {
+  for (std::size_t j = 1; j < window_.frames.size(); ++j) {
+    WindowFrame& frame = window_.frames[j];
+    if (!frame.has_imu_link) continue;
+    const ImuBias& bias = window_.frames[j - 1].x.bias;
+    if ((bias.b_g - frame.imu.bias().b_g).norm() < kRelinearizeGyro &&
+        (bias.b_a - frame.imu.bias().b_a).norm() < kRelinearizeAccel) {
+      continue;
+    }
+    frame.imu.Reintegrate(bias);
+    UpdatePreintegration(frame);
+  }
+}
+
+int VioEstimator::RemoveOutliers() {
+  geometry_.Update(window_.frames);
+  int removed = 0;
+  std::vector<char> gone(window_.landmarks().size(), 0);
+  const auto is_outlier = [&](const WindowLandmark& landmark, const WindowObservation& o, int camera) {
+    const auto error = WhitenedError(geometry_, landmark, o, camera);
+    return !error || error->norm() > options_.solver.outlier_sigma;
+  };
+  for (std::size_t l = 0; l < window_.landmarks().size(); ++l) {
+    WindowLandmark& landmark = window_.landmarks()[l];
+    if (!IsConstraining(landmark)) continue;
+    if (landmark.inverse_distance > kMaxInverseDistance) {
+      gone[l] = 1;
+      continue;
+    }
+    for (WindowObservation& o : landmark.observations) {
+      if (o.has_right && is_outlier(landmark, o, 1)) {
+        o.has_right = false;
+        ++removed;
+      }
+    }
+    const auto before = landmark.observations.size();
+    std::erase_if(landmark.observations,
+                  [&](const WindowObservation& o) { return is_outlier(landmark, o, 0); });
+    removed += static_cast<int>(before - landmark.observations.size());
+    if (landmark.observations.empty()) {
+      gone[l] = 1;
+      continue;
+    }
+    if (std::none_of(landmark.observations.begin(), landmark.observations.end(), [&](const auto& o) {
+          return o.frame == landmark.host;
+        })) {
+      window_.Rehost(landmark, landmark.observations.front().frame);
+    }
+  }
+  window_.RemoveLandmarks(gone);
+  return removed;
+}
+
+bool VioEstimator::StartIsOver() const {
+  const double elapsed_s = ToSeconds(window_.frames.back().x.t - first_t_);
+  return elapsed_s >= options_.window.start_s && TiltSigma() < options_.window.start_tilt_deg * kDegree;
+}
+
+void VioEstimator::ThinOutStart() {
+  const int num_frames = static_cast<int>(window_.frames.size());
+  if (num_frames <= options_.window.max_start_keyframes) return;
+  // Nothing is frozen yet: the frame goes without a trace but for its IMU, which joins the next interval.
+  const int victim = MostRedundantFrame(window_, 1, num_frames - 3, options_.window.covisible_share);
+  WindowFrame& next = window_.frames[victim + 1];
+  ImuPreintegration joined = window_.frames[victim].imu;
+  joined.Integrate(next.imu.samples());
+  next.imu = std::move(joined);
+  UpdatePreintegration(next);
+  window_.RemoveFrame(victim);
+}
+
+void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
+  if (!start_is_over_) {
+    if (!StartIsOver()) {
+      ThinOutStart();
+      return;
+    }
+    start_is_over_ = true;
+    RelinearizeImu();
+    solver_.Solve(window_, kStartIterations);
+  }
+  const RobustOptions robust{options_.solver.huber_sigma};
+  while (true) {
+    const MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
+    if (plan.IsEmpty()) return;
+    for (std::size_t i = 0; i < window_.frames.size(); ++i) {
+      const WindowFrame& frame = window_.frames[i];
+      if (plan.drop_frame[i] && frame.is_keyframe) finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
+    }
+    Marginalize(plan, rig_, robust, window_);
+  }
+}
+
+void VioEstimator::MoveOriginToNewestFrame() {
+  const SE3& newest = window_.frames.back().x.T_WB;
+  const Vector3d up_B = newest.q.conjugate() * Vector3d::UnitZ();
+  const Quaterniond wanted = RotationBetween(up_B, Vector3d::UnitZ());
+  const Quaterniond turn = wanted * newest.q.conjugate();  // about z only
+  const SE3 T_new_old(turn.normalized(), -(turn * newest.p));
+  for (WindowFrame& frame : window_.frames) {
+    frame.x.T_WB = T_new_old * frame.x.T_WB;
+    frame.x.T_WB.q.normalize();
+    frame.x.v_WB = T_new_old.q * frame.x.v_WB;
+    frame.lin = frame.x;
+  }
+  window_.start_prior.T_WB = window_.frames.front().x.T_WB;
+}
+
+double VioEstimator::TiltSigma() const {
+  const Matrix3d R = window_.frames.back().x.T_WB.R();
+  const Matrix3d cov_W = R * newest_covariance_.topLeftCorner<3, 3>() * R.transpose();
+  return std::sqrt(std::max({cov_W(0, 0), cov_W(1, 1), 0.0}));
+}
+
+void VioEstimator::FillResult(EstimatorResult& result) {
+  const WindowFrame& frame = window_.frames.back();
+  const int newest = static_cast<int>(window_.frames.size()) - 1;
+  result.has_state = true;
+  result.state = frame.x;
+  result.covariance = newest_covariance_;
+  result.num_constraining = static_cast<int>(
+      std::count_if(window_.landmarks().begin(), window_.landmarks().end(), [&](const WindowLandmark& l) {
+        return IsConstraining(l) && l.observations.back().frame == newest;
+      }));
+  result.status = TrackingStatus::kOk;
+  result.reason.clear();
+  if (result.num_constraining < kMinLandmarksOk) {
+    result.status = TrackingStatus::kDegraded;
+    result.reason = "few landmarks";
+  }
+  const double velocity_sigma = std::sqrt(newest_covariance_.block<3, 3>(6, 6).trace());
+  const bool sane = frame.x.T_WB.p.allFinite() && frame.x.v_WB.allFinite() && frame.x.T_WB.q.coeffs().allFinite();
+  if (!sane || !(velocity_sigma < kLostVelocitySigma) || frame.x.v_WB.norm() > kLostSpeed) {
+    result.status = TrackingStatus::kLost;
+    result.reason = sane ? "velocity unknown" : "numerical failure";
+    result.has_state = sane;
+  }
+}
+
+void VioEstimator::Reset() {
+  window_.Clear();
+  initialised_ = start_is_over_ = false;
+  newest_covariance_.setZero();
+}
+
+MapSnapshot VioEstimator::Snapshot() const {
+  MapSnapshot snapshot;
+  if (window_.frames.empty()) return snapshot;
+  snapshot.latest = window_.frames.back().x;
+  for (const WindowFrame& frame : window_.frames) {
+    if (frame.is_keyframe) snapshot.keyframes.push_back({frame.id, frame.x.t, frame.x.T_WB});
+  }
+  constexpr double kMinInverseDistance = 1e-3;
+  for (const WindowLandmark& landmark : window_.landmarks()) {
+    if (!landmark.has_depth || landmark.inverse_distance < kMinInverseDistance) continue;
+    const SE3 T_WC = window_.frames[landmark.host].x.T_WB * rig_.T_BC[0];
+    snapshot.landmarks.push_back({landmark.id,
+                                  T_WC * (landmark.bearing_H / landmark.inverse_distance),
+                                  static_cast<int>(landmark.observations.size())});
+  }
+  std::sort(snapshot.landmarks.begin(), snapshot.landmarks.end(), [](const auto& a, const auto& b) {
+    return a.id < b.id;
+  });
+  return snapshot;
+}
+
+}  // namespace facet

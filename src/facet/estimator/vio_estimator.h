@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The back end: observations and IMU samples in, states out. Fixed-lag smoothing over a window of
+// keyframes (paper section II-B, pipeline S; docs/math.md, sections 3 to 6).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "facet/base/stage_timer.h"
+#include "facet/estimator/estimator_options.h"
+#include "facet/estimator/window_solver.h"
+#include "facet/imu/imu_buffer.h"
+#include "facet/map/map_snapshot.h"
+#include "facet/map/observation.h"
+#include "facet/map/tracking_status.h"
+
+namespace facet {
+
+/// What AddFrame returns.
+struct EstimatorResult {
+  TrackingStatus status = TrackingStatus::kInitialising;
+  std::string reason;           ///< why the status is not kOk, or empty
+  bool has_state = false;       ///< false while initialising
+  NavState state;               ///< causal estimate of this frame
+  Matrix<15, 15> covariance = Matrix<15, 15>::Zero();  ///< theta p v b_g b_a; of the smoother, see docs
+  int num_constraining = 0;     ///< landmarks that constrain the window and are seen in this frame
+  bool was_reset = false;       ///< the estimator gave up its state and starts again with this frame
+  SolveSummary solve;
+  /// Keyframes that left the window, with their final poses.
+  std::vector<KeyframePose> finished_keyframes;
+};
+
+/// Not thread-safe. Never throws for any content of the observations or samples.
+class VioEstimator {
+ public:
+  VioEstimator(const StereoRig& rig, const ImuNoise& noise, const EstimatorOptions& options);
+
+  /// `imu` covers the time from the previous frame to this one (ImuBuffer::Between); for the first frame
+  /// it may hold samples from before, or be empty. Stages kImu, kOptimize, kMarginalize are timed.
+  EstimatorResult AddFrame(const FrameObservations& observations, const ImuInterval& imu, StageTimes& times);
+
+  bool is_initialised() const { return initialised_; }
+  const SlidingWindow& window() const { return window_; }
+
+  /// Latest state, keyframe poses and landmarks.
+  MapSnapshot Snapshot() const;
+
+ private:
+  EstimatorResult Start(const FrameObservations& observations, StageTimes& times);
+  EstimatorResult Track(const FrameObservations& observations, StageTimes& times);
+
+  void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
+  void AppendObservations(const FrameObservations& observations);
+  void InitializeDepths();
+  void UpdatePreintegration(WindowFrame& frame) const;
+  void RelinearizeImu();
+  int RemoveOutliers();
+  void Shrink(std::vector<KeyframePose>& finished);
+  void ThinOutStart();
+  void MoveOriginToNewestFrame();
+  bool StartIsOver() const;
+  double TiltSigma() const;
+  void FillResult(EstimatorResult& result);
+  void Reset();
+
+  StereoRig rig_;
+  EstimatorOptions options_;
+  PreintegrationNoise imu_noise_;
+  BiasWalk bias_walk_;
+  SlidingWindow window_;
+  WindowSolver solver_;
+  FrameGeometry geometry_;
+  bool initialised_ = false;
+  bool start_is_over_ = false;
+  Timestamp first_t_;
+  Matrix<15, 15> newest_covariance_ = Matrix<15, 15>::Zero();
+};
+
+}  // namespace facet

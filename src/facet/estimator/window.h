@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The data of the fixed-lag smoother: frames, landmarks, the links between them and the prior.
+// Plain data with the few operations that keep it consistent; the mathematics lives elsewhere.
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include "facet/camera/stereo_rig.h"
+#include "facet/estimator/imu_factor.h"
+#include "facet/map/observation.h"
+
+namespace facet {
+
+/// One stereo frame in the window.
+///
+/// Variables that appear in the prior are "frozen": their Jacobians are always taken at `lin`
+/// (first-estimate Jacobians), and the estimate is x = lin (+) delta. For the others lin == x.
+struct WindowFrame {
+  FrameId id;
+  bool is_keyframe = false;
+  bool has_motion = true;  ///< velocity and biases are variables; otherwise only the pose is
+  bool pose_frozen = false;
+  bool motion_frozen = false;
+  NavState x;
+  NavState lin;
+  Vector<15> delta = Vector<15>::Zero();  ///< only the frozen parts are used
+
+  /// IMU from the previous frame to this one; used while both have motion.
+  ImuPreintegration imu;
+  Matrix<15, 15> imu_sqrt_info = Matrix<15, 15>::Zero();
+  bool has_imu_link = false;
+
+  /// Applies a step in the tangent space of the pose and, if the frame has motion, of the rest.
+  void ApplyStep(const Vector<15>& step);
+};
+
+/// One landmark in one stereo frame, in undistorted normalised coordinates.
+struct WindowObservation {
+  int frame = 0;  ///< index into SlidingWindow::frames
+  bool has_right = false;
+  /// [0] left, [1] right: measured x/z, y/z and the whitening 1/sigma * (d xy / d px)^-1.
+  Vector2d xy[2] = {Vector2d::Zero(), Vector2d::Zero()};
+  Matrix2d sqrt_info[2] = {Matrix2d::Zero(), Matrix2d::Zero()};
+  bool has_left = true;
+};
+
+/// A point as bearing and inverse distance in the left camera of its host frame.
+struct WindowLandmark {
+  LandmarkId id;
+  int host = 0;                          ///< index into SlidingWindow::frames
+  bool has_depth = false;                ///< false until stereo or parallax gave a distance
+  Vector3d bearing_H = Vector3d::UnitZ();  ///< unit vector in the host's left camera
+  double inverse_distance = 0;           ///< 1/m, >= 0
+  std::vector<WindowObservation> observations;  ///< in order of time; at most one per frame
+};
+
+/// Quadratic prior 1/2 d^T H d + b^T d over frozen variables, d = delta of those variables.
+struct MarginalPrior {
+  struct Block {
+    FrameId frame;
+    bool is_motion = false;  ///< 9 columns v b_g b_a, otherwise 6 columns theta p
+    int offset = 0;
+  };
+  std::vector<Block> blocks;
+  MatrixXd H;
+  VectorXd b;
+  int dim() const { return static_cast<int>(b.size()); }
+};
+
+/// Wide prior of the first frame; fixes origin and heading. Part of the MarginalPrior later.
+struct StartPrior {
+  bool active = false;
+  FrameId frame;
+  SE3 T_WB;  ///< position and heading that are kept
+  double sigma_position = 1e-3, sigma_yaw = 1e-3;
+  double sigma_velocity = 3, sigma_gyro_bias = 0.2, sigma_accel_bias = 0.2;
+};
+
+class SlidingWindow {
+ public:
+  std::vector<WindowFrame> frames;  ///< oldest first
+  MarginalPrior prior;
+  StartPrior start_prior;
+
+  const std::vector<WindowLandmark>& landmarks() const { return landmarks_; }
+  std::vector<WindowLandmark>& landmarks() { return landmarks_; }
+
+  /// Null if the landmark is not in the window.
+  WindowLandmark* Find(LandmarkId id);
+  /// Index of the frame, or -1.
+  int IndexOf(FrameId id) const;
+
+  WindowLandmark& AddLandmark(LandmarkId id, int host);
+
+  /// Removes the landmarks for which `flags[i]` is set.
+  void RemoveLandmarks(const std::vector<char>& flags);
+
+  /// Removes a frame: every observation in it goes; landmarks hosted there move to their next
+  /// observation, those without any observation go. The prior must not contain the frame.
+  void RemoveFrame(int index);
+
+  /// Moves a landmark to the frame of its first remaining observation, keeping its place in the world.
+  void Rehost(WindowLandmark& landmark, int new_host);
+
+  void Clear();
+
+  /// Left camera of the rig on the body; needed for re-hosting.
+  SE3 T_BC0;
+
+ private:
+  void RebuildIndex();
+
+  std::vector<WindowLandmark> landmarks_;
+  std::unordered_map<LandmarkId, int> index_;
+};
+
+}  // namespace facet

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Levenberg-Marquardt on the window. Knows no geometry; see WindowSystem.
+#pragma once
+
+#include "facet/estimator/estimator_options.h"
+#include "facet/estimator/window_system.h"
+
+namespace facet {
+
+struct SolveSummary {
+  int iterations = 0;       ///< accepted steps
+  double initial_cost = 0;
+  double final_cost = 0;
+  bool ok = false;          ///< false: the system could not be factorised at all
+};
+
+class WindowSolver {
+ public:
+  WindowSolver(const StereoRig& rig, const SolverOptions& options) : system_(rig), options_(options) {}
+
+  /// Minimises the window's cost in at most `max_iterations` steps. Moves frames and landmarks.
+  SolveSummary Solve(SlidingWindow& window, int max_iterations);
+
+  /// As of the last factorisation inside Solve.
+  const WindowSystem& system() const { return system_; }
+
+ private:
+  void Save(const SlidingWindow& window);
+  void Restore(SlidingWindow& window) const;
+
+  WindowSystem system_;
+  SolverOptions options_;
+  double lambda_ = 1e-6;
+  // Estimates before a trial step.
+  std::vector<NavState> saved_x_, saved_lin_;
+  std::vector<Vector<15>> saved_delta_;
+  std::vector<std::pair<Vector3d, double>> saved_landmarks_;
+};
+
+}  // namespace facet

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/window_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "facet/base/check.h"
+
+namespace facet {
+
+namespace {
+
+// Adds the dense normal equations of one factor between the blocks (column, size, offset in J).
+struct Slice {
+  int column;
+  int size;
+  int offset;
+};
+
+template <class J, class R>
+void AddFactor(const J& jacobian, const R& r, std::initializer_list<Slice> slices, MatrixXd& H, VectorXd& b) {
+  const MatrixXd JtJ = jacobian.transpose() * jacobian;
+  const VectorXd Jtr = jacobian.transpose() * r;
+  for (const Slice& a : slices) {
+    b.segment(a.column, a.size) += Jtr.segment(a.offset, a.size);
+    for (const Slice& c : slices) {
+      H.block(a.column, c.column, a.size, c.size) += JtJ.block(a.offset, c.offset, a.size, c.size);
+    }
+  }
+}
+
+}  // namespace
+
+StateLayout MakeLayout(const std::vector<WindowFrame>& frames) {
+  StateLayout layout;
+  for (std::size_t i = 0; i < frames.size(); ++i) layout.pose_column.push_back(static_cast<int>(6 * i));
+  layout.dim = static_cast<int>(6 * frames.size());
+  for (const WindowFrame& frame : frames) {
+    layout.motion_column.push_back(frame.has_motion ? layout.dim : -1);
+    if (frame.has_motion) layout.dim += 9;
+  }
+  return layout;
+}
+
+VectorXd PriorDelta(const SlidingWindow& window) {
+  VectorXd delta(window.prior.dim());
+  for (const MarginalPrior::Block& block : window.prior.blocks) {
+    const WindowFrame& frame = window.frames[window.IndexOf(block.frame)];
+    if (block.is_motion) {
+      delta.segment<9>(block.offset) = frame.delta.tail<9>();
+    } else {
+      delta.segment<6>(block.offset) = frame.delta.head<6>();
+    }
+  }
+  return delta;
+}
+
+double AddPrior(const SlidingWindow& window, const StateLayout& layout, MatrixXd* H, VectorXd* b) {
+  const MarginalPrior& prior = window.prior;
+  if (prior.dim() == 0) return 0;
+  const VectorXd delta = PriorDelta(window);
+  const VectorXd H_delta = prior.H * delta;
+  const double cost = delta.dot(0.5 * H_delta + prior.b);
+  if (H == nullptr) return cost;
+  const auto column = [&](const MarginalPrior::Block& block) {
+    const int frame = window.IndexOf(block.frame);
+    return block.is_motion ? layout.motion_column[frame] : layout.pose_column[frame];
+  };
+  for (const MarginalPrior::Block& r : prior.blocks) {
+    const int row = column(r), rows = r.is_motion ? 9 : 6;
+    b->segment(row, rows) += prior.b.segment(r.offset, rows) + H_delta.segment(r.offset, rows);
+    for (const MarginalPrior::Block& c : prior.blocks) {
+      const int cols = c.is_motion ? 9 : 6;
+      H->block(row, column(c), rows, cols) += prior.H.block(r.offset, c.offset, rows, cols);
+    }
+  }
+  return cost;
+}
+
+double AddStartPrior(const SlidingWindow& window, const StateLayout& layout, MatrixXd* H, VectorXd* b) {
+  const StartPrior& prior = window.start_prior;
+  if (!prior.active) return 0;
+  const int index = window.IndexOf(prior.frame);
+  FACET_CHECK(index >= 0 && window.frames[index].has_motion) << "start prior without its frame";
+  const NavState& x = window.frames[index].x;
+
+  // Rows: position, heading, velocity, gyro bias, accelerometer bias; tilt is free.
+  Vector<13> r;
+  r.head<3>() = (x.T_WB.p - prior.T_WB.p) / prior.sigma_position;
+  const Vector3d rotation_W = LogSO3(x.T_WB.q * prior.T_WB.q.conjugate());
+  r(3) = rotation_W.z() / prior.sigma_yaw;
+  r.segment<3>(4) = x.v_WB / prior.sigma_velocity;
+  r.segment<3>(7) = x.bias.b_g / prior.sigma_gyro_bias;
+  r.segment<3>(10) = x.bias.b_a / prior.sigma_accel_bias;
+  if (H == nullptr) return 0.5 * r.squaredNorm();
+
+  Matrix<13, 15> J = Matrix<13, 15>::Zero();
+  J.block<3, 3>(0, 3) = Matrix3d::Identity() / prior.sigma_position;
+  // Log(R Exp(theta) R0^T) ~ Log(R R0^T) + Jl^-1 R theta, and Jl^-1(w) = Jr^-1(-w).
+  J.block<1, 3>(3, 0) =
+      (RightJacobianInverseSO3(-rotation_W) * x.T_WB.R()).row(2) / prior.sigma_yaw;
+  J.block<3, 3>(4, 6) = Matrix3d::Identity() / prior.sigma_velocity;
+  J.block<3, 3>(7, 9) = Matrix3d::Identity() / prior.sigma_gyro_bias;
+  J.block<3, 3>(10, 12) = Matrix3d::Identity() / prior.sigma_accel_bias;
+  AddFactor(J, r, {{layout.pose_column[index], 6, 0}, {layout.motion_column[index], 9, 6}}, *H, *b);
+  return 0.5 * r.squaredNorm();
+}
+
+double AddImuLink(const SlidingWindow& window, const StateLayout& layout, int j, MatrixXd* H, VectorXd* b) {
+  const WindowFrame& frame_j = window.frames[j];
+  const WindowFrame& frame_i = window.frames[j - 1];
+  const Vector<15> r = frame_j.imu_sqrt_info * ImuError(frame_j.imu, frame_i.x, frame_j.x);
+  const double cost = 0.5 * r.squaredNorm();
+  if (H == nullptr) return cost;
+  const ImuResidual linear = LinearizeImu(frame_j.imu, frame_i.lin, frame_j.lin);
+  Matrix<15, 30> J;
+  J.leftCols<15>() = frame_j.imu_sqrt_info * linear.J_i;
+  J.rightCols<15>() = frame_j.imu_sqrt_info * linear.J_j;
+  AddFactor(J,
+            r,
+            {{layout.pose_column[j - 1], 6, 0},
+             {layout.motion_column[j - 1], 9, 6},
+             {layout.pose_column[j], 6, 15},
+             {layout.motion_column[j], 9, 21}},
+            *H,
+            *b);
+  return cost;
+}
+
+bool IsConstraining(const WindowLandmark& landmark) {
+  return landmark.has_depth && landmark.observations.size() >= 2;
+}
+
+void SubtractSchur(const LandmarkBlock& block, const std::vector<int>& pose_column, MatrixXd& H, VectorXd& b) {
+  for (int i = 0; i < block.num_views; ++i) {
+    const LandmarkBlock::View& view_i = block.views[i];
+    const int row = pose_column[view_i.frame];
+    b.segment<6>(row).noalias() -= view_i.Y * block.y;
+    for (int j = 0; j <= i; ++j) {
+      const LandmarkBlock::View& view_j = block.views[j];
+      H.block<6, 6>(row, pose_column[view_j.frame]).noalias() -=
+          view_i.Y.lazyProduct(view_j.Y.transpose());
+    }
+  }
+}
+
+void WindowSystem::LinearizeVision(const SlidingWindow& window, const RobustOptions& robust) {
+  num_blocks_ = 0;
+  const auto& landmarks = window.landmarks();
+  if (blocks_.size() < landmarks.size()) blocks_.resize(landmarks.size());
+  for (std::size_t l = 0; l < landmarks.size(); ++l) {
+    if (!IsConstraining(landmarks[l])) continue;
+    LandmarkBlock& block = blocks_[num_blocks_++];
+    block.index = static_cast<int>(l);
+    LinearizeLandmark(geometry_, landmarks[l], robust, block);
+    cost_ += block.cost;
+    for (int v = 0; v < block.num_views; ++v) {
+      const int column = layout_.pose_column[block.views[v].frame];
+      H_.block<6, 6>(column, column) += block.views[v].H;
+      b_.segment<6>(column) += block.views[v].b;
+    }
+  }
+}
+
+void WindowSystem::Linearize(const SlidingWindow& window, const RobustOptions& robust) {
+  layout_ = MakeLayout(window.frames);
+  geometry_.Update(window.frames);
+  H_.setZero(layout_.dim, layout_.dim);
+  b_.setZero(layout_.dim);
+  cost_ = AddPrior(window, layout_, &H_, &b_);
+  cost_ += AddStartPrior(window, layout_, &H_, &b_);
+  for (int j = 1; j < static_cast<int>(window.frames.size()); ++j) {
+    if (window.frames[j].has_imu_link) cost_ += AddImuLink(window, layout_, j, &H_, &b_);
+  }
+  LinearizeVision(window, robust);
+}
+
+double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robust) {
+  geometry_.Update(window.frames);
+  double cost = AddPrior(window, layout_, nullptr, nullptr);
+  cost += AddStartPrior(window, layout_, nullptr, nullptr);
+  for (int j = 1; j < static_cast<int>(window.frames.size()); ++j) {
+    if (window.frames[j].has_imu_link) cost += AddImuLink(window, layout_, j, nullptr, nullptr);
+  }
+  for (const WindowLandmark& landmark : window.landmarks()) {
+    if (IsConstraining(landmark)) cost += LandmarkCost(geometry_, landmark, robust);
+  }
+  return cost;
+}
+
+bool WindowSystem::Solve(double lambda) {
+  reduced_H_ = H_;
+  reduced_b_ = b_;
+  reduced_H_.diagonal() += lambda * H_.diagonal();
+  for (int k = 0; k < num_blocks_; ++k) {
+    Eliminate(lambda, blocks_[k]);
+    SubtractSchur(blocks_[k], layout_.pose_column, reduced_H_, reduced_b_);
+  }
+  factor_.compute(reduced_H_);
+  if (factor_.info() != Eigen::Success) return false;
+  step_ = -reduced_b_;
+  factor_.solveInPlace(step_);
+  return step_.allFinite();
+}
+
+void WindowSystem::ApplyStep(SlidingWindow& window) {
+  // Landmark steps are steps in the world, relative to where the host was when it was linearised.
+  struct HostPose {
+    SE3 T_WC0;
+  };
+  std::vector<HostPose> old_hosts(window.frames.size());
+  for (std::size_t i = 0; i < window.frames.size(); ++i) {
+    old_hosts[i].T_WC0 = window.frames[i].x.T_WB * window.T_BC0;
+  }
+  for (std::size_t i = 0; i < window.frames.size(); ++i) {
+    Vector<15> frame_step = Vector<15>::Zero();
+    frame_step.head<6>() = step_.segment<6>(layout_.pose_column[i]);
+    if (layout_.motion_column[i] >= 0) frame_step.tail<9>() = step_.segment<9>(layout_.motion_column[i]);
+    window.frames[i].ApplyStep(frame_step);
+  }
+  for (int k = 0; k < num_blocks_; ++k) {
+    const LandmarkBlock& block = blocks_[k];
+    Vector3d rhs = block.y;
+    for (int v = 0; v < block.num_views; ++v) {
+      rhs += block.views[v].Y.transpose() * step_.segment<6>(layout_.pose_column[block.views[v].frame]);
+    }
+    const Vector3d d = -block.L.transpose().triangularView<Eigen::Upper>().solve(rhs);
+
+    WindowLandmark& landmark = window.landmarks()[block.index];
+    const SE3& old_host = old_hosts[landmark.host].T_WC0;
+    const SE3 new_host = window.frames[landmark.host].x.T_WB * window.T_BC0;
+    const double rho = std::clamp(landmark.inverse_distance + d.z(), 0.0, 20.0);
+    const Vector3d bearing = landmark.bearing_H + TangentBasis(landmark.bearing_H) * d.head<2>();
+    const Vector3d y_W = old_host.q * bearing + rho * (old_host.p - new_host.p);
+    const double norm = y_W.norm();
+    landmark.bearing_H = new_host.q.conjugate() * (y_W / norm);
+    landmark.inverse_distance = rho / norm;
+  }
+}
+
+Matrix<15, 15> WindowSystem::FrameCovariance(int frame) const {
+  MatrixXd rhs = MatrixXd::Zero(layout_.dim, 15);
+  for (int k = 0; k < 6; ++k) rhs(layout_.pose_column[frame] + k, k) = 1;
+  for (int k = 0; k < 9; ++k) rhs(layout_.motion_column[frame] + k, 6 + k) = 1;
+  // Sigma = L^-T L^-1; its block is the squared half solve.
+  factor_.matrixL().solveInPlace(rhs);
+  return rhs.transpose() * rhs;
+}
+
+}  // namespace facet

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Normal equations of the window: assembled from vision, IMU and prior, reduced to the frames.
+// Equations (4.x) of docs/math.md. Landmarks are eliminated one by one (they are "structureless").
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "facet/estimator/vision_factor.h"
+#include "facet/estimator/window.h"
+
+namespace facet {
+
+/// Which columns belong to whom: first all poses (theta p), then all motions (v b_g b_a).
+struct StateLayout {
+  std::vector<int> pose_column;    ///< by frame index
+  std::vector<int> motion_column;  ///< by frame index, -1 without motion
+  int dim = 0;
+};
+
+StateLayout MakeLayout(const std::vector<WindowFrame>& frames);
+
+/// Current value of delta of a prior block (zero for what is not frozen).
+VectorXd PriorDelta(const SlidingWindow& window);
+
+/// Adds the quadratic prior; returns its cost.
+double AddPrior(const SlidingWindow& window, const StateLayout& layout, MatrixXd* H, VectorXd* b);
+
+/// Adds the start prior; returns its cost. H and b may be null (cost only).
+double AddStartPrior(const SlidingWindow& window, const StateLayout& layout, MatrixXd* H, VectorXd* b);
+
+/// Adds the IMU link that ends in frame `j`; returns its cost. H and b may be null (cost only).
+double AddImuLink(const SlidingWindow& window, const StateLayout& layout, int j, MatrixXd* H, VectorXd* b);
+
+/// Whether the landmark constrains the frames: it has a distance and is seen from two of them.
+bool IsConstraining(const WindowLandmark& landmark);
+
+/// Linearised window. Reuse one object: it keeps its storage. Not thread-safe.
+class WindowSystem {
+ public:
+  explicit WindowSystem(const StereoRig& rig) : geometry_(rig) {}
+
+  /// Linearises everything at the current estimate (frozen variables at theirs).
+  void Linearize(const SlidingWindow& window, const RobustOptions& robust);
+
+  /// Cost at the window's current estimate, without linearising.
+  double Cost(const SlidingWindow& window, const RobustOptions& robust);
+
+  /// Reduces with damping lambda and solves; false if the matrix is not positive definite.
+  bool Solve(double lambda);
+
+  /// Moves frames and landmarks by the last solution.
+  void ApplyStep(SlidingWindow& window);
+
+  double cost() const { return cost_; }
+  const VectorXd& step() const { return step_; }
+  const StateLayout& layout() const { return layout_; }
+  const FrameGeometry& geometry() const { return geometry_; }
+
+  /// Marginal covariance of a frame with motion from the last factorisation: theta p v b_g b_a.
+  Matrix<15, 15> FrameCovariance(int frame) const;
+
+ private:
+  void LinearizeVision(const SlidingWindow& window, const RobustOptions& robust);
+
+  FrameGeometry geometry_;
+  StateLayout layout_;
+  std::vector<LandmarkBlock> blocks_;
+  int num_blocks_ = 0;
+  MatrixXd H_;          // everything but the eliminated landmarks
+  VectorXd b_;
+  MatrixXd reduced_H_;  // lower triangle
+  VectorXd reduced_b_;
+  Eigen::LLT<MatrixXd> factor_;
+  VectorXd step_;
+  double cost_ = 0;
+};
+
+/// Subtracts the eliminated landmark from (H, b); lower triangle of pose columns only.
+void SubtractSchur(const LandmarkBlock& block, const std::vector<int>& pose_column, MatrixXd& H, VectorXd& b);
+
+}  // namespace facet

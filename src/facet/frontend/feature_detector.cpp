@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/frontend/feature_detector.h"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
+namespace facet {
+namespace {
+
+// FAST compares with a circle of radius 3.
+constexpr int kFastRadius = 3;
+
+int NumCells(int side, int border, int cell) {
+  return std::max(0, (side - 2 * border) / cell);
+}
+
+}  // namespace
+
+void FeatureDetector::MarkOccupied(const cv::Mat& image, std::span<const Vector2d> occupied) {
+  mask_.create(image.size(), CV_8UC1);
+  mask_.setTo(255);
+  const int radius = static_cast<int>(options_.min_distance_px);
+  for (const Vector2d& p : occupied) {
+    const cv::Point centre(static_cast<int>(p.x() + 0.5), static_cast<int>(p.y() + 0.5));
+    cv::circle(mask_, centre, radius, cv::Scalar(0), cv::FILLED);
+  }
+}
+
+bool FeatureDetector::BestCorner(const cv::Rect& cell,
+                                 const ImageLevel& level,
+                                 const PatchTracker& tracker,
+                                 Candidate& best) {
+  // FAST's own response prefers isolated dots; the information of the patch is what counts.
+  constexpr std::size_t kMaxTried = 4;
+  const auto stronger = [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
+    if (a.response != b.response) return a.response > b.response;
+    return a.pt.y != b.pt.y ? a.pt.y < b.pt.y : a.pt.x < b.pt.x;
+  };
+  std::erase_if(corners_, [&](const cv::KeyPoint& corner) {
+    const cv::Point p(static_cast<int>(corner.pt.x) + cell.x, static_cast<int>(corner.pt.y) + cell.y);
+    return mask_.at<unsigned char>(p) == 0;
+  });
+  const auto tried = static_cast<std::ptrdiff_t>(std::min(kMaxTried, corners_.size()));
+  std::partial_sort(corners_.begin(), corners_.begin() + tried, corners_.end(), stronger);
+  best.strength = 0;
+  for (auto corner = corners_.begin(); corner != corners_.begin() + tried; ++corner) {
+    const float x = corner->pt.x + static_cast<float>(cell.x);
+    const float y = corner->pt.y + static_cast<float>(cell.y);
+    tracker.ExtractLevel(level, x, y, scratch_);
+    if (!scratch_.is_valid || scratch_.min_eigenvalue <= best.strength) continue;
+    best.strength = scratch_.min_eigenvalue;
+    best.px = Vector2d(x, y);
+  }
+  return best.strength >= options_.min_eigenvalue;
+}
+
+void FeatureDetector::SearchCell(const cv::Mat& image,
+                                 const ImageLevel& level,
+                                 const PatchTracker& tracker,
+                                 const cv::Rect& cell) {
+  const cv::Rect grown(cell.x - kFastRadius,
+                       cell.y - kFastRadius,
+                       cell.width + 2 * kFastRadius,
+                       cell.height + 2 * kFastRadius);
+  Candidate best;
+  cv::FAST(image(grown), corners_, options_.fast_threshold, true);
+  bool found = BestCorner(grown, level, tracker, best);
+  if (!found && options_.fast_threshold_min < options_.fast_threshold) {
+    cv::FAST(image(grown), corners_, options_.fast_threshold_min, true);
+    found = BestCorner(grown, level, tracker, best);
+  }
+  if (found) candidates_.push_back(best);
+}
+
+std::span<const Vector2d> FeatureDetector::Detect(const cv::Mat& image,
+                                                  const ImageLevel& level,
+                                                  const PatchTracker& tracker,
+                                                  std::span<const Vector2d> occupied,
+                                                  int max_points) {
+  points_.clear();
+  candidates_.clear();
+  const int border = std::max(options_.border_px, kFastRadius);
+  const int cell = options_.cell_px;
+  const int columns = NumCells(image.cols, border, cell), rows = NumCells(image.rows, border, cell);
+  if (columns == 0 || rows == 0 || max_points <= 0) return points_;
+  MarkOccupied(image, occupied);
+  // The grid is centred; what does not fill a cell widens the border.
+  const int left = (image.cols - columns * cell) / 2, top = (image.rows - rows * cell) / 2;
+  taken_.assign(static_cast<std::size_t>(columns * rows), 0);
+  for (const Vector2d& p : occupied) {
+    const int c = (static_cast<int>(p.x()) - left) / cell, r = (static_cast<int>(p.y()) - top) / cell;
+    if (p.x() < left || p.y() < top || c >= columns || r >= rows) continue;
+    taken_[static_cast<std::size_t>(r * columns + c)] = 1;
+  }
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < columns; ++c) {
+      if (taken_[static_cast<std::size_t>(r * columns + c)] != 0) continue;
+      SearchCell(image, level, tracker, cv::Rect(left + c * cell, top + r * cell, cell, cell));
+    }
+  }
+  // Stable: equal strengths stay in the order of the cells.
+  std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+    return a.strength > b.strength;
+  });
+  const double min_distance2 = options_.min_distance_px * options_.min_distance_px;
+  for (const Candidate& candidate : candidates_) {
+    if (static_cast<int>(points_.size()) == max_points) break;
+    const bool too_close = std::any_of(points_.begin(), points_.end(), [&](const Vector2d& p) {
+      return (p - candidate.px).squaredNorm() < min_distance2;
+    });
+    if (!too_close) points_.push_back(candidate.px);
+  }
+  return points_;
+}
+
+}  // namespace facet

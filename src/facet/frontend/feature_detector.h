@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// New points where the image has corners and no tracks.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <opencv2/features2d.hpp>
+
+#include "facet/base/types.h"
+#include "facet/frontend/patch_tracker.h"
+
+namespace facet {
+
+/// One corner per empty grid cell, best first. Keeps its buffers; not thread-safe.
+class FeatureDetector {
+ public:
+  explicit FeatureDetector(const DetectorOptions& options) : options_(options) {}
+
+  /// At most max_points corners, each at least min_distance_px from the `occupied` points and from each
+  /// other; the result is valid until the next call. The strength of a corner is how well `tracker`
+  /// can locate it.
+  std::span<const Vector2d> Detect(const cv::Mat& image,
+                                   const ImageLevel& level,
+                                   const PatchTracker& tracker,
+                                   std::span<const Vector2d> occupied,
+                                   int max_points);
+
+ private:
+  struct Candidate {
+    Vector2d px;
+    float strength = 0;
+  };
+
+  void MarkOccupied(const cv::Mat& image, std::span<const Vector2d> occupied);
+  void SearchCell(const cv::Mat& image,
+                  const ImageLevel& level,
+                  const PatchTracker& tracker,
+                  const cv::Rect& cell);
+  bool BestCorner(const cv::Rect& cell,
+                  const ImageLevel& level,
+                  const PatchTracker& tracker,
+                  Candidate& best);
+
+  DetectorOptions options_;
+  cv::Mat mask_;                      // 255 where a new point may be
+  std::vector<unsigned char> taken_;  // by cell
+  std::vector<cv::KeyPoint> corners_;
+  std::vector<Candidate> candidates_;
+  std::vector<Vector2d> points_;
+  PatchTemplate scratch_;
+};
+
+}  // namespace facet

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/frontend/keyframe_policy.h"
+
+namespace facet {
+
+const char* ToString(KeyframeReason reason) {
+  switch (reason) {
+    case KeyframeReason::kNone: return "none";
+    case KeyframeReason::kFirst: return "first";
+    case KeyframeReason::kStart: return "start";
+    case KeyframeReason::kInterval: return "interval";
+    case KeyframeReason::kFewTracks: return "few_tracks";
+  }
+  return "";
+}
+
+KeyframeReason KeyframePolicy::Reason(Timestamp t, int num_shared) const {
+  if (!first_) return KeyframeReason::kFirst;
+  if (t < last_keyframe_) return KeyframeReason::kInterval;  // the clock was set back
+  const Duration since_start = t - *first_;
+  const Duration since_keyframe = t - last_keyframe_;
+  // Stamps jitter; half a frame more or less must not turn every 4th frame into every 5th.
+  const Duration tolerance = {frame_interval_.ns / 2};
+  if (since_start < FromSeconds(options_.every_frame_until_s)) return KeyframeReason::kStart;
+  if (since_keyframe + tolerance >= FromSeconds(options_.interval_s)) {
+    return KeyframeReason::kInterval;
+  }
+  if (num_shared < options_.min_tracked_ratio * num_points_) return KeyframeReason::kFewTracks;
+  return KeyframeReason::kNone;
+}
+
+KeyframeReason KeyframePolicy::Decide(Timestamp t, int num_shared) {
+  if (previous_frame_) {
+    // The shortest interval seen, so that a dropped frame does not widen the tolerance.
+    const Duration dt = t - *previous_frame_;
+    const bool first_interval = frame_interval_.ns == 0;
+    if (dt.ns > 0 && (first_interval || dt < frame_interval_)) frame_interval_ = dt;
+  }
+  const KeyframeReason reason = Reason(t, num_shared);
+  previous_frame_ = t;
+  if (!first_) first_ = t;
+  if (reason != KeyframeReason::kNone) last_keyframe_ = t;
+  return reason;
+}
+
+}  // namespace facet

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Inverse-compositional alignment of small patches, free in gain and offset (Baker & Matthews, IJCV
+// 2004; the two brightness parameters are projected out of the Jacobian, so one update costs a few dot
+// products with precomputed rows).
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "facet/frontend/frontend_options.h"
+#include "facet/frontend/image_pyramid.h"
+#include "facet/frontend/patch_kernels.h"
+
+namespace facet {
+
+inline constexpr int kMaxPyramidLevels = 5;
+inline constexpr int kMaxWarpParameters = 6;
+
+/// One patch of one pyramid level, ready to be found in other images.
+struct PatchTemplate {
+  bool is_valid = false;        ///< false: too close to the border or without texture
+  float norm = 0;               ///< root of the weighted squared contrast
+  float translation_cov = 0;    ///< variance of the position per variance of a grey value, mean of x and y
+  float min_eigenvalue = 0;     ///< of the information on the position, per sample [(grey/px)^2]
+  /// Row 0 gives the gain, rows 1.. the update of the warp parameters times the gain.
+  alignas(32) std::array<float, (1 + kMaxWarpParameters) * kPatchSize> rows;
+};
+
+/// A patch on all levels, taken at one point of one image.
+struct PatchPyramid {
+  std::array<PatchTemplate, kMaxPyramidLevels> levels;
+};
+
+/// What an alignment came to.
+struct Alignment {
+  bool ok = false;      ///< converged inside the image on at least the finest level that was tried
+  int level = 0;        ///< finest level that was aligned
+  float zncc = -1;      ///< similarity there, -1..1
+  float sigma_px = 0;   ///< 1-sigma of the position per axis from the residuals, in level-0 pixels
+};
+
+/// The range of levels of an alignment, coarse to fine.
+struct LevelRange {
+  int coarsest = 0;
+  int finest = 0;
+};
+
+/// Thread-safe (immutable).
+class PatchTracker {
+ public:
+  /// CHECKs that options.simd can run here.
+  explicit PatchTracker(const KltOptions& options);
+
+  /// Takes the patch around (x, y) of level 0, on the levels of `range`; the others become invalid.
+  void Extract(const ImagePyramid& image, float x, float y, LevelRange range, PatchPyramid& patch) const;
+
+  /// Takes one level; (x, y) in pixels of that level.
+  void ExtractLevel(const ImageLevel& image, float x, float y, PatchTemplate& patch) const;
+
+  /// Refines the warp (in level-0 pixels) from patch to image. Levels where the patch is invalid or
+  /// leaves the image are skipped; the finest level must succeed. The warp is unchanged on failure.
+  Alignment Align(const PatchPyramid& patch,
+                  const ImagePyramid& image,
+                  LevelRange range,
+                  PatchWarp& warp) const;
+
+  /// Similarity of the patch with the image under the warp in pixels of that level, -1 if outside.
+  float Similarity(const PatchTemplate& patch, const ImageLevel& image, const PatchWarp& warp) const;
+
+  const PatchKernels& kernels() const { return *kernels_; }
+
+ private:
+  bool AlignLevel(const PatchTemplate& patch,
+                  const ImageLevel& image,
+                  PatchWarp& warp,
+                  float* zncc) const;
+
+  KltOptions options_;
+  int num_parameters_;
+  const PatchKernels* kernels_;
+};
+
+/// The warp in pixels of level l, from level 0, and back.
+PatchWarp ToLevel(PatchWarp warp, int level);
+PatchWarp FromLevel(PatchWarp warp, int level);
+
+}  // namespace facet

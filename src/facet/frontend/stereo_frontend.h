@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// From stereo images to observations with stable landmark ids: gyro-predicted patch tracking from
+// left image to left image, and on keyframes detection of new corners and left-right matching.
+#pragma once
+
+#include <memory>
+#include <unordered_map>
+
+#include <opencv2/core.hpp>
+
+#include "facet/base/stage_timer.h"
+#include "facet/camera/stereo_rig.h"
+#include "facet/frontend/frontend_options.h"
+#include "facet/frontend/keyframe_policy.h"
+#include "facet/map/observation.h"
+
+namespace facet {
+
+/// A stereo pair, 8 bit grey. An empty right image makes a mono frame.
+///
+/// The pixels are not copied but referenced until two further frames have been processed: do not write
+/// into the same memory before that.
+struct StereoFrame {
+  Timestamp t;
+  cv::Mat left;
+  cv::Mat right;
+};
+
+/// What earlier stages of the estimator know and the front end may use; all of it may be missing.
+struct FrontendHint {
+  /// Rotation of the body from this frame to the previous one, from the gyroscope: R_BprevBnow.
+  Quaterniond R_prev_now = Quaterniond::Identity();
+  /// Translation of the body now, in the previous body frame [m]; zero when not known.
+  Vector3d p_prev_now = Vector3d::Zero();
+  /// Inverse depth [1/m] along the left camera's z axis at the previous frame, by landmark; may be null.
+  const std::unordered_map<LandmarkId, double>* inverse_depth = nullptr;
+};
+
+/// Observations of one frame and what happened to the tracks.
+struct FrontendResult {
+  FrameObservations observations;
+  KeyframeReason keyframe_reason = KeyframeReason::kNone;
+  int num_tracked = 0;    ///< points that were known before this frame and are seen in it
+  int num_lost = 0;       ///< points of the previous frame that are not seen in this one
+  int num_outliers = 0;   ///< of these, the ones that contradict the motion of the others
+  int num_new = 0;        ///< points that begin in this frame
+  int num_stereo = 0;     ///< observations with a right pixel
+  int num_refreshed = 0;  ///< tracks that took a new reference patch
+  bool retried = false;   ///< too many points were lost at first and were sought again more widely
+  bool image_ok = true;   ///< false: no left image, or one of the wrong size or type
+};
+
+/// Owns the tracks. Deterministic: the same frames and hints give the same observations on every
+/// machine and instruction set. Not thread-safe. Never throws for any content of the images; CHECKs
+/// that the options are in range.
+class StereoFrontend {
+ public:
+  StereoFrontend(const StereoRig& rig, const FrontendOptions& options);
+  ~StereoFrontend();
+  StereoFrontend(const StereoFrontend&) = delete;
+  StereoFrontend& operator=(const StereoFrontend&) = delete;
+
+  /// Processes the next frame. Frame ids count from 0 in the order of the calls; landmark ids are
+  /// never used twice. Adds the time to the stages kTrack, kStereo and kDetect.
+  ///
+  /// A left image that cannot be used gives empty observations and keeps the tracks, which are then
+  /// looked for in the next frame: its hint should then span both intervals.
+  FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace facet

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/frontend/stereo_matcher.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "facet/frontend/warp_prediction.h"
+
+namespace facet {
+namespace {
+
+constexpr std::size_t kMaxCandidates = 2;
+
+}  // namespace
+
+StereoMatcher::StereoMatcher(const StereoRig& rig,
+                             const StereoMatcherOptions& options,
+                             const PatchTracker& tracker)
+    : right_camera_(rig.cameras[1]),
+      T_C1C0_(rig.T_C1C0()),
+      baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()),
+      options_(options),
+      tracker_(tracker) {}
+
+bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
+                                const Vector2d& px_right,
+                                StereoMatch& match) const {
+  const std::optional<UndistortedPoint> right = right_camera_.Undistort(px_right);
+  if (!right) return false;
+  // p_C1 ~ a + rho b must be parallel to (x, y, 1).
+  const Vector3d a = T_C1C0_.q * Vector3d(ray.xy.x(), ray.xy.y(), 1);
+  const Vector3d& b = T_C1C0_.p;
+  const Vector2d at_infinity = a.head<2>() - a.z() * right->xy;
+  const Vector2d direction = b.head<2>() - b.z() * right->xy;
+  const double length2 = direction.squaredNorm();
+  if (length2 < 1e-12) return false;
+  const double rho = -at_infinity.dot(direction) / length2;
+  const double depth_ratio = a.z() + rho * b.z();
+  if (depth_ratio < 1e-3) return false;
+  const double focal = right_camera_.mean_focal_px();
+  const double epipolar_px = (at_infinity + rho * direction).norm() / depth_ratio * focal;
+  if (epipolar_px > options_.max_epipolar_px) return false;
+  if (rho * baseline_focal_px_ < -options_.max_epipolar_px) return false;
+  match.inverse_depth = std::max(0.0, rho);
+  return true;
+}
+
+std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
+                                                 double inverse_depth,
+                                                 int coarsest_level,
+                                                 const ImagePyramid& left,
+                                                 const ImagePyramid& right,
+                                                 float* zncc) {
+  std::optional<PatchWarp> warp = PredictWarp(track.ray, inverse_depth, T_C1C0_, right_camera_);
+  if (!warp) return std::nullopt;
+  const Alignment found =
+      tracker_.Align(*track.patch, right, {coarsest_level, track.level}, *warp);
+  *zncc = found.zncc;
+  if (!found.ok || found.zncc < static_cast<float>(options_.min_zncc)) return std::nullopt;
+  StereoMatch match;
+  match.px = Vector2d(warp->x, warp->y);
+  match.sigma_px = found.sigma_px;
+  match.level = found.level;
+  if (!right_camera_.IsInside(match.px, 1.0)) return std::nullopt;
+  if (!Triangulate(track.ray, match.px, match)) return std::nullopt;
+
+  const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
+  PatchWarp back = InverseAt(*warp, x, y);
+  const LevelRange finest = {found.level, found.level};
+  tracker_.Extract(right, warp->x, warp->y, finest, back_);
+  if (!tracker_.Align(back_, left, finest, back).ok) return std::nullopt;
+  const float distance = std::hypot(back.x - x, back.y - y);
+  if (distance > static_cast<float>(options_.max_left_right_px)) return std::nullopt;
+  return match;
+}
+
+void StereoMatcher::Search(const Track& track, const ImagePyramid& right) {
+  samples_.clear();
+  candidates_.clear();
+  int level = std::min(options_.search_level, right.num_levels() - 1);
+  while (level > 0 && !track.patch->levels[static_cast<std::size_t>(level)].is_valid) --level;
+  const PatchTemplate& patch = track.patch->levels[static_cast<std::size_t>(level)];
+  if (!patch.is_valid) return;
+  const double max_inverse_depth = 1 / options_.min_depth_m;
+  const double step_px = 1 << level;
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil(baseline_focal_px_ * max_inverse_depth / step_px)));
+  for (int i = 0; i <= steps; ++i) {
+    const double rho = max_inverse_depth * i / steps;
+    const std::optional<PatchWarp> warp = PredictWarp(track.ray, rho, T_C1C0_, right_camera_);
+    Candidate sample{rho, -1};
+    if (warp) sample.zncc = tracker_.Similarity(patch, right.level(level), ToLevel(*warp, level));
+    samples_.push_back(sample);
+  }
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const float here = samples_[i].zncc;
+    const float before = i > 0 ? samples_[i - 1].zncc : -2;
+    const float after = i + 1 < samples_.size() ? samples_[i + 1].zncc : -2;
+    if (here < static_cast<float>(options_.min_search_zncc)) continue;
+    if (here >= before && here > after) candidates_.push_back(samples_[i]);
+  }
+  std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+    return a.zncc > b.zncc;
+  });
+  if (candidates_.size() > kMaxCandidates) candidates_.resize(kMaxCandidates);
+}
+
+std::optional<StereoMatch> StereoMatcher::Match(const Track& track,
+                                                const ImagePyramid& left,
+                                                const ImagePyramid& right) {
+  constexpr int kSeededLevel = 1;
+  float zncc = -1;
+  if (track.inverse_depth) {
+    std::optional<StereoMatch> match =
+        Refine(track, *track.inverse_depth, kSeededLevel, left, right, &zncc);
+    if (match) return match;
+  }
+  Search(track, right);
+  std::optional<StereoMatch> best;
+  float best_zncc = -1;
+  for (const Candidate& candidate : candidates_) {
+    const int level = std::max(options_.search_level, track.level);
+    std::optional<StereoMatch> match =
+        Refine(track, candidate.inverse_depth, level, left, right, &zncc);
+    if (!match || zncc <= best_zncc) continue;
+    best = match;
+    best_zncc = zncc;
+  }
+  return best;
+}
+
+}  // namespace facet

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Finds the points of the left image in the right one.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "facet/camera/stereo_rig.h"
+#include "facet/frontend/patch_tracker.h"
+#include "facet/frontend/track.h"
+
+namespace facet {
+
+struct StereoMatch {
+  Vector2d px = Vector2d::Zero();  ///< in the right image
+  double inverse_depth = 0;        ///< [1/m] along z of the left camera, at least 0
+  float sigma_px = 0;              ///< from the residuals of the alignment, per axis
+  int level = 0;                   ///< finest level of the alignment
+};
+
+/// Not thread-safe.
+class StereoMatcher {
+ public:
+  /// The tracker must outlive the matcher.
+  StereoMatcher(const StereoRig& rig,
+                const StereoMatcherOptions& options,
+                const PatchTracker& tracker);
+
+  /// Match of the track's newest patch; empty when none can be trusted. Starts at the track's inverse
+  /// depth where there is one, otherwise (or without success there) searches along the epipolar line.
+  std::optional<StereoMatch> Match(const Track& track,
+                                   const ImagePyramid& left,
+                                   const ImagePyramid& right);
+
+ private:
+  struct Candidate {
+    double inverse_depth = 0;
+    float zncc = -1;
+  };
+
+  std::optional<StereoMatch> Refine(const Track& track,
+                                    double inverse_depth,
+                                    int coarsest_level,
+                                    const ImagePyramid& left,
+                                    const ImagePyramid& right,
+                                    float* zncc);
+  void Search(const Track& track, const ImagePyramid& right);
+  /// Inverse depth whose projection is nearest to the pixel, and the distance that is left.
+  bool Triangulate(const UndistortedPoint& ray, const Vector2d& px_right, StereoMatch& match) const;
+
+  CameraModel right_camera_;
+  SE3 T_C1C0_;
+  double baseline_focal_px_;
+  StereoMatcherOptions options_;
+  const PatchTracker& tracker_;
+  std::vector<Candidate> samples_;     // along the epipolar line
+  std::vector<Candidate> candidates_;  // the best local maxima of samples_
+  PatchPyramid back_;
+};
+
+}  // namespace facet

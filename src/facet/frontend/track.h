@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One followed point of the left image.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "facet/base/types.h"
+#include "facet/camera/camera_model.h"
+#include "facet/frontend/patch_tracker.h"
+
+namespace facet {
+
+/// State of a followed point after a frame in which it was seen. Slots are reused: an invalid id marks
+/// a free slot.
+struct Track {
+  LandmarkId id;
+  Vector2d px = Vector2d::Zero();  ///< in the newest left image
+  UndistortedPoint ray;            ///< of px
+  float sigma_px = 0;              ///< from the residuals of the alignment, per axis
+  int level = 0;                   ///< finest level of the alignment
+  /// [1/m] along z of the left camera; empty until a right pixel or the estimator told it.
+  std::optional<double> inverse_depth;
+  /// Bearing in the last keyframe that saw the point there.
+  std::optional<Vector3d> keyframe_bearing;
+  /// Patch in the newest image, around px.
+  std::unique_ptr<PatchPyramid> patch = std::make_unique<PatchPyramid>();
+  /// Patch that px is aligned with, from the frame where the track began or was refreshed.
+  std::unique_ptr<PatchPyramid> reference = std::make_unique<PatchPyramid>();
+  PatchWarp reference_warp;  ///< from the reference to the newest image
+};
+
+}  // namespace facet

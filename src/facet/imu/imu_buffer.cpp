@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/imu/imu_buffer.h"
+
+#include <algorithm>
+
+namespace facet {
+
+namespace {
+
+bool IsUsable(const Vector3d& x) {
+  // The comparison is false for NaN.
+  return (x.array().abs() <= ImuBuffer::kMaxMagnitude).all();
+}
+
+/// The measurement at t on the line through a and b; a.t <= t <= b.t, a.t < b.t.
+ImuSample Interpolate(const ImuSample& a, const ImuSample& b, Timestamp t) {
+  const double u = ToSeconds(t - a.t) / ToSeconds(b.t - a.t);
+  return {t, (1 - u) * a.gyro + u * b.gyro, (1 - u) * a.accel + u * b.accel};
+}
+
+}  // namespace
+
+ImuBuffer::AddResult ImuBuffer::Add(const ImuSample& sample) {
+  if (!IsUsable(sample.gyro) || !IsUsable(sample.accel)) return AddResult::kNotFinite;
+  if (!samples_.empty() && sample.t <= samples_.back().t) return AddResult::kNotInOrder;
+  samples_.push_back(sample);
+  return AddResult::kAdded;
+}
+
+ImuInterval ImuBuffer::Between(Timestamp t0,
+                               Timestamp t1,
+                               Duration max_gap,
+                               Duration max_extrapolation) const {
+  ImuInterval result;
+  if (samples_.empty() || t1 < t0 || t0 < samples_.front().t ||
+      t1 > samples_.back().t + max_extrapolation) {
+    return result;
+  }
+  // The first sample after t; samples_.front() is never after t0.
+  const auto after = [this](Timestamp t) {
+    return std::upper_bound(
+        samples_.begin(), samples_.end(), t, [](Timestamp stamp, const ImuSample& s) {
+          return stamp < s.t;
+        });
+  };
+  const auto sample_at = [&](Timestamp t) {
+    const auto next = after(t);
+    const ImuSample& previous = *std::prev(next);
+    if (next != samples_.end()) return Interpolate(previous, *next, t);
+    return ImuSample{t, previous.gyro, previous.accel};
+  };
+
+  result.samples.push_back(sample_at(t0));
+  for (auto it = after(t0); it != samples_.end() && it->t < t1; ++it) {
+    result.samples.push_back(*it);
+  }
+  if (t1 > t0) result.samples.push_back(sample_at(t1));
+
+  Timestamp previous = std::prev(after(t0))->t;
+  for (auto it = after(t0); previous < t1; ++it) {
+    const bool held = it == samples_.end();
+    const Duration hole = (held ? t1 : it->t) - previous;
+    result.longest_gap = std::max(result.longest_gap, hole);
+    if (hole > max_gap) ++result.gaps;
+    if (held) break;
+    previous = it->t;
+  }
+  return result;
+}
+
+void ImuBuffer::DropBefore(Timestamp t) {
+  while (samples_.size() > 1 && samples_[1].t <= t) samples_.pop_front();
+}
+
+}  // namespace facet

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Holds IMU samples and cuts them at image stamps.
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "facet/imu/imu_types.h"
+
+namespace facet {
+
+/// Result of ImuBuffer::Between.
+struct ImuInterval {
+  std::vector<ImuSample> samples;  ///< first at t0, last at t1 (interpolated); empty if not covered
+  /// Holes between samples that are longer than the allowed gap and overlap [t0, t1]. A hole that
+  /// spans several intervals is reported by each of them.
+  int gaps = 0;
+  Duration longest_gap;  ///< longest time between two samples that overlaps [t0, t1]
+};
+
+/// Not thread-safe. Accepts any content: what is not finite, not in order or a duplicate is refused.
+class ImuBuffer {
+ public:
+  /// kNotFinite: not a number, or beyond kMaxMagnitude (its squares would soon overflow).
+  enum class AddResult { kAdded, kNotFinite, kNotInOrder };
+
+  /// Far beyond any sensor, in rad/s as well as in m/s^2.
+  static constexpr double kMaxMagnitude = 1e5;
+
+  AddResult Add(const ImuSample& sample);
+
+  /// Samples of [t0, t1], linearly interpolated at both ends. Where the buffer ends before t1 by at
+  /// most `max_extrapolation` the last sample is held; otherwise, or where the buffer begins after t0
+  /// or t1 < t0, `samples` is empty. One sample if t0 == t1.
+  ImuInterval Between(Timestamp t0, Timestamp t1, Duration max_gap, Duration max_extrapolation) const;
+
+  /// Forgets what is older than t, but keeps one sample at or before t.
+  void DropBefore(Timestamp t);
+
+  bool empty() const { return samples_.empty(); }
+  std::size_t size() const { return samples_.size(); }
+  Timestamp first_stamp() const { return samples_.front().t; }
+  Timestamp last_stamp() const { return samples_.back().t; }
+
+ private:
+  std::deque<ImuSample> samples_;
+};
+
+}  // namespace facet

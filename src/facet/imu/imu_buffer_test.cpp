@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/imu/imu_buffer.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace facet {
+namespace {
+
+constexpr Duration kMaxGap{20'000'000};
+constexpr Duration kMaxExtrapolation{10'000'000};
+
+Timestamp Ms(double ms) { return {std::llround(ms * 1e6)}; }
+
+ImuSample Sample(double ms) {
+  return {Ms(ms), Vector3d(ms, 2 * ms, -ms), Vector3d(1 + ms, 0, 9.81)};
+}
+
+ImuBuffer EveryFiveMs(int count) {
+  ImuBuffer buffer;
+  for (int i = 0; i < count; ++i) buffer.Add(Sample(5.0 * i));
+  return buffer;
+}
+
+ImuInterval Between(const ImuBuffer& buffer, double ms0, double ms1) {
+  return buffer.Between(Ms(ms0), Ms(ms1), kMaxGap, kMaxExtrapolation);
+}
+
+TEST(ImuBufferTest, InterpolatesAtBothEnds) {
+  const ImuInterval interval = Between(EveryFiveMs(10), 7, 21.5);
+  ASSERT_EQ(interval.samples.size(), 5u);  // 7 10 15 20 21.5
+  EXPECT_EQ(interval.samples.front().t, Ms(7));
+  EXPECT_EQ(interval.samples.back().t, Ms(21.5));
+  for (const ImuSample& s : interval.samples) {
+    const ImuSample expected = Sample(static_cast<double>(s.t.ns) * 1e-6);
+    EXPECT_LT((s.gyro - expected.gyro).norm(), 1e-12);
+    EXPECT_LT((s.accel - expected.accel).norm(), 1e-12);
+  }
+  EXPECT_EQ(interval.gaps, 0);
+  EXPECT_EQ(interval.longest_gap, Duration{5'000'000});
+}
+
+TEST(ImuBufferTest, UsesSamplesThatLieExactlyAtTheEnds) {
+  const ImuInterval interval = Between(EveryFiveMs(10), 10, 20);
+  ASSERT_EQ(interval.samples.size(), 3u);
+  EXPECT_EQ(interval.samples[0].gyro, Sample(10).gyro);
+  EXPECT_EQ(interval.samples[2].gyro, Sample(20).gyro);
+}
+
+TEST(ImuBufferTest, NeighbouringIntervalsShareTheirEndSample) {
+  const ImuBuffer buffer = EveryFiveMs(10);
+  const ImuSample end = Between(buffer, 3, 17).samples.back();
+  const ImuSample start = Between(buffer, 17, 33).samples.front();
+  EXPECT_EQ(end.t, start.t);
+  EXPECT_EQ(end.gyro, start.gyro);
+  EXPECT_EQ(end.accel, start.accel);
+}
+
+TEST(ImuBufferTest, AnIntervalBetweenTwoSamplesHasTwo) {
+  const ImuInterval interval = Between(EveryFiveMs(10), 11, 13);
+  ASSERT_EQ(interval.samples.size(), 2u);
+  EXPECT_NEAR(interval.samples[0].gyro.x(), 11, 1e-12);
+  EXPECT_NEAR(interval.samples[1].gyro.x(), 13, 1e-12);
+}
+
+TEST(ImuBufferTest, AnEmptyIntervalHasOne) {
+  EXPECT_EQ(Between(EveryFiveMs(10), 12, 12).samples.size(), 1u);
+  EXPECT_EQ(Between(EveryFiveMs(10), 10, 10).samples.size(), 1u);
+}
+
+TEST(ImuBufferTest, HoldsTheLastSampleForAShortTime) {
+  const ImuBuffer buffer = EveryFiveMs(10);  // up to 45 ms
+  const ImuInterval held = Between(buffer, 38, 55);
+  ASSERT_EQ(held.samples.size(), 4u);  // 38 40 45 55
+  EXPECT_EQ(held.samples[3].t, Ms(55));
+  EXPECT_EQ(held.samples[3].gyro, Sample(45).gyro);
+  EXPECT_TRUE(Between(buffer, 38, 55.1).samples.empty());
+  EXPECT_EQ(Between(buffer, 47, 52).samples.size(), 2u);
+}
+
+TEST(ImuBufferTest, RefusesWhatIsNotCovered) {
+  EXPECT_TRUE(Between(ImuBuffer(), 0, 10).samples.empty());
+  EXPECT_TRUE(Between(EveryFiveMs(10), -1, 10).samples.empty());
+  EXPECT_TRUE(Between(EveryFiveMs(10), 20, 10).samples.empty());
+}
+
+TEST(ImuBufferTest, CountsGaps) {
+  ImuBuffer buffer;
+  for (double ms : {0, 5, 30, 35, 40, 90, 95}) buffer.Add(Sample(ms));
+  EXPECT_EQ(Between(buffer, 0, 5).gaps, 0);
+  EXPECT_EQ(Between(buffer, 0, 95).gaps, 2);
+  EXPECT_EQ(Between(buffer, 0, 95).longest_gap, Duration{50'000'000});
+  EXPECT_EQ(Between(buffer, 50, 60).gaps, 1) << "inside the hole";
+  EXPECT_EQ(Between(buffer, 30, 40).gaps, 0) << "between two holes";
+}
+
+TEST(ImuBufferTest, RefusesWhatIsNotFiniteOrNotInOrder) {
+  using Result = ImuBuffer::AddResult;
+  ImuBuffer buffer;
+  EXPECT_EQ(buffer.Add(Sample(10)), Result::kAdded);
+  EXPECT_EQ(buffer.Add(Sample(10)), Result::kNotInOrder);
+  EXPECT_EQ(buffer.Add(Sample(5)), Result::kNotInOrder);
+  ImuSample bad = Sample(15);
+  bad.gyro.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(buffer.Add(bad), Result::kNotFinite);
+  bad = Sample(15);
+  bad.accel.z() = -std::numeric_limits<double>::infinity();
+  EXPECT_EQ(buffer.Add(bad), Result::kNotFinite);
+  bad.accel.z() = 1e200;
+  EXPECT_EQ(buffer.Add(bad), Result::kNotFinite);
+  EXPECT_EQ(buffer.Add(Sample(15)), Result::kAdded);
+  EXPECT_EQ(buffer.size(), 2u);
+}
+
+TEST(ImuBufferTest, DropBeforeKeepsWhatInterpolationNeeds) {
+  ImuBuffer buffer = EveryFiveMs(10);
+  buffer.DropBefore(Ms(22));
+  EXPECT_EQ(buffer.first_stamp(), Ms(20));
+  EXPECT_EQ(Between(buffer, 22, 30).samples.size(), 3u);
+  buffer.DropBefore(Ms(25));
+  EXPECT_EQ(buffer.first_stamp(), Ms(25));
+  buffer.DropBefore(Ms(1e6));
+  EXPECT_EQ(buffer.size(), 1u);
+  EXPECT_EQ(buffer.last_stamp(), Ms(45));
+}
+
+}  // namespace
+}  // namespace facet

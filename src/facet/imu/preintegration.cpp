@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/imu/preintegration.h"
+
+#include "facet/base/check.h"
+
+namespace facet {
+
+void ImuPreintegration::Integrate(std::span<const ImuSample> samples) {
+  if (samples.empty()) return;
+  std::size_t first = 0;
+  if (!samples_.empty()) {
+    FACET_CHECK(samples.front().t == samples_.back().t)
+        << "the interval ends at " << samples_.back().t.ns << " but the samples begin at "
+        << samples.front().t.ns;
+    // The end sample was interpolated at the same stamp, possibly by holding; both are valid.
+    first = 1;
+  }
+  samples_.reserve(samples_.size() + samples.size() - first);
+  for (const ImuSample& sample : samples.subspan(first)) {
+    if (!samples_.empty()) {
+      FACET_CHECK(sample.t >= samples_.back().t)
+          << "sample at " << sample.t.ns << " after one at " << samples_.back().t.ns;
+      if (sample.t == samples_.back().t) continue;
+      Step(samples_.back(), sample);
+    }
+    samples_.push_back(sample);
+  }
+}
+
+void ImuPreintegration::Reintegrate(const ImuBias& bias) {
+  ImuPreintegration fresh(bias, noise_);
+  fresh.Integrate(samples_);
+  *this = std::move(fresh);
+}
+
+// Midpoint rule: mean rate, and the mean of the accelerations at both ends turned into the first body
+// frame. Its linearisation in (theta, p, v), in the noise of the mean measurements and in the biases is
+// in docs/math.md, section 2.
+void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b) {
+  const double dt = ToSeconds(b.t - a.t);
+  const Vector3d w = 0.5 * (a.gyro + b.gyro) - bias_.b_g;
+  const Vector3d a0 = a.accel - bias_.b_a;
+  const Vector3d a1 = b.accel - bias_.b_a;
+  const Quaterniond q_step = ExpSO3(w * dt);
+  const Quaterniond q_end = (dR_ * q_step).normalized();
+  const Matrix3d R_step_T = q_step.toRotationMatrix().transpose();
+  const Matrix3d R0 = dR_.toRotationMatrix();
+  const Matrix3d R1 = q_end.toRotationMatrix();
+  const Vector3d acceleration = 0.5 * (R0 * a0 + R1 * a1);
+
+  // d acceleration / d theta, / d gyro, / d accel.
+  const Matrix3d J_theta_w = RightJacobianSO3(w * dt) * dt;
+  const Matrix3d half_R1_hat = 0.5 * R1 * Hat(a1);
+  const Matrix3d J_acc_theta = -0.5 * R0 * Hat(a0) - half_R1_hat * R_step_T;
+  const Matrix3d J_acc_w = -half_R1_hat * J_theta_w;
+  const Matrix3d J_acc_a = 0.5 * (R0 + R1);
+
+  Matrix<9, 9> A = Matrix<9, 9>::Identity();
+  A.block<3, 3>(0, 0) = R_step_T;
+  A.block<3, 3>(3, 0) = 0.5 * dt * dt * J_acc_theta;
+  A.block<3, 3>(3, 6) = dt * Matrix3d::Identity();
+  A.block<3, 3>(6, 0) = dt * J_acc_theta;
+
+  Matrix<9, 6> B;
+  B.block<3, 3>(0, 0) = J_theta_w;
+  B.block<3, 3>(0, 3).setZero();
+  B.block<3, 3>(3, 0) = 0.5 * dt * dt * J_acc_w;
+  B.block<3, 3>(3, 3) = 0.5 * dt * dt * J_acc_a;
+  B.block<3, 3>(6, 0) = dt * J_acc_w;
+  B.block<3, 3>(6, 3) = dt * J_acc_a;
+
+  // Variance of the mean measurement over the step. Neighbouring steps share a sample, yet count as
+  // independent: summed over a chain of intervals that gives every sample its full weight.
+  const bool is_gap = dt > noise_.max_step_s;
+  const double gap_w = is_gap ? noise_.gyro_in_gap : 0.0;
+  const double gap_a = is_gap ? noise_.accel_in_gap : 0.0;
+  Vector<6> variance;
+  variance.head<3>().setConstant(noise_.gyro * noise_.gyro / dt + gap_w * gap_w);
+  variance.tail<3>().setConstant(noise_.accel * noise_.accel / dt + gap_a * gap_a);
+
+  covariance_ = A * covariance_ * A.transpose() + B * variance.asDiagonal() * B.transpose();
+  // Inside a hole the acceleration may also have come early or late: (p, v) are not tied together.
+  const double sigma_p_gap = gap_a * dt * dt / std::sqrt(12.0);
+  covariance_.block<3, 3>(3, 3).diagonal().array() +=
+      noise_.integration * noise_.integration * dt + sigma_p_gap * sigma_p_gap;
+  J_bias_ = A * J_bias_ - B;
+
+  dp_ += dv_ * dt + 0.5 * dt * dt * acceleration;
+  dv_ += dt * acceleration;
+  dR_ = q_end;
+  dt_s_ += dt;
+}
+
+NavState ImuPreintegration::Predict(const NavState& start) const {
+  Vector<6> db;
+  db << start.bias.b_g - bias_.b_g, start.bias.b_a - bias_.b_a;
+  const Vector<9> correction = J_bias_ * db;
+  const Vector3d g_W = GravityInWorld();
+
+  NavState end = start;
+  if (!samples_.empty()) end.t = start.t + (samples_.back().t - samples_.front().t);
+  const Quaterniond& q_WB = start.T_WB.q;
+  end.T_WB.q = (q_WB * dR_ * ExpSO3(correction.head<3>())).normalized();
+  end.T_WB.p += start.v_WB * dt_s_ + 0.5 * dt_s_ * dt_s_ * g_W +
+                q_WB * (dp_ + correction.segment<3>(3));
+  end.v_WB += g_W * dt_s_ + q_WB * (dv_ + correction.tail<3>());
+  return end;
+}
+
+}  // namespace facet

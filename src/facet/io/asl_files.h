@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The csv files of an ASL/EuRoC sequence. Bad lines in an otherwise good file (unreadable, not
+// finite, duplicate or backward stamps) are skipped, counted and reported; a file full of them is
+// an error.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "facet/imu/imu_types.h"
+
+namespace facet {
+
+struct ImageListEntry {
+  Timestamp t;
+  std::string file;  ///< name relative to the `data` folder
+};
+
+/// cam?/data.csv: stamp, file name (`<stamp>.png` where there is none). Stamps strictly increasing.
+///
+/// Both functions append to `warnings` and throw InputError with file and line for a missing or
+/// empty file, stamps that are not nanoseconds, and more than a tenth of unusable lines.
+std::vector<ImageListEntry> ReadImageList(const std::filesystem::path& csv,
+                                          std::vector<std::string>& warnings);
+
+/// imu0/data.csv: stamp, gyroscope [rad/s], accelerometer [m/s^2]. Stamps strictly increasing, all
+/// numbers finite.
+std::vector<ImuSample> ReadImuFile(const std::filesystem::path& csv,
+                                   std::vector<std::string>& warnings);
+
+}  // namespace facet

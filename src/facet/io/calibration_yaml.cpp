@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/io/calibration_yaml.h"
+
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "facet/io/errors.h"
+
+namespace facet {
+namespace {
+
+constexpr double kMaxRotationError = 1e-3;
+constexpr double kMaxLeverArmM = 10;
+
+DistortionModel ParseDistortion(const YamlFile& yaml, const YAML::Node& camera) {
+  if (!YamlFile::Has(camera, "distortion_model")) return DistortionModel::kNone;
+  const std::string name = yaml.RequireText(camera, "distortion_model");
+  if (name == "radial-tangential" || name == "radtan" || name == "plumb_bob") {
+    return DistortionModel::kRadialTangential;
+  }
+  if (name == "equidistant" || name == "kannala_brandt" || name == "equi") {
+    return DistortionModel::kEquidistant;
+  }
+  if (name == "none") return DistortionModel::kNone;
+  yaml.Fail(
+      camera["distortion_model"],
+      "distortion model '" + name + "' is not supported (radial-tangential, equidistant, none)");
+}
+
+std::vector<double> ReadCoefficients(const YamlFile& yaml, const YAML::Node& camera) {
+  const bool is_kalibr = YamlFile::Has(camera, "distortion_coeffs");
+  const YAML::Node node =
+      yaml.Require(camera, is_kalibr ? "distortion_coeffs" : "distortion_coefficients");
+  std::vector<double> values = yaml.Numbers(node);
+  // A fifth coefficient is k3 of OpenCV's model; ours ends at k2.
+  if (values.size() == 5 && values[4] == 0) values.pop_back();
+  if (values.size() != 4) {
+    yaml.Fail(node, std::to_string(values.size()) + " distortion coefficients, 4 are expected");
+  }
+  return values;
+}
+
+Eigen::Matrix<double, 3, 4> ReadMatrix(const YamlFile& yaml, const YAML::Node& node) {
+  const YAML::Node data = YamlFile::Has(node, "data") ? node["data"] : node;
+  const std::vector<double> v = yaml.Numbers(data);
+  if (v.size() != 12 && v.size() != 16) {
+    yaml.Fail(data, "a 4x4 matrix has 16 numbers, here are " + std::to_string(v.size()));
+  }
+  if (v.size() == 16 && (v[12] != 0 || v[13] != 0 || v[14] != 0 || v[15] != 1)) {
+    yaml.Fail(data,
+              "the last row of a rigid transform must be 0 0 0 1 (is the matrix transposed?)");
+  }
+  return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(v.data());
+}
+
+double RequireDensity(const YamlFile& yaml,
+                      const YAML::Node& node,
+                      const std::string& key,
+                      double expected,
+                      std::vector<std::string>& warnings) {
+  const double value = yaml.RequireNumber(node, key);
+  if (value <= 0) yaml.Fail(node[key], "'" + key + "' must be greater than 0");
+  if (value > 300 * expected || value < expected / 300) {
+    warnings.push_back(yaml.Where(node[key]) + ": '" + key + "' is " +
+                       std::to_string(value / expected) +
+                       " times that of a usual MEMS IMU; is it the continuous-time density?");
+  }
+  return value;
+}
+
+}  // namespace
+
+SE3 ReadRigid(const YamlFile& yaml, const YAML::Node& parent, const std::string& key) {
+  const YAML::Node node = yaml.Require(parent, key);
+  const Eigen::Matrix<double, 3, 4> M = ReadMatrix(yaml, node);
+  const Matrix3d R = M.leftCols<3>();
+  const Vector3d p = M.col(3);
+  const double error = (R.transpose() * R - Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(error < kMaxRotationError)) {
+    yaml.Fail(node,
+              "'" + key + "' is singular or not a rotation (columns are off orthonormal by " +
+                  std::to_string(error) + ")");
+  }
+  if (R.determinant() < 0) yaml.Fail(node, "'" + key + "' is a reflection, not a rotation");
+  if (p.norm() > kMaxLeverArmM) {
+    yaml.Fail(node,
+              "'" + key + "' moves by " + std::to_string(p.norm()) + " m; the unit must be metres");
+  }
+  return {Quaterniond(R).normalized(), p};
+}
+
+CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera) {
+  CameraIntrinsics k;
+  const YAML::Node model = yaml.Require(camera, "camera_model");
+  if (yaml.RequireText(camera, "camera_model") != "pinhole") {
+    yaml.Fail(model, "camera model '" + model.Scalar() + "' is not supported (pinhole)");
+  }
+  const YAML::Node resolution = yaml.Require(camera, "resolution");
+  const std::vector<double> size = yaml.Numbers(resolution);
+  if (size.size() != 2) yaml.Fail(resolution, "'resolution' must be [width, height]");
+  k.width = static_cast<int>(std::lround(size[0]));
+  k.height = static_cast<int>(std::lround(size[1]));
+
+  const YAML::Node intrinsics = yaml.Require(camera, "intrinsics");
+  const std::vector<double> f = yaml.Numbers(intrinsics);
+  if (f.size() != 4) yaml.Fail(intrinsics, "'intrinsics' must be [fu, fv, cu, cv]");
+  k.fx = f[0], k.fy = f[1], k.cx = f[2], k.cy = f[3];
+
+  k.distortion = ParseDistortion(yaml, camera);
+  if (k.distortion != DistortionModel::kNone) {
+    const std::vector<double> c = ReadCoefficients(yaml, camera);
+    for (std::size_t i = 0; i < 4; ++i)
+      k.coefficients[i] = c[i];
+  }
+  const std::string problem = CameraModel::WhatIsWrong(k);
+  if (!problem.empty()) yaml.Fail(intrinsics, "unusable camera: " + problem);
+  return CameraModel(k);
+}
+
+ImuNoise ReadImuNoise(const YamlFile& yaml, std::vector<std::string>& warnings) {
+  const YAML::Node node = YamlFile::Has(yaml.root(), "imu0") ? yaml.root()["imu0"] : yaml.root();
+  const ImuNoise usual;
+  ImuNoise n;
+  n.gyro_noise = RequireDensity(yaml, node, "gyroscope_noise_density", usual.gyro_noise, warnings);
+  n.gyro_walk = RequireDensity(yaml, node, "gyroscope_random_walk", usual.gyro_walk, warnings);
+  n.accel_noise =
+      RequireDensity(yaml, node, "accelerometer_noise_density", usual.accel_noise, warnings);
+  n.accel_walk =
+      RequireDensity(yaml, node, "accelerometer_random_walk", usual.accel_walk, warnings);
+  for (const char* key : {"rate_hz", "update_rate"}) {
+    if (YamlFile::Has(node, key)) n.rate_hz = yaml.RequireNumber(node, key);
+  }
+  return n;
+}
+
+}  // namespace facet

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The parts that EuRoC's and Kalibr's calibration files have in common.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "facet/camera/camera_model.h"
+#include "facet/imu/imu_types.h"
+#include "facet/io/yaml_file.h"
+
+namespace facet {
+
+/// A rigid motion from a 4x4 (or 3x4) matrix: nested rows, a flat list, or OpenCV's {rows, cols,
+/// data}.
+SE3 ReadRigid(const YamlFile& yaml, const YAML::Node& parent, const std::string& key);
+
+/// Resolution, camera_model (pinhole), intrinsics (fu fv cu cv) and distortion.
+CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera);
+
+/// Noise densities at the root of the file or below `imu0`; warns of values that are off by
+/// decades.
+ImuNoise ReadImuNoise(const YamlFile& yaml, std::vector<std::string>& warnings);
+
+}  // namespace facet

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/io/config_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <system_error>
+
+#include "facet/io/csv_reader.h"
+#include "facet/io/errors.h"
+#include "facet/io/yaml_file.h"
+
+namespace facet {
+namespace {
+
+// ------------------------------------------------------------------------------- text and numbers
+
+/// Shortest text that reads back as the same double.
+std::string FormatDouble(double value) {
+  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
+  if (std::isnan(value)) return ".nan";
+  char text[40];
+  const auto [end, error] = std::to_chars(text, text + sizeof(text), value);
+  return error == std::errc() ? std::string(text, end) : std::string();
+}
+
+std::string FormatText(const std::string& value) {
+  std::string quoted = "\"";
+  for (char c : value) {
+    if (c == '"' || c == '\\') quoted.push_back('\\');
+    quoted += c == '\n' ? "\\n" : c == '\t' ? "\\t" : std::string(1, c);
+  }
+  return quoted + "\"";
+}
+
+struct Formatter {
+  std::string operator()(const bool* v) const { return *v ? "true" : "false"; }
+  std::string operator()(const int* v) const { return std::to_string(*v); }
+  std::string operator()(const double* v) const { return FormatDouble(*v); }
+  std::string operator()(const std::string* v) const { return FormatText(*v); }
+};
+
+std::optional<double> ParseYamlDouble(const std::string& text) {
+  if (text == ".inf" || text == "+.inf") return std::numeric_limits<double>::infinity();
+  if (text == "-.inf") return -std::numeric_limits<double>::infinity();
+  const auto value = ParseDouble(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+/// "0 .. 5", ">= 0", "<= 5", "a | b", or empty where everything is allowed.
+std::string DescribeAllowed(const ConfigField& field) {
+  if (!field.choices.empty()) {
+    std::string text;
+    for (const std::string& choice : field.choices)
+      text += (text.empty() ? "" : " | ") + choice;
+    return text;
+  }
+  const bool is_number =
+      std::holds_alternative<int*>(field.value) || std::holds_alternative<double*>(field.value);
+  if (!is_number) return "";
+  const Range& range = field.range;
+  const bool has_min = std::isfinite(range.min), has_max = std::isfinite(range.max);
+  if (has_min && has_max) return FormatDouble(range.min) + " .. " + FormatDouble(range.max);
+  if (has_min) return ">= " + FormatDouble(range.min);
+  if (has_max) return "<= " + FormatDouble(range.max);
+  return "";
+}
+
+// ------------------------------------------------------------------------------------ applying
+
+/// Parses a text into the field it points to; returns what is wrong, or an empty text.
+struct Setter {
+  const std::string& text;
+  const ConfigField& field;
+
+  std::string operator()(bool* v) const {
+    if (text != "true" && text != "false") return "must be true or false";
+    *v = text == "true";
+    return "";
+  }
+  std::string operator()(int* v) const {
+    constexpr auto kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
+    const auto value = ParseInteger(text);
+    if (!value) return "must be an integer" + Allowed();
+    const bool fits = *value >= kMin && *value <= kMax;
+    if (!fits || !IsInside(static_cast<double>(*value))) return "is out of range" + Allowed();
+    *v = static_cast<int>(*value);
+    return "";
+  }
+  std::string operator()(double* v) const {
+    const auto value = ParseYamlDouble(text);
+    if (!value) return "must be a number" + Allowed();
+    if (!IsInside(*value)) return "is out of range" + Allowed();
+    *v = *value;
+    return "";
+  }
+  std::string operator()(std::string* v) const {
+    const auto& choices = field.choices;
+    const bool is_known = std::find(choices.begin(), choices.end(), text) != choices.end();
+    if (!choices.empty() && !is_known) return "is not one of these" + Allowed();
+    *v = text;
+    return "";
+  }
+
+  bool IsInside(double value) const { return value >= field.range.min && value <= field.range.max; }
+  std::string Allowed() const {
+    const std::string allowed = DescribeAllowed(field);
+    return allowed.empty() ? "" : ", allowed: " + allowed;
+  }
+};
+
+std::size_t EditDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j)
+    row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string LastPart(const std::string& key) {
+  return key.substr(key.rfind('.') + 1);
+}
+
+/// A hint in words for an unknown key.
+std::string Suggest(const std::string& key, std::span<const ConfigField> fields) {
+  const std::string group = key + ".";
+  const ConfigField* best = nullptr;
+  std::size_t best_distance = std::numeric_limits<std::size_t>::max();
+  for (const ConfigField& field : fields) {
+    if (field.key.starts_with(group)) return "it is a group; its keys begin with '" + group + "'";
+    const bool same_name = LastPart(field.key) == LastPart(key);
+    const std::size_t distance = same_name ? 0 : EditDistance(field.key, key);
+    if (distance < best_distance) best = &field, best_distance = distance;
+  }
+  if (best == nullptr || best_distance > std::max<std::size_t>(3, key.size() / 3)) {
+    return "`facet config` prints all keys";
+  }
+  return "did you mean '" + best->key + "'?";
+}
+
+// ------------------------------------------------------------------------------------- reading
+
+class Flattener {
+ public:
+  explicit Flattener(const YamlFile& yaml) : yaml_(yaml) {}
+
+  void Add(const YAML::Node& map, const std::string& prefix) {
+    for (const auto& item : map) {
+      if (!item.first.IsScalar()) Fail(item.first, "a key must be a word");
+      const std::string key = prefix + item.first.Scalar();
+      const YAML::Node& value = item.second;
+      if (value.IsSequence())
+        Fail(item.first, "'" + key + "' is a list; parameters are single values");
+      if (value.IsNull()) Fail(item.first, "'" + key + "' has no value");
+      const std::string where = yaml_.Where(item.first);
+      const auto [first, is_new] = seen_.emplace(key, where);
+      if (!is_new) Fail(item.first, "'" + key + "' appears twice, first in " + first->second);
+      if (value.IsMap()) {
+        Add(value, key + ".");
+      } else {
+        entries_.push_back({key, value.Scalar(), where});
+      }
+    }
+  }
+  std::vector<ConfigEntry> TakeEntries() { return std::move(entries_); }
+
+ private:
+  [[noreturn]] void Fail(const YAML::Node& node, const std::string& message) const {
+    throw ConfigError(yaml_.Where(node) + ": " + message);
+  }
+  const YamlFile& yaml_;
+  std::map<std::string, std::string> seen_;  // key and where it is
+  std::vector<ConfigEntry> entries_;
+};
+
+}  // namespace
+
+std::vector<ConfigEntry> ReadConfigFile(const std::filesystem::path& file) {
+  try {
+    const YamlFile yaml(file);
+    Flattener flattener(yaml);
+    flattener.Add(yaml.root(), "");
+    return flattener.TakeEntries();
+  } catch (const InputError& error) {
+    throw ConfigError(error.what());
+  }
+}
+
+ConfigEntry ParseOverride(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::string_view all = text;
+  if (equals == std::string::npos || Trim(all.substr(0, equals)).empty()) {
+    throw ConfigError("--set " + text + ": key.path=value is expected");
+  }
+  return {
+      std::string(Trim(all.substr(0, equals))), std::string(Trim(all.substr(equals + 1))), "--set"};
+}
+
+void ApplyConfig(std::span<const ConfigEntry> entries, std::span<const ConfigField> fields) {
+  for (const ConfigEntry& entry : entries) {
+    const auto field = std::find_if(
+        fields.begin(), fields.end(), [&](const ConfigField& f) { return f.key == entry.key; });
+    if (field == fields.end()) {
+      throw ConfigError(entry.origin + ": unknown key '" + entry.key + "'; " +
+                        Suggest(entry.key, fields));
+    }
+    const std::string problem = std::visit(Setter{entry.text, *field}, field->value);
+    if (!problem.empty()) {
+      throw ConfigError(entry.origin + ": " + entry.key + " = '" + entry.text + "' " + problem);
+    }
+  }
+}
+
+std::string FormatConfig(std::span<const ConfigField> fields) {
+  std::string text;
+  std::vector<std::string> open;  // groups that the last line was in
+  for (const ConfigField& field : fields) {
+    std::vector<std::string> groups;
+    std::size_t begin = 0;
+    for (std::size_t dot; (dot = field.key.find('.', begin)) != std::string::npos;
+         begin = dot + 1) {
+      groups.push_back(field.key.substr(begin, dot - begin));
+    }
+    std::size_t common = 0;
+    while (common < std::min(open.size(), groups.size()) && open[common] == groups[common])
+      ++common;
+    for (std::size_t i = common; i < groups.size(); ++i) {
+      text += std::string(2 * i, ' ') + groups[i] + ":\n";
+    }
+    open = groups;
+    const std::string allowed = DescribeAllowed(field);
+    text += std::string(2 * groups.size(), ' ') + LastPart(field.key) + ": " +
+            std::visit(Formatter(), field.value) + "  # " + field.doc +
+            (allowed.empty() ? "" : " [" + allowed + "]") + "\n";
+  }
+  return text;
+}
+
+}  // namespace facet

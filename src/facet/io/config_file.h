@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Parameters from YAML and from `--set key.path=value`, strictly: a key that no options struct
+// lists, a value of the wrong type or out of range is an error with file, line and the allowed
+// range.
+//
+// Any options struct with a `Visit` member (base/options.h) becomes a list of fields; everything
+// else works on that list.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "facet/base/options.h"
+
+namespace facet {
+
+/// One parameter of an options struct. Points into the struct it was listed from.
+struct ConfigField {
+  std::string key;  ///< full path, for example "frontend.klt.levels"
+  std::variant<bool*, int*, double*, std::string*> value;
+  Range range;
+  std::vector<std::string> choices;  ///< allowed texts; empty: any
+  std::string doc;
+};
+
+/// The visitor that lists an options struct. Use ListFields.
+class FieldCollector {
+ public:
+  template <class T>
+  void Field(const std::string& key, T& value, Range range, const std::string& doc) {
+    fields_.push_back({prefix_ + key, &value, range, {}, doc});
+  }
+  template <class T>
+  void Field(const std::string& key, T& value, const std::string& doc) {
+    Field(key, value, {}, doc);
+  }
+  /// A text out of a list.
+  void Choice(const std::string& key,
+              std::string& value,
+              const std::vector<std::string>& choices,
+              const std::string& doc) {
+    fields_.push_back({prefix_ + key, &value, {}, choices, doc});
+  }
+  template <class Options>
+  void Group(const std::string& key, Options& options) {
+    const std::string outer = prefix_;
+    prefix_ += key + ".";
+    options.Visit(*this);
+    prefix_ = outer;
+  }
+
+  std::vector<ConfigField> TakeFields() { return std::move(fields_); }
+
+ private:
+  std::string prefix_;
+  std::vector<ConfigField> fields_;
+};
+
+/// All parameters of `options`, in the order of its Visit.
+template <class Options>
+std::vector<ConfigField> ListFields(Options& options) {
+  FieldCollector collector;
+  options.Visit(collector);
+  return collector.TakeFields();
+}
+
+/// A value that somebody asked for.
+struct ConfigEntry {
+  std::string key;
+  std::string text;
+  std::string origin;  ///< "file:line" or "--set"
+};
+
+/// Flattens a YAML file. Throws ConfigError with file and line for bad syntax, lists and keys that
+/// appear twice. A file without any key is fine.
+std::vector<ConfigEntry> ReadConfigFile(const std::filesystem::path& file);
+
+/// "key.path=value". Throws ConfigError.
+ConfigEntry ParseOverride(const std::string& text);
+
+/// Writes the entries, in order, into the fields. Throws ConfigError that names the origin, the key
+/// and what is allowed: unknown key (with the nearest known one), wrong type, out of range. Either
+/// all entries up to the bad one were applied, or all.
+void ApplyConfig(std::span<const ConfigEntry> entries, std::span<const ConfigField> fields);
+
+/// YAML with every parameter, its value, meaning and range. Reading it back gives identical values.
+std::string FormatConfig(std::span<const ConfigField> fields);
+
+}  // namespace facet

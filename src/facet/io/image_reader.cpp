@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/io/image_reader.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "facet/io/errors.h"
+#include "facet/io/image_codecs.h"
+
+namespace facet {
+namespace {
+
+void ReadFile(const std::filesystem::path& file, std::vector<std::uint8_t>& bytes) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  if (error) throw InputError(error.message());
+  if (size == 0) throw InputError("the file is empty");
+  bytes.resize(size);
+  std::ifstream stream(file, std::ios::binary);
+  // The stream takes char where the decoders take bytes; both are the same octets.
+  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (!stream) throw InputError("cannot be read (permissions?)");
+}
+
+bool HasMagic(Bytes bytes, std::size_t offset, std::string_view magic) {
+  return bytes.size() >= offset + magic.size() &&
+         std::equal(magic.begin(),
+                    magic.end(),
+                    bytes.begin() + static_cast<std::ptrdiff_t>(offset),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
+[[noreturn]] void ThrowUnknownFormat(Bytes bytes) {
+  std::string first;
+  for (std::size_t i = 0; i < std::min<std::size_t>(4, bytes.size()); ++i) {
+    char hex[8];
+    std::snprintf(hex, sizeof(hex), " %02X", static_cast<unsigned>(bytes[i]));
+    first += hex;
+  }
+  throw InputError("not a PNG, JPEG, WebP or PGM image (begins with bytes" + first +
+                   "); convert it to PNG");
+}
+
+void Decode(Bytes bytes, std::vector<std::uint8_t>& colour, cv::Mat& image) {
+  using std::string_view_literals::operator""sv;
+  if (HasMagic(bytes, 0, "\x89PNG\r\n\x1A\n"sv)) {
+    DecodePng(bytes, colour, image);
+  } else if (HasMagic(bytes, 0, "\xFF\xD8\xFF"sv)) {
+    DecodeJpeg(bytes, image);
+  } else if (HasMagic(bytes, 0, "RIFF"sv) && HasMagic(bytes, 8, "WEBP"sv)) {
+    DecodeWebp(bytes, colour, image);
+  } else if (HasMagic(bytes, 0, "P5"sv) || HasMagic(bytes, 0, "P2"sv)) {
+    DecodePgm(bytes, image);
+  } else {
+    ThrowUnknownFormat(bytes);
+  }
+}
+
+}  // namespace
+
+void ImageReader::Read(const std::filesystem::path& file, cv::Mat& image) {
+  try {
+    ReadFile(file, bytes_);
+    Decode(bytes_, colour_, image);
+  } catch (const InputError& error) {
+    throw InputError(file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace facet

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Image files to 8-bit grey: PNG (1-16 bit; grey, colour, palette, alpha), JPEG, WebP, PGM (P2,
+// P5). OpenCV's imgcodecs is not used: it links gdal and poppler into the program.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace facet {
+
+/// Decodes one file after the other and keeps its buffers. Not thread-safe.
+class ImageReader {
+ public:
+  /// Decodes the file into `image` (CV_8UC1). Colour becomes 0.299 R + 0.587 G + 0.114 B, alpha is
+  /// ignored, 16 bits become 8 by scaling. The format is told by the content, not by the extension.
+  ///
+  /// The pixels of `image` are overwritten in place if the size fits and no other cv::Mat shares
+  /// them. Throws InputError naming the file when it is missing, truncated, damaged or of another
+  /// format; `image` then has undefined content.
+  void Read(const std::filesystem::path& file, cv::Mat& image);
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::vector<std::uint8_t> colour_;
+};
+
+}  // namespace facet

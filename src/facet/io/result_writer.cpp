@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/io/result_writer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "facet/io/errors.h"
+#include "facet/io/ply_writer.h"
+
+namespace facet {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void WriteText(const std::filesystem::path& file, std::string_view text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  stream.flush();
+  if (!stream) throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
+}
+
+// ---------------------------------------------------------------------------------------- csv
+
+void AppendNumber(std::string& line, double value, const char* format = ",%.12g") {
+  char text[40];
+  std::snprintf(text, sizeof(text), format, value);
+  line += text;
+}
+
+void AppendVector(std::string& line, const Vector3d& v) {
+  for (int i = 0; i < 3; ++i)
+    AppendNumber(line, v[i]);
+}
+
+std::string Quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (char c : text)
+    quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string StatesCsv(const std::vector<FrameRecord>& frames) {
+  std::string text =
+      "timestamp_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz,"
+      "sigma_px,sigma_py,sigma_pz,sigma_rx,sigma_ry,sigma_rz,sigma_vx,sigma_vy,sigma_vz,"
+      "status,reason\n";
+  constexpr int kNumValues = 25;
+  for (const FrameRecord& f : frames) {
+    text += std::to_string(f.t.ns);
+    if (f.has_pose) {
+      const Quaterniond& q = f.state.T_WB.q;
+      AppendVector(text, f.state.T_WB.p);
+      for (double component : {q.w(), q.x(), q.y(), q.z()})
+        AppendNumber(text, component);
+      for (const Vector3d& v : {f.state.v_WB,
+                                f.state.bias.b_g,
+                                f.state.bias.b_a,
+                                f.sigma_p,
+                                f.sigma_theta,
+                                f.sigma_v}) {
+        AppendVector(text, v);
+      }
+    } else {
+      text.append(kNumValues, ',');
+    }
+    text += "," + Quoted(f.status) + "," + Quoted(f.reason) + "\n";
+  }
+  return text;
+}
+
+double TotalWithoutDecode(const StageTimes& times) {
+  return times.Total() - times[Stage::kDecode];
+}
+
+std::string TimingCsv(const std::vector<FrameRecord>& frames) {
+  std::string text = "timestamp_ns,is_keyframe";
+  for (const char* name : kStageNames)
+    text += std::string(",") + name;
+  text += ",total_without_decode,total,wall_ms,latency_ms,landmarks,planes,constraints\n";
+  for (const FrameRecord& f : frames) {
+    text += std::to_string(f.t.ns) + (f.is_keyframe ? ",1" : ",0");
+    for (double ms : f.times.ms)
+      AppendNumber(text, ms, ",%.4f");
+    for (double ms : {TotalWithoutDecode(f.times), f.times.Total(), f.wall_ms, f.latency_ms}) {
+      AppendNumber(text, ms, ",%.4f");
+    }
+    text += "," + std::to_string(f.num_landmarks) + "," + std::to_string(f.num_planes) + "," +
+            std::to_string(f.num_constraints) + "\n";
+  }
+  return text;
+}
+
+// ------------------------------------------------------------------------------------- summary
+
+double Median(std::vector<double> values) {
+  const std::size_t n = values.size();
+  std::sort(values.begin(), values.end());
+  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+}
+
+/// Smallest value that at least the given share of all values does not exceed.
+double Percentile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  const double rank = std::ceil(share * static_cast<double>(values.size()));
+  return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
+}
+
+Json StageSummary(const std::vector<FrameRecord>& frames,
+                  const std::function<double(const StageTimes&)>& stage) {
+  std::vector<double> all, keyframes;
+  double sum = 0;
+  for (const FrameRecord& f : frames) {
+    all.push_back(stage(f.times));
+    sum += all.back();
+    if (f.is_keyframe) keyframes.push_back(all.back());
+  }
+  Json json = {{"mean_ms", sum / static_cast<double>(all.size())},
+               {"median_ms", Median(all)},
+               {"p99_ms", Percentile(all, 0.99)},
+               {"max_ms", *std::max_element(all.begin(), all.end())}};
+  if (!keyframes.empty()) json["keyframe_median_ms"] = Median(keyframes);
+  return json;
+}
+
+/// Stages that never ran are absent.
+Json StagesSummary(const std::vector<FrameRecord>& frames) {
+  Json stages = Json::object();
+  for (std::size_t i = 0; i < kNumStages; ++i) {
+    const bool ran = std::any_of(
+        frames.begin(), frames.end(), [i](const FrameRecord& f) { return f.times.ms[i] > 0; });
+    if (ran)
+      stages[kStageNames[i]] = StageSummary(frames, [i](const StageTimes& t) { return t.ms[i]; });
+  }
+  if (!frames.empty()) {
+    stages["total_without_decode"] = StageSummary(frames, TotalWithoutDecode);
+    stages["total"] = StageSummary(frames, [](const StageTimes& t) { return t.Total(); });
+  }
+  return stages;
+}
+
+Json Summary(const RunRecord& run) {
+  const auto& frames = run.frames;
+  std::vector<double> landmarks;
+  for (const FrameRecord& f : frames) {
+    if (f.has_pose) landmarks.push_back(f.num_landmarks);
+  }
+  Json json;
+  json["version"] = run.version;
+  json["sequence"] = run.sequence;
+  json["pipeline"] = run.pipeline;
+  json["threads"] = run.threads;
+  json["frames"] = run.num_frames;
+  json["frames_with_pose"] = landmarks.size();
+  json["keyframes"] = run.keyframes.size();
+  json["duration_s"] = run.duration_s;
+  json["wall_s"] = run.wall_s;
+  json["cpu_s"] = run.cpu_s;
+  if (run.wall_s > 0) json["realtime_factor"] = run.duration_s / run.wall_s;
+  json["peak_rss_mb"] = run.peak_rss_mb;
+  json["stages"] = StagesSummary(frames);
+  if (const auto init_s = run.InitSeconds()) json["init_s"] = *init_s;
+  if (!landmarks.empty()) json["landmarks_median"] = Median(landmarks);
+  json["resets"] = run.num_resets;
+  json["dropped_frames"] = run.num_dropped;
+  json["damaged_frames"] = run.num_damaged;
+  json["imu_gaps"] = run.num_imu_gaps;
+  json["warnings"] = run.warnings;
+  return json;
+}
+
+}  // namespace
+
+std::vector<StampedPose> RunRecord::CausalTrajectory() const {
+  std::vector<StampedPose> poses;
+  for (const FrameRecord& f : frames) {
+    if (f.has_pose) poses.push_back({f.t, f.state.T_WB});
+  }
+  return poses;
+}
+
+std::optional<double> RunRecord::InitSeconds() const {
+  const auto first =
+      std::find_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.has_pose; });
+  if (first == frames.end()) return std::nullopt;
+  return ToSeconds(first->t - first_pair);
+}
+
+void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
+  WriteTum(folder / "trajectory.tum", run.CausalTrajectory());
+  WriteTum(folder / "keyframes.tum", run.keyframes);
+  WriteText(folder / "states.csv", StatesCsv(run.frames));
+  WriteText(folder / "timing.csv", TimingCsv(run.frames));
+  WritePlyPoints(folder / "landmarks.ply", run.landmarks);
+  WriteText(folder / "config.yaml", run.config);
+  // Text from file names may be in any encoding; what is not UTF-8 is replaced, not refused.
+  WriteText(folder / "summary.json",
+            Summary(run).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace facet

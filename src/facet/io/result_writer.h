@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The files of a result folder (CONTRACT: `facet run`), from plain records of a run.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "facet/base/stage_timer.h"
+#include "facet/imu/imu_types.h"
+#include "facet/io/trajectory_file.h"
+
+namespace facet {
+
+/// What is kept of one stereo frame.
+struct FrameRecord {
+  Timestamp t;  ///< of the left image
+  bool is_keyframe = false;
+  bool has_pose = false;
+  NavState state;  ///< causal; meaningless without a pose
+  Vector3d sigma_p = Vector3d::Zero();
+  Vector3d sigma_theta = Vector3d::Zero();
+  Vector3d sigma_v = Vector3d::Zero();
+  std::string status;  ///< initialising, ok, degraded, lost
+  std::string reason;  ///< why it is not ok
+  StageTimes times;
+  double wall_ms = 0;     ///< decoding and processing
+  double latency_ms = 0;  ///< from the arrival of the images to the result
+  int num_landmarks = 0;
+  int num_planes = 0;
+  int num_constraints = 0;  ///< regularities in force
+};
+
+/// A whole run.
+struct RunRecord {
+  std::string version, sequence, pipeline;
+  int threads = 1;
+  Timestamp first_pair;  ///< first stereo pair after --start
+  int num_frames =
+      0;  ///< stereo frames of the chosen part, also those that were dropped or damaged
+  int num_dropped = 0;  ///< arrived while busy (--realtime)
+  int num_damaged = 0;  ///< left image unreadable
+  int num_resets = 0;
+  int num_imu_gaps = 0;
+  double duration_s = 0, wall_s = 0, cpu_s = 0, peak_rss_mb = 0;
+  std::vector<std::string> warnings;
+  std::vector<FrameRecord> frames;     ///< processed frames in order of time
+  std::vector<StampedPose> keyframes;  ///< smoothed, in order of time
+  std::vector<Vector3d> landmarks;     ///< of the horizon at the end, in W
+  std::string config;                  ///< YAML of every parameter in force
+
+  std::vector<StampedPose> CausalTrajectory() const;  ///< of the frames with a pose
+  /// Seconds from first_pair to the first pose.
+  std::optional<double> InitSeconds() const;
+};
+
+/// Writes trajectory.tum, keyframes.tum, states.csv, timing.csv, landmarks.ply, summary.json and
+/// config.yaml into an existing folder. Everything but timing.csv and summary.json depends on the
+/// estimates alone. Throws OutputError naming the file that could not be written completely.
+void WriteResult(const std::filesystem::path& folder, const RunRecord& run);
+
+}  // namespace facet

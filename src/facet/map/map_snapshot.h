@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Immutable copy of what the estimator knows, for the front end (depth), the mesher and output.
+#pragma once
+
+#include <vector>
+
+#include "facet/imu/imu_types.h"
+
+namespace facet {
+
+struct LandmarkEstimate {
+  LandmarkId id;
+  Vector3d p_W = Vector3d::Zero();
+  int num_observations = 0;
+};
+
+struct KeyframePose {
+  FrameId id;
+  Timestamp t;
+  SE3 T_WB;
+};
+
+struct MapSnapshot {
+  NavState latest;                          ///< newest frame
+  std::vector<KeyframePose> keyframes;      ///< oldest first
+  std::vector<LandmarkEstimate> landmarks;  ///< sorted by id; every point in front of its cameras
+};
+
+}  // namespace facet

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/pipeline/back_stage.h"
+
+#include <cmath>
+
+namespace facet {
+
+BackStage::BackStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
+    : time_offset_(rig.time_offset), estimator_(rig, noise, options.estimator) {}
+
+VioOutput BackStage::Process(const FrontPacket& packet) {
+  const FrameObservations& observations = packet.frontend.observations;
+  VioOutput out;
+  out.times = packet.times;
+  EstimatorResult result = estimator_.AddFrame(observations, packet.imu, out.times);
+
+  ScopedStage stage(out.times, Stage::kOutput);
+  out.frame = observations.frame;
+  out.t = observations.t;
+  out.is_keyframe = observations.is_keyframe;
+  out.status = result.status;
+  out.reason = result.reason;
+  out.has_pose = result.has_state;
+  out.state = result.state;
+  out.sigma_theta = result.covariance.diagonal().segment<3>(0).cwiseMax(0).cwiseSqrt();
+  out.sigma_p = result.covariance.diagonal().segment<3>(3).cwiseMax(0).cwiseSqrt();
+  out.sigma_v = result.covariance.diagonal().segment<3>(6).cwiseMax(0).cwiseSqrt();
+  out.num_tracks = static_cast<int>(observations.features.size());
+  out.num_landmarks = static_cast<int>(estimator_.window().landmarks().size());
+  out.imu_gaps = packet.imu.gaps;
+  out.was_reset = result.was_reset;
+  out.finished_keyframes = std::move(result.finished_keyframes);
+  feedback_.reset();
+  if (out.is_keyframe && out.has_pose && !out.was_reset) {
+    auto snapshot = std::make_shared<MapSnapshot>(estimator_.Snapshot());
+    feedback_ = Feedback{out.frame, snapshot->latest, snapshot->landmarks};
+    feedback_->state.t = out.t + time_offset_;
+    out.snapshot = std::move(snapshot);
+  }
+  return out;
+}
+
+}  // namespace facet

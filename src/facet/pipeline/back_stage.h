@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Second half of a stereo frame: estimation and output.
+#pragma once
+
+#include "facet/estimator/vio_estimator.h"
+#include "facet/pipeline/front_stage.h"
+#include "facet/pipeline/vio_output.h"
+
+namespace facet {
+
+/// Not thread-safe.
+class BackStage {
+ public:
+  BackStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options);
+
+  VioOutput Process(const FrontPacket& packet);
+
+  /// After a keyframe: what the front stage may use from now on; empty otherwise.
+  const std::optional<Feedback>& feedback() const { return feedback_; }
+
+  std::vector<KeyframePose> WindowKeyframes() const { return estimator_.Snapshot().keyframes; }
+
+ private:
+  Duration time_offset_;
+  VioEstimator estimator_;
+  std::optional<Feedback> feedback_;
+};
+
+}  // namespace facet

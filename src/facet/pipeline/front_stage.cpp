@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/pipeline/front_stage.h"
+
+#include "facet/imu/preintegration.h"
+
+namespace facet {
+
+namespace {
+// The newest image may come this much before the IMU sample that follows it.
+constexpr double kMaxExtrapolation_s = 0.03;
+constexpr double kMinDepth_m = 0.05;
+}  // namespace
+
+FrontStage::FrontStage(const StereoRig& rig, const VioOptions& options)
+    : rig_(rig), max_gap_s_(options.estimator.imu.max_gap_s), frontend_(rig, options.frontend) {}
+
+FrontPacket FrontStage::Process(const StereoFrame& frame) {
+  FrontPacket packet;
+  const Timestamp t_imu = frame.t + rig_.time_offset;
+  FrontendHint hint;
+  {
+    ScopedStage stage(packet.times, Stage::kImu);
+    TakeFeedback();
+    packet.imu = IntervalTo(t_imu);
+    hint = Predict(t_imu);
+  }
+  packet.frontend = frontend_.Process(frame, hint, packet.times);
+  previous_t_ = t_imu;
+  has_previous_ = true;
+  ++next_frame_;
+  if (has_feedback_) {
+    imu_.DropBefore(std::min(feedback_.front().state.t, previous_t_));
+  }
+  return packet;
+}
+
+void FrontStage::TakeFeedback() {
+  const auto old_enough = [&](const Feedback& f) { return f.frame.value <= next_frame_ - kLag; };
+  while (feedback_.size() >= 2 && old_enough(feedback_[1])) feedback_.pop_front();
+  has_feedback_ = !feedback_.empty() && old_enough(feedback_.front());
+}
+
+ImuInterval FrontStage::IntervalTo(Timestamp t_imu) const {
+  if (imu_.empty()) return {};
+  const Duration gap = FromSeconds(max_gap_s_), extrapolation = FromSeconds(kMaxExtrapolation_s);
+  if (has_previous_) return imu_.Between(previous_t_, t_imu, gap, extrapolation);
+  return imu_.Between(std::min(imu_.first_stamp(), t_imu), t_imu, gap, extrapolation);
+}
+
+FrontendHint FrontStage::Predict(Timestamp t_imu) {
+  FrontendHint hint;
+  if (!has_previous_ || imu_.empty()) return hint;
+  const Duration gap = FromSeconds(max_gap_s_), extrapolation = FromSeconds(kMaxExtrapolation_s);
+  const ImuInterval now = imu_.Between(previous_t_, t_imu, gap, extrapolation);
+  ImuPreintegration motion(has_feedback_ ? feedback_.front().state.bias : ImuBias(), PreintegrationNoise());
+  motion.Integrate(now.samples);
+  hint.R_prev_now = motion.dR();
+  if (!has_feedback_) return hint;
+
+  const Feedback& feedback = feedback_.front();
+  const ImuInterval since = imu_.Between(feedback.state.t, previous_t_, gap, extrapolation);
+  if (since.samples.empty()) return hint;
+  ImuPreintegration to_previous(feedback.state.bias, PreintegrationNoise());
+  to_previous.Integrate(since.samples);
+  NavState previous = to_previous.Predict(feedback.state);
+  previous.t = previous_t_;
+  const NavState next = motion.Predict(previous);
+  hint.p_prev_now = previous.T_WB.q.conjugate() * (next.T_WB.p - previous.T_WB.p);
+
+  const SE3 T_C0W = (previous.T_WB * rig_.T_BC[0]).Inverse();
+  inverse_depth_.clear();
+  for (const LandmarkEstimate& landmark : feedback.landmarks) {
+    const double z = (T_C0W * landmark.p_W).z();
+    if (z > kMinDepth_m) inverse_depth_[landmark.id] = 1.0 / z;
+  }
+  hint.inverse_depth = &inverse_depth_;
+  return hint;
+}
+
+}  // namespace facet

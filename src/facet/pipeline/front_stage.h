@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// First half of a stereo frame: IMU interval, prediction, feature tracking.
+#pragma once
+
+#include <deque>
+#include <unordered_map>
+
+#include "facet/frontend/stereo_frontend.h"
+#include "facet/imu/imu_buffer.h"
+#include "facet/map/map_snapshot.h"
+#include "facet/pipeline/vio_options.h"
+
+namespace facet {
+
+/// What the back stage knew after a keyframe; helps to predict where tracked points will be.
+struct Feedback {
+  FrameId frame;
+  NavState state;  ///< at the keyframe, IMU clock
+  std::vector<LandmarkEstimate> landmarks;
+};
+
+/// What the front stage hands to the back stage.
+struct FrontPacket {
+  FrontendResult frontend;
+  ImuInterval imu;  ///< from the previous frame to this one
+  StageTimes times;
+};
+
+/// Not thread-safe. Deterministic: frame k uses the newest feedback of a keyframe k - kLag or older, no
+/// matter how far the back stage has come.
+class FrontStage {
+ public:
+  /// The back stage may work on one frame while the front stage works on the next.
+  static constexpr std::int64_t kLag = 2;
+
+  FrontStage(const StereoRig& rig, const VioOptions& options);
+
+  ImuBuffer::AddResult AddImu(const ImuSample& sample) { return imu_.Add(sample); }
+  void AddFeedback(Feedback feedback) { feedback_.push_back(std::move(feedback)); }
+
+  FrontPacket Process(const StereoFrame& frame);
+
+ private:
+  ImuInterval IntervalTo(Timestamp t_imu) const;
+  FrontendHint Predict(Timestamp t_imu);
+  void TakeFeedback();
+
+  StereoRig rig_;
+  double max_gap_s_;
+  StereoFrontend frontend_;
+  ImuBuffer imu_;
+  std::deque<Feedback> feedback_;  ///< front: in use (if its frame is old enough)
+  bool has_feedback_ = false;
+  std::int64_t next_frame_ = 0;
+  bool has_previous_ = false;
+  Timestamp previous_t_;  ///< IMU clock
+  std::unordered_map<LandmarkId, double> inverse_depth_;
+};
+
+}  // namespace facet

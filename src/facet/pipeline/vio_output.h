@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the pipeline tells the outside world after each stereo frame.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "facet/base/stage_timer.h"
+#include "facet/map/map_snapshot.h"
+#include "facet/map/tracking_status.h"
+
+namespace facet {
+
+/// Plain copy of results; valid after the pipeline is gone.
+struct VioOutput {
+  FrameId frame;
+  Timestamp t;  ///< stamp of the left image
+  bool is_keyframe = false;
+  TrackingStatus status = TrackingStatus::kInitialising;
+  std::string reason;     ///< why the status is not ok, or empty
+  bool has_pose = false;  ///< false while initialising; `state` is then meaningless
+  NavState state;         ///< causal estimate at t
+  Vector3d sigma_p = Vector3d::Zero();      ///< 1-sigma [m], in W
+  Vector3d sigma_theta = Vector3d::Zero();  ///< 1-sigma [rad], in B
+  Vector3d sigma_v = Vector3d::Zero();      ///< 1-sigma [m/s], in W
+  int num_tracks = 0;     ///< features tracked in this frame
+  int num_landmarks = 0;  ///< landmarks in the window
+  int imu_gaps = 0;       ///< IMU holes since the previous frame
+  bool was_reset = false; ///< the estimator started over before this frame
+  /// Keyframes that left the window with this frame, with their final (smoothed) poses.
+  std::vector<KeyframePose> finished_keyframes;
+  /// Set on keyframes.
+  std::shared_ptr<const MapSnapshot> snapshot;
+  StageTimes times;
+};
+
+}  // namespace facet

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The file to read first: one stereo frame from images and IMU samples to a causal pose.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "facet/camera/stereo_rig.h"
+#include "facet/frontend/stereo_frontend.h"
+#include "facet/imu/imu_types.h"
+#include "facet/pipeline/vio_options.h"
+#include "facet/pipeline/vio_output.h"
+
+namespace facet {
+
+/// Synchronous and deterministic; not thread-safe. Never throws for any content of images or samples.
+class VioPipeline {
+ public:
+  VioPipeline(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options);
+  ~VioPipeline();
+  VioPipeline(const VioPipeline&) = delete;
+  VioPipeline& operator=(const VioPipeline&) = delete;
+
+  /// IMU samples in order of time (IMU clock). Refuses and counts what is not finite or not in order.
+  void AddImu(const ImuSample& sample);
+
+  /// A stereo pair, after the IMU samples up to its stamp (one sample beyond it is ideal).
+  VioOutput AddStereo(const StereoFrame& frame);
+
+  /// The keyframes that are still in the window, oldest first; for the end of a run.
+  std::vector<KeyframePose> WindowKeyframes() const;
+
+  /// Samples that AddImu refused.
+  int num_refused_imu() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace facet
