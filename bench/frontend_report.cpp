@@ -259,11 +259,13 @@ int Main(int argc, char** argv) {
   std::string sequence, dump;
   std::vector<std::string> overrides;
   HintOptions hints;
+  int refinements = 0;
   app.add_option("sequence", sequence, "folder in ASL layout, with ground truth")->required();
   app.add_option("--set", overrides, "option of the front end, key=value");
   app.add_option("--dump", dump, "file for all observations (csv)");
   app.add_option("--gyro-bias", hints.gyro_bias, "error of the rotation hint, rad/s on each axis");
   app.add_option("--translation-hint", hints.translation, "0: rotation hint only");
+  app.add_option("--refine-poses", refinements, "rounds that fit the poses too, for noisy ground truth");
   CLI11_PARSE(app, argc, argv);
 
   FrontendOptions options;
@@ -272,9 +274,10 @@ int Main(int argc, char** argv) {
   ApplyConfig(entries, ListFields(options));
   AslDataset dataset(sequence);
   const Trajectory truth = ReadTrajectory(FindTruth(sequence));
-  const Run run = Process(dataset, truth, options, hints);
+  Run run = Process(dataset, truth, options, hints);
   PrintFrames(run);
   PrintLife(run);
+  RefinePoses(dataset.rig(), refinements, run.tracks);
   const std::vector<FittedTrack> tracks = FitTracks(dataset.rig(), run.tracks, 5);
   PrintErrors(tracks);
   PrintClaims(tracks);

@@ -61,7 +61,7 @@ Vector3d FitPoint(const StereoRig& rig, const std::vector<TrackSample>& samples)
   const auto ray = rig.cameras[0].Undistort(samples.front().observation.px_left);
   Vector3d best = Vector3d::Zero();
   double best_cost = std::numeric_limits<double>::max();
-  for (const double rho : {0.02, 0.15, 0.3, 0.6, 1.2}) {
+  for (const double rho : {0.02, 0.2, 0.8}) {
     Vector3d point(ray->xy.x(), ray->xy.y(), rho);
     double lambda = 1e-3;
     NormalEquations now = Linearize(rig, samples, point);
@@ -82,7 +82,66 @@ Vector3d FitPoint(const StereoRig& rig, const std::vector<TrackSample>& samples)
   return best;
 }
 
+// A landmark in the world, homogeneous, with what one frame saw of it.
+struct Sighting {
+  Vector4d p_W;
+  TrackSample* sample = nullptr;
+};
+
+struct PoseEquations {
+  Matrix<6, 6> H = Matrix<6, 6>::Identity() * 1e-6;
+  Vector<6> b = Vector<6>::Zero();
+
+  void Add(const StereoRig& rig, std::size_t camera, const SE3& T_WB, const Vector4d& p_W, const Vector2d& measured) {
+    constexpr double kCauchyPx = 0.5;
+    const SE3 T_CB = rig.T_BC[camera].Inverse();
+    const Vector3d p_B = T_WB.q.conjugate() * (p_W.head<3>() - p_W.w() * T_WB.p);
+    Matrix<2, 3> J_px_p;
+    const auto px = rig.cameras[camera].Project(T_CB.q * p_B + p_W.w() * T_CB.p, &J_px_p);
+    if (!px) return;
+    Matrix<2, 6> J;
+    J.leftCols<3>() = J_px_p * T_CB.R() * Hat(p_B);
+    J.rightCols<3>() = -p_W.w() * J_px_p * T_CB.R() * T_WB.R().transpose();
+    const Vector2d r = *px - measured;
+    const double weight = 1 / (1 + r.squaredNorm() / (kCauchyPx * kCauchyPx));
+    H += weight * J.transpose() * J;
+    b -= weight * J.transpose() * r;
+  }
+};
+
+void FitPose(const StereoRig& rig, std::vector<Sighting>& sightings) {
+  SE3 T_WB = sightings.front().sample->T_WB;
+  for (int i = 0; i < 5; ++i) {
+    PoseEquations equations;
+    for (const Sighting& s : sightings) {
+      equations.Add(rig, 0, T_WB, s.p_W, s.sample->observation.px_left);
+      if (s.sample->observation.px_right) equations.Add(rig, 1, T_WB, s.p_W, *s.sample->observation.px_right);
+    }
+    const Vector<6> d = equations.H.ldlt().solve(equations.b);
+    T_WB = T_WB.Retract(d.head<3>(), d.tail<3>());
+  }
+  for (Sighting& s : sightings) s.sample->T_WB = T_WB;
+}
+
 }  // namespace
+
+void RefinePoses(const StereoRig& rig, int rounds, TrackSamples& tracks) {
+  constexpr std::size_t kMinLength = 5, kMinSightings = 15;
+  for (int round = 0; round < rounds; ++round) {
+    std::map<std::size_t, std::vector<Sighting>> frames;
+    for (auto& [id, samples] : tracks) {
+      if (samples.size() < kMinLength) continue;
+      const Vector3d point = FitPoint(rig, samples);
+      const SE3 T_WC = samples.front().T_WB * rig.T_BC[0];
+      Vector4d p_W;
+      p_W << T_WC.q * Vector3d(point.x(), point.y(), 1) + point.z() * T_WC.p, point.z();
+      for (TrackSample& sample : samples) frames[sample.frame].push_back({p_W, &sample});
+    }
+    for (auto& [frame, sightings] : frames) {
+      if (sightings.size() >= kMinSightings) FitPose(rig, sightings);
+    }
+  }
+}
 
 std::vector<FittedTrack> FitTracks(const StereoRig& rig, const TrackSamples& tracks, int min_length) {
   std::vector<FittedTrack> fitted;

@@ -38,6 +38,10 @@ struct FittedTrack {
 /// Fits each track of at least min_length samples.
 std::vector<FittedTrack> FitTracks(const StereoRig& rig, const TrackSamples& tracks, int min_length);
 
+/// Alternates fits of the landmarks and of the pose of each frame, to take the noise of a recorded
+/// ground truth out of the residuals. The poses of `tracks` are replaced.
+void RefinePoses(const StereoRig& rig, int rounds, TrackSamples& tracks);
+
 /// Spread of one component of the residuals.
 struct Spread {
   std::size_t count = 0;

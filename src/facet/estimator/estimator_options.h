@@ -28,11 +28,10 @@ struct ImuOptions {
 struct WindowOptions {
   int max_full_keyframes = 5;   ///< (!) newest keyframes that keep velocity and biases
   int max_pose_keyframes = 10;  ///< (!) older keyframes that keep only their pose
-  int max_start_keyframes = 30; ///< nothing is marginalised before the start is over or this many keyframes exist
+  int max_start_keyframes = 16; ///< nothing is marginalised before the start is over or this many keyframes exist
   double start_s = 2.0;         ///< shortest start: nothing is marginalised or frozen before
   double start_tilt_deg = 0.3;  ///< the start lasts until the 1-sigma tilt is below this
   double covisible_share = 0.05; ///< a pose keyframe that shares less of its landmarks with the newest one goes first
-  bool keep_every_frame = false; ///< every frame enters the smoother with a full state, not only keyframes
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -42,7 +41,6 @@ struct WindowOptions {
     v.Field("start_s", start_s, Range{0, 30}, "nothing is marginalised before this much data [s]");
     v.Field("start_tilt_deg", start_tilt_deg, Range{0.01, 90}, "the start lasts until the 1-sigma tilt is below this [deg]");
     v.Field("covisible_share", covisible_share, Range{0, 1}, "a pose keyframe sharing less of its landmarks with the newest goes first");
-    v.Field("keep_every_frame", keep_every_frame, Range{}, "every frame enters the smoother with a full state");
   }
 };
 

@@ -53,6 +53,7 @@ VioEstimator::VioEstimator(const StereoRig& rig, const ImuNoise& noise, const Es
       bias_walk_{noise.gyro_walk * options.imu.gyro_walk_scale,
                  noise.accel_walk * options.imu.accel_walk_scale},
       solver_(rig, options.solver),
+      updater_(rig, options.solver),
       geometry_(rig) {
   window_.T_BC0 = rig.T_BC[0];
 }
@@ -64,7 +65,8 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
     ScopedStage stage(times, Stage::kImu);
     AppendFrame(observations, imu);
   }
-  return initialised_ ? Track(observations, times) : Start(observations, times);
+  if (!initialised_) return Start(observations, times);
+  return passing_ ? TrackPassingFrame(observations, times) : TrackKeyframe(observations, times);
 }
 
 EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
@@ -93,7 +95,8 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
     if (TiltSigma() < options_.start.max_tilt_deg * kDegree || waited_s >= options_.start.max_wait_s) {
       MoveOriginToNewestFrame();
       initialised_ = true;
-      FillResult(result);
+      FillResult(window_.frames.back(), NumSeenInNewest(), result);
+      updater_.SetReference(window_, newest_covariance_);
       return result;
     }
     result.reason = "tilt not known well enough";
@@ -107,37 +110,59 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
   return result;
 }
 
-EstimatorResult VioEstimator::Track(const FrameObservations& observations, StageTimes& times) {
+EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observations, StageTimes& times) {
   EstimatorResult result;
-  const bool is_keyframe = observations.is_keyframe;
   {
     ScopedStage stage(times, Stage::kOptimize);
     AppendObservations(observations);
-    if (is_keyframe) {
-      geometry_.Update(window_.frames);
-      InitializeDepths();
-      RelinearizeImu();
-    }
-    const SolverOptions& solver = options_.solver;
-    result.solve = solver_.Solve(window_, is_keyframe ? solver.keyframe_iterations : solver.frame_iterations);
+    geometry_.Update(window_.frames);
+    InitializeDepths();
+    RelinearizeImu();
+    result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
     newest_covariance_ = solver_.system().FrameCovariance(static_cast<int>(window_.frames.size()) - 1);
-    if (is_keyframe) RemoveOutliers();
+    RemoveOutliers();
   }
-  FillResult(result);
+  FillResult(window_.frames.back(), NumSeenInNewest(), result);
   if (result.status == TrackingStatus::kLost) {
     Reset();
     result.was_reset = true;
     return result;
   }
-  if (is_keyframe || options_.window.keep_every_frame) {
-    ScopedStage stage(times, Stage::kMarginalize);
-    Shrink(result.finished_keyframes);
-  }
+  ScopedStage stage(times, Stage::kMarginalize);
+  updater_.SetReference(window_, newest_covariance_);
+  Shrink(result.finished_keyframes);
+  return result;
+}
+
+EstimatorResult VioEstimator::TrackPassingFrame(const FrameObservations& observations, StageTimes& times) {
+  ScopedStage stage(times, Stage::kOptimize);
+  EstimatorResult result;
+  const FrameUpdateResult update = updater_.Update(Prepare(observations), *passing_);
+  if (update.ok) newest_covariance_ = update.covariance;
+  FillResult(*passing_, update.num_used, result);
   return result;
 }
 
 void VioEstimator::UpdatePreintegration(WindowFrame& frame) const {
   frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, bias_walk_);
+}
+
+void VioEstimator::AppendFirstFrame(WindowFrame frame, const ImuInterval& imu) {
+  Vector3d mean = Vector3d::Zero();
+  for (const ImuSample& sample : imu.samples) mean += sample.accel;
+  if (mean.norm() > 1.0) frame.x.T_WB.q = RotationBetween(mean, Vector3d::UnitZ());
+  frame.lin = frame.x;
+  first_t_ = frame.x.t;
+  const StartOptions& start = options_.start;
+  window_.start_prior = {true,
+                         frame.id,
+                         frame.x.T_WB,
+                         start.sigma_position,
+                         start.sigma_yaw,
+                         start.sigma_velocity,
+                         start.sigma_gyro_bias,
+                         start.sigma_accel_bias};
+  window_.frames.push_back(std::move(frame));
 }
 
 void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuInterval& imu) {
@@ -146,64 +171,49 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   frame.is_keyframe = observations.is_keyframe || !initialised_;
   frame.x.t = observations.t;
   if (window_.frames.empty()) {
-    Vector3d mean = Vector3d::Zero();
-    for (const ImuSample& sample : imu.samples) mean += sample.accel;
-    if (mean.norm() > 1.0) frame.x.T_WB.q = RotationBetween(mean, Vector3d::UnitZ());
-    first_t_ = observations.t;
-    window_.start_prior = {true,
-                           frame.id,
-                           frame.x.T_WB,
-                           options_.start.sigma_position,
-                           options_.start.sigma_yaw,
-                           options_.start.sigma_velocity,
-                           options_.start.sigma_gyro_bias,
-                           options_.start.sigma_accel_bias};
-    frame.lin = frame.x;
-    window_.frames.push_back(frame);
+    AppendFirstFrame(std::move(frame), imu);
     return;
   }
 
-  const NavState previous = window_.frames.back().x;
+  const WindowFrame& last = passing_ ? *passing_ : window_.frames.back();
   const bool no_imu = imu.samples.size() < 2;
-  const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(previous, observations.t) : imu.samples;
+  const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(last.x, observations.t) : imu.samples;
   const double scale = no_imu ? kNoImuNoiseScale : imu.gaps > 0 ? kGapNoiseScale : 1.0;
-  ImuPreintegration step(previous.bias, Scaled(imu_noise_, scale));
+  ImuPreintegration step(last.x.bias, Scaled(imu_noise_, scale));
   step.Integrate(samples);
-  const bool joins = initialised_ && !window_.frames.back().is_keyframe && !options_.window.keep_every_frame;
-  if (joins) {
-    // The previous frame was only passing through: its IMU interval goes on to this frame.
-    if (scale == 1.0) {
-      frame.imu = window_.frames.back().imu;
-      frame.imu.Integrate(samples);
-    } else {
-      std::vector<ImuSample> all = window_.frames.back().imu.samples();
-      all.insert(all.end(), samples.begin() + (all.empty() ? 0 : 1), samples.end());
-      frame.imu = ImuPreintegration(previous.bias, Scaled(imu_noise_, scale));
-      frame.imu.Integrate(all);
-    }
-    window_.RemoveFrame(static_cast<int>(window_.frames.size()) - 1);
-  } else {
-    frame.imu = step;
-  }
-  frame.x = step.Predict(previous);
+  frame.x = step.Predict(last.x);
   frame.x.t = observations.t;
   frame.lin = frame.x;
+  if (!passing_) {
+    frame.imu = std::move(step);
+  } else if (scale == 1.0) {
+    // The previous frame was only passing through: its IMU interval goes on to this frame.
+    frame.imu = std::move(passing_->imu);
+    frame.imu.Integrate(samples);
+  } else {
+    std::vector<ImuSample> all = passing_->imu.samples();
+    all.insert(all.end(), samples.begin() + 1, samples.end());
+    frame.imu = ImuPreintegration(last.x.bias, Scaled(imu_noise_, scale));
+    frame.imu.Integrate(all);
+  }
   frame.has_imu_link = true;
   UpdatePreintegration(frame);
-  window_.frames.push_back(std::move(frame));
+  passing_.reset();
+  if (frame.is_keyframe) {
+    window_.frames.push_back(std::move(frame));
+  } else {
+    passing_ = std::move(frame);
+  }
 }
 
-void VioEstimator::AppendObservations(const FrameObservations& observations) {
-  const int newest = static_cast<int>(window_.frames.size()) - 1;
-  const bool creates = window_.frames.back().is_keyframe;
+std::vector<PreparedObservation> VioEstimator::Prepare(const FrameObservations& observations) const {
+  std::vector<PreparedObservation> prepared;
+  prepared.reserve(observations.features.size());
+  const double scale = options_.solver.pixel_sigma_scale;
   for (const FeatureObservation& feature : observations.features) {
-    WindowLandmark* landmark = window_.Find(feature.landmark);
-    if (landmark == nullptr && !creates) continue;
     const std::optional<UndistortedPoint> left = rig_.cameras[0].Undistort(feature.px_left);
     if (!left || !(feature.sigma_left_px > 0)) continue;
     WindowObservation observation;
-    observation.frame = newest;
-    const double scale = options_.solver.pixel_sigma_scale;
     observation.xy[0] = left->xy;
     observation.sqrt_info[0] = left->J_xy_px.inverse() / (scale * feature.sigma_left_px);
     if (feature.px_right && feature.sigma_right_px > 0) {
@@ -213,9 +223,19 @@ void VioEstimator::AppendObservations(const FrameObservations& observations) {
         observation.sqrt_info[1] = right->J_xy_px.inverse() / (scale * feature.sigma_right_px);
       }
     }
-    if (landmark == nullptr) landmark = &window_.AddLandmark(feature.landmark, newest);
+    prepared.push_back({feature.landmark, observation});
+  }
+  return prepared;
+}
+
+void VioEstimator::AppendObservations(const FrameObservations& observations) {
+  const int newest = static_cast<int>(window_.frames.size()) - 1;
+  for (PreparedObservation& prepared : Prepare(observations)) {
+    WindowLandmark* landmark = window_.Find(prepared.landmark);
+    if (landmark == nullptr) landmark = &window_.AddLandmark(prepared.landmark, newest);
     if (!landmark->observations.empty() && landmark->observations.back().frame == newest) continue;
-    landmark->observations.push_back(observation);
+    prepared.observation.frame = newest;
+    landmark->observations.push_back(prepared.observation);
   }
 }
 
@@ -339,19 +359,22 @@ double VioEstimator::TiltSigma() const {
   return std::sqrt(std::max({cov_W(0, 0), cov_W(1, 1), 0.0}));
 }
 
-void VioEstimator::FillResult(EstimatorResult& result) {
-  const WindowFrame& frame = window_.frames.back();
+int VioEstimator::NumSeenInNewest() const {
   const int newest = static_cast<int>(window_.frames.size()) - 1;
-  result.has_state = true;
-  result.state = frame.x;
-  result.covariance = newest_covariance_;
-  result.num_constraining = static_cast<int>(
+  return static_cast<int>(
       std::count_if(window_.landmarks().begin(), window_.landmarks().end(), [&](const WindowLandmark& l) {
         return IsConstraining(l) && l.observations.back().frame == newest;
       }));
+}
+
+void VioEstimator::FillResult(const WindowFrame& frame, int num_used, EstimatorResult& result) const {
+  result.has_state = true;
+  result.state = frame.x;
+  result.covariance = newest_covariance_;
+  result.num_constraining = num_used;
   result.status = TrackingStatus::kOk;
   result.reason.clear();
-  if (result.num_constraining < kMinLandmarksOk) {
+  if (num_used < kMinLandmarksOk) {
     result.status = TrackingStatus::kDegraded;
     result.reason = "few landmarks";
   }
@@ -366,6 +389,7 @@ void VioEstimator::FillResult(EstimatorResult& result) {
 
 void VioEstimator::Reset() {
   window_.Clear();
+  passing_.reset();
   initialised_ = start_is_over_ = false;
   newest_covariance_.setZero();
 }
@@ -373,7 +397,7 @@ void VioEstimator::Reset() {
 MapSnapshot VioEstimator::Snapshot() const {
   MapSnapshot snapshot;
   if (window_.frames.empty()) return snapshot;
-  snapshot.latest = window_.frames.back().x;
+  snapshot.latest = passing_ ? passing_->x : window_.frames.back().x;
   for (const WindowFrame& frame : window_.frames) {
     if (frame.is_keyframe) snapshot.keyframes.push_back({frame.id, frame.x.t, frame.x.T_WB});
   }

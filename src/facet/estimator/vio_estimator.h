@@ -8,6 +8,7 @@
 
 #include "facet/base/stage_timer.h"
 #include "facet/estimator/estimator_options.h"
+#include "facet/estimator/frame_update.h"
 #include "facet/estimator/window_solver.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/map/map_snapshot.h"
@@ -47,9 +48,12 @@ class VioEstimator {
 
  private:
   EstimatorResult Start(const FrameObservations& observations, StageTimes& times);
-  EstimatorResult Track(const FrameObservations& observations, StageTimes& times);
+  EstimatorResult TrackKeyframe(const FrameObservations& observations, StageTimes& times);
+  EstimatorResult TrackPassingFrame(const FrameObservations& observations, StageTimes& times);
 
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
+  void AppendFirstFrame(WindowFrame frame, const ImuInterval& imu);
+  std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
   void AppendObservations(const FrameObservations& observations);
   void InitializeDepths();
   void UpdatePreintegration(WindowFrame& frame) const;
@@ -60,7 +64,8 @@ class VioEstimator {
   void MoveOriginToNewestFrame();
   bool StartIsOver() const;
   double TiltSigma() const;
-  void FillResult(EstimatorResult& result);
+  void FillResult(const WindowFrame& frame, int num_used, EstimatorResult& result) const;
+  int NumSeenInNewest() const;
   void Reset();
 
   StereoRig rig_;
@@ -69,7 +74,10 @@ class VioEstimator {
   BiasWalk bias_walk_;
   SlidingWindow window_;
   WindowSolver solver_;
+  FrameUpdater updater_;
   FrameGeometry geometry_;
+  /// The newest frame when it is not a keyframe: its IMU interval began at the newest keyframe.
+  std::optional<WindowFrame> passing_;
   bool initialised_ = false;
   bool start_is_over_ = false;
   Timestamp first_t_;

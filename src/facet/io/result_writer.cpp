@@ -33,6 +33,11 @@ void AppendNumber(std::string& line, double value, const char* format = ",%.12g"
   line += text;
 }
 
+void AppendText(std::string& line, const std::string& field) {
+  line += ',';
+  line += field;
+}
+
 void AppendVector(std::string& line, const Vector3d& v) {
   for (int i = 0; i < 3; ++i)
     AppendNumber(line, v[i]);
@@ -70,7 +75,9 @@ std::string StatesCsv(const std::vector<FrameRecord>& frames) {
     } else {
       text.append(kNumValues, ',');
     }
-    text += "," + Quoted(f.status) + "," + Quoted(f.reason) + "\n";
+    AppendText(text, Quoted(f.status));
+    AppendText(text, Quoted(f.reason));
+    text += '\n';
   }
   return text;
 }
@@ -91,8 +98,10 @@ std::string TimingCsv(const std::vector<FrameRecord>& frames) {
     for (double ms : {TotalWithoutDecode(f.times), f.times.Total(), f.wall_ms, f.latency_ms}) {
       AppendNumber(text, ms, ",%.4f");
     }
-    text += "," + std::to_string(f.num_landmarks) + "," + std::to_string(f.num_planes) + "," +
-            std::to_string(f.num_constraints) + "\n";
+    for (int count : {f.num_landmarks, f.num_planes, f.num_constraints}) {
+      AppendText(text, std::to_string(count));
+    }
+    text += '\n';
   }
   return text;
 }

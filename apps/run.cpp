@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// `facet run`: from a recording to a result folder.
+#include "run.h"
+
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "load_options.h"
+#include "progress_bar.h"
+#include "run_sequence.h"
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "facet/io/asl_dataset.h"
+#include "facet/io/errors.h"
+#include "facet/io/result_folder.h"
+#include "facet/io/result_writer.h"
+#include "facet/pipeline/vio_pipeline.h"
+
+namespace facet {
+namespace {
+
+struct RunArguments {
+  std::string sequence, out, config, calibration, imu_calibration;
+  std::string pipeline = "S";
+  std::vector<std::string> overrides;
+  RunRange range;
+  int threads = 1;
+  bool quiet = false, verbose = false;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// The first Ctrl-C ends the run in good order, the second one kills the program.
+void CatchInterrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_flags = SA_RESETHAND;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+std::shared_ptr<spdlog::logger> MakeLog(bool verbose) {
+  auto log =
+      std::make_shared<spdlog::logger>("facet", std::make_shared<spdlog::sinks::stderr_sink_st>());
+  log->set_pattern("%v");
+  log->set_level(verbose ? spdlog::level::debug : spdlog::level::warn);
+  return log;
+}
+
+void CheckAvailable(const RunArguments& arguments) {
+  if (arguments.pipeline != "S") {
+    throw ConfigError("--pipeline " + arguments.pipeline +
+                      ": is not built yet, only S is; leave the option out");
+  }
+  if (arguments.threads != 1) {
+    throw ConfigError("--threads " + std::to_string(arguments.threads) +
+                      ": is not built yet, only 1 is; leave the option out");
+  }
+}
+
+void LogFrame(spdlog::logger& log, const VioOutput& output) {
+  log.debug("{} {}{} tracks {} landmarks {} cpu {:.2f} ms{}{}",
+            FormatSeconds(output.t),
+            ToString(output.status),
+            output.is_keyframe ? " keyframe" : "",
+            output.num_tracks,
+            output.num_landmarks,
+            output.times.Total(),
+            output.reason.empty() ? "" : ": ",
+            output.reason);
+}
+
+SequenceRun RunPipeline(AslDataset& dataset,
+                        const VioOptions& options,
+                        const RunArguments& arguments,
+                        spdlog::logger& log) {
+  VioPipeline pipeline(dataset.rig(), dataset.imu_noise(), options);
+  const VioFunctions vio = {[&](const ImuSample& sample) { pipeline.AddImu(sample); },
+                            [&](const StereoFrame& frame) { return pipeline.AddStereo(frame); },
+                            [&] { return pipeline.WindowKeyframes(); }};
+  ProgressBar bar(!arguments.quiet && !arguments.verbose);
+  CatchInterrupts();
+  const auto observer = [&](int done, int total, const VioOutput& output) {
+    LogFrame(log, output);
+    bar.Update(done, total, ToString(output.status));
+    return interrupted == 0;
+  };
+  SequenceRun run = RunSequence(dataset, vio, arguments.range, observer);
+  if (pipeline.num_refused_imu() > 0) {
+    run.record.warnings.push_back(std::to_string(pipeline.num_refused_imu()) +
+                                  " IMU samples were refused (not finite or not in order)");
+  }
+  return run;
+}
+
+void PrintOutcome(const RunRecord& record, const std::string& folder) {
+  const auto init_s = record.InitSeconds();
+  const std::size_t num_poses = record.CausalTrajectory().size();
+  std::printf("%zu poses of %d frames, %zu keyframes",
+              num_poses,
+              record.num_frames,
+              record.keyframes.size());
+  if (init_s) std::printf(", first pose after %.2f s", *init_s);
+  std::printf(", %.1f x real time, %.0f MB -> %s\n",
+              record.duration_s / record.wall_s,
+              record.peak_rss_mb,
+              folder.c_str());
+}
+
+int ExitCode(RunEnd end) {
+  constexpr int kInput = 3, kEstimator = 4, kInterrupted = 128 + SIGINT;
+  if (end == RunEnd::kStopped) return kInterrupted;
+  return end == RunEnd::kDamaged ? kInput : kEstimator;
+}
+
+void Run(const RunArguments& arguments) {
+  CheckAvailable(arguments);
+  const VioOptions options = LoadOptions(arguments.config, arguments.overrides);
+  const auto log = MakeLog(arguments.verbose);
+  AslDataset dataset(arguments.sequence, {arguments.calibration, arguments.imu_calibration});
+  log->debug("calibration: {}", dataset.calibration_source());
+  ResultFolder folder(arguments.out.empty() ? "runs/" + dataset.name() + "-" + arguments.pipeline
+                                            : arguments.out);
+
+  SequenceRun run = RunPipeline(dataset, options, arguments, *log);
+  run.record.version = FACET_VERSION;
+  run.record.pipeline = arguments.pipeline;
+  run.record.threads = arguments.threads;
+  run.record.config = FormatOptions(options);
+  WriteResult(folder.staging(), run.record);
+  folder.Commit();
+
+  if (run.end != RunEnd::kComplete) throw RunEndedError(ExitCode(run.end), run.message);
+  for (const std::string& warning : run.record.warnings)
+    log->warn("facet: warning: {}", warning);
+  if (!arguments.quiet) PrintOutcome(run.record, folder.target().string());
+}
+
+void AddOptions(CLI::App& command, RunArguments& a) {
+  command.add_option("SEQUENCE", a.sequence, "folder that holds mav0/, or mav0/ itself")
+      ->required();
+  command.add_option("--out", a.out, "result folder (default: runs/<sequence>-<pipeline>)");
+  command.add_option("--pipeline", a.pipeline, "S, SP or SPR (default: S, the only one yet)")
+      ->check(CLI::IsMember({"S", "SP", "SPR"}));
+  command.add_option("--config", a.config, "YAML with any subset of the parameters");
+  command.add_option("--set", a.overrides, "key.path=value, repeatable; wins over the file")
+      ->allow_extra_args(false);
+  command.add_option("--calibration", a.calibration, "Kalibr camchain.yaml, or EuRoC folder");
+  command.add_option(
+      "--imu-calibration", a.imu_calibration, "Kalibr imu.yaml, or EuRoC sensor.yaml");
+  command.add_option("--start", a.range.start_s, "seconds after the first stereo pair")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--duration", a.range.duration_s, "seconds")->check(CLI::PositiveNumber);
+  command.add_option("--threads", a.threads, "1: everything on one thread")
+      ->check(CLI::Range(1, 64));
+  command.add_flag("--realtime", a.range.realtime, "recorded speed; drop what arrives while busy");
+  command
+      .add_option("--imu-history", a.range.imu_history_s, "seconds of IMU before the first pair")
+      ->check(CLI::NonNegativeNumber);
+  auto* quiet = command.add_flag("--quiet", a.quiet, "no progress bar");
+  command.add_flag("--verbose", a.verbose, "debug log")->excludes(quiet);
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app) {
+  auto* command = app.add_subcommand("run", "Estimate the trajectory of a recording");
+  auto arguments = std::make_shared<RunArguments>();
+  AddOptions(*command, *arguments);
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace facet

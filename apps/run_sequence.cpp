@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "run_sequence.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <thread>
+
+#include <sys/resource.h>
+
+#include "facet/io/errors.h"
+
+namespace facet {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kMaxDamagedInARow = 20;
+constexpr int kMaxDamagedReported = 3;
+constexpr double kLostForGoodS = 1.0;
+
+double MsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+double ProcessCpuSeconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double PeakRssMb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024e-6;  // from KiB
+}
+
+/// Indices of the frames in the range; the first one is a stereo pair.
+struct FrameInterval {
+  std::size_t begin = 0, end = 0;
+};
+
+FrameInterval SelectFrames(const std::vector<FrameEntry>& frames, const RunRange& range) {
+  const auto seconds = [&](const FrameEntry& f) { return ToSeconds(f.t - frames.front().t); };
+  FrameInterval part;
+  while (part.begin < frames.size() &&
+         (seconds(frames[part.begin]) < range.start_s || !frames[part.begin].HasRight())) {
+    ++part.begin;
+  }
+  part.end = part.begin;
+  const double end_s = range.start_s + range.duration_s;
+  while (part.end < frames.size() && seconds(frames[part.end]) <= end_s)
+    ++part.end;
+  if (part.begin == part.end) {
+    char text[120];
+    std::snprintf(text,
+                  sizeof(text),
+                  "--start %g --duration %g: no stereo pair there, the sequence lasts %.1f s",
+                  range.start_s,
+                  range.duration_s,
+                  seconds(frames.back()));
+    throw ConfigError(text);
+  }
+  return part;
+}
+
+class SequenceRunner {
+ public:
+  SequenceRunner(AslDataset& dataset, const VioFunctions& vio, const RunRange& range)
+      : dataset_(dataset),
+        vio_(vio),
+        range_(range),
+        part_(SelectFrames(dataset.frames(), range)),
+        start_(Clock::now()) {
+    RunRecord& record = run_.record;
+    record.sequence = dataset.name();
+    record.warnings = dataset.warnings();
+    record.first_pair = Stamp(part_.begin);
+    record.num_frames = static_cast<int>(part_.end - part_.begin);
+    record.duration_s = ToSeconds(Stamp(part_.end - 1) - Stamp(part_.begin));
+  }
+
+  SequenceRun Run(const RunObserver& observer) {
+    const double cpu_start_s = ProcessCpuSeconds();
+    SkipEarlyImu();
+    for (std::size_t i = part_.begin; i < part_.end && run_.end == RunEnd::kComplete; ++i) {
+      if (range_.realtime) i = DropLateFrames(i);
+      const auto output = ProcessFrame(i);
+      const int done = static_cast<int>(i + 1 - part_.begin);
+      if (output && !observer(done, run_.record.num_frames, *output)) StopAt(i);
+    }
+    run_.record.wall_s = 1e-3 * MsSince(start_);
+    run_.record.cpu_s = ProcessCpuSeconds() - cpu_start_s;
+    Finish();
+    return std::move(run_);
+  }
+
+ private:
+  Timestamp Stamp(std::size_t i) const { return dataset_.frames()[i].t; }
+
+  /// When the frame arrives in a run at recorded speed.
+  Clock::time_point ArrivalOf(std::size_t i) const {
+    return start_ + std::chrono::nanoseconds((Stamp(i) - Stamp(part_.begin)).ns);
+  }
+
+  /// Steps over the samples from before the run; the last one at or before its first frame stays.
+  void SkipEarlyImu() {
+    const auto& imu = dataset_.imu();
+    const Timestamp first =
+        Stamp(part_.begin) + dataset_.rig().time_offset - FromSeconds(range_.imu_history_s);
+    while (next_imu_ + 1 < imu.size() && imu[next_imu_ + 1].t <= first)
+      ++next_imu_;
+  }
+
+  void FeedImu(Timestamp image_stamp) {
+    const auto& imu = dataset_.imu();
+    const Timestamp until = image_stamp + dataset_.rig().time_offset;
+    while (next_imu_ < imu.size() && (next_imu_ == 0 || imu[next_imu_ - 1].t <= until)) {
+      vio_.add_imu(imu[next_imu_++]);
+    }
+  }
+
+  /// The newest frame that has arrived, or `i` itself; counts the ones before it as dropped.
+  std::size_t DropLateFrames(std::size_t i) {
+    const auto now = Clock::now();
+    for (; i + 1 < part_.end && ArrivalOf(i + 1) <= now; ++i)
+      ++run_.record.num_dropped;
+    return i;
+  }
+
+  /// Empty when the left image is unusable.
+  std::optional<VioOutput> ProcessFrame(std::size_t i) {
+    const auto wall_start = Clock::now();
+    const double decode_start_ms = ThreadCpuMs();
+    if (!Decode(i)) return std::nullopt;
+    const double decode_ms = ThreadCpuMs() - decode_start_ms;
+    const double decode_wall_ms = MsSince(wall_start);
+    if (range_.realtime) std::this_thread::sleep_until(ArrivalOf(i));
+
+    const auto vio_start = Clock::now();
+    FeedImu(Stamp(i));
+    VioOutput output = vio_.add_stereo({Stamp(i), left_, right_});
+    output.times[Stage::kDecode] += decode_ms;
+    const double wall_ms = decode_wall_ms + MsSince(vio_start);
+    Record(output, wall_ms, range_.realtime ? MsSince(ArrivalOf(i)) : wall_ms);
+    return output;
+  }
+
+  /// False when the left image is unusable.
+  bool Decode(std::size_t i) {
+    try {
+      const std::string problem = dataset_.ReadPair(i, left_, right_);
+      if (!problem.empty()) {
+        Report(num_mono_++, problem + " (the frame was used with its left image only)");
+      }
+      damaged_in_a_row_ = 0;
+      return true;
+    } catch (const InputError& error) {
+      Report(run_.record.num_damaged++, std::string(error.what()) + " (the frame was skipped)");
+      if (++damaged_in_a_row_ >= kMaxDamagedInARow) {
+        run_.end = RunEnd::kDamaged;
+        run_.message = std::string(error.what()) + " (like the " +
+                       std::to_string(kMaxDamagedInARow - 1) + " before it)";
+      }
+      return false;
+    }
+  }
+
+  void Report(int num_before, const std::string& warning) {
+    if (num_before < kMaxDamagedReported) run_.record.warnings.push_back(warning);
+  }
+
+  void Record(const VioOutput& output, double wall_ms, double latency_ms) {
+    FrameRecord f;
+    f.t = output.t;
+    f.is_keyframe = output.is_keyframe;
+    f.has_pose = output.has_pose;
+    f.state = output.state;
+    f.sigma_p = output.sigma_p;
+    f.sigma_theta = output.sigma_theta;
+    f.sigma_v = output.sigma_v;
+    f.status = ToString(output.status);
+    f.reason = output.reason;
+    f.times = output.times;
+    f.wall_ms = wall_ms;
+    f.latency_ms = latency_ms;
+    f.num_landmarks = output.num_landmarks;
+    RunRecord& record = run_.record;
+    record.frames.push_back(f);
+    record.num_resets += output.was_reset ? 1 : 0;
+    record.num_imu_gaps += output.imu_gaps;
+    AddKeyframes(output.finished_keyframes);
+    if (output.snapshot) last_snapshot_ = output.snapshot;
+    is_lost_ = !output.has_pose || output.status == TrackingStatus::kLost;
+    if (!is_lost_) last_good_ = output.t;
+  }
+
+  void AddKeyframes(const std::vector<KeyframePose>& keyframes) {
+    for (const KeyframePose& k : keyframes)
+      run_.record.keyframes.push_back({k.t, k.T_WB});
+  }
+
+  void StopAt(std::size_t i) {
+    run_.end = RunEnd::kStopped;
+    run_.message = "stopped after " + std::to_string(i + 1 - part_.begin) + " of " +
+                   std::to_string(run_.record.num_frames) + " frames";
+    run_.record.duration_s = ToSeconds(Stamp(i) - Stamp(part_.begin));
+  }
+
+  void Finish() {
+    RunRecord& record = run_.record;
+    AddKeyframes(vio_.window_keyframes());
+    auto& keyframes = record.keyframes;
+    const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.t < b.t; };
+    const auto same = [](const StampedPose& a, const StampedPose& b) { return a.t == b.t; };
+    std::stable_sort(keyframes.begin(), keyframes.end(), earlier);
+    keyframes.erase(std::unique(keyframes.begin(), keyframes.end(), same), keyframes.end());
+    if (last_snapshot_) {
+      for (const LandmarkEstimate& l : last_snapshot_->landmarks)
+        record.landmarks.push_back(l.p_W);
+    }
+    record.peak_rss_mb = PeakRssMb();
+    SummarizeProblems();
+    if (run_.end == RunEnd::kComplete) JudgeTracking();
+    if (!run_.message.empty()) record.warnings.push_back(run_.message);
+  }
+
+  void SummarizeProblems() {
+    std::vector<std::string>& warnings = run_.record.warnings;
+    if (run_.record.num_damaged > kMaxDamagedReported) {
+      warnings.push_back(std::to_string(run_.record.num_damaged) +
+                         " frames were skipped because their left image is unusable");
+    }
+    if (num_mono_ > kMaxDamagedReported) {
+      warnings.push_back(std::to_string(num_mono_) + " right images are unusable");
+    }
+    if (run_.record.num_dropped > 0) {
+      warnings.push_back(std::to_string(run_.record.num_dropped) + " frames arrived while busy");
+    }
+  }
+
+  void JudgeTracking() {
+    const std::vector<FrameRecord>& frames = run_.record.frames;
+    const std::string reason = frames.empty() ? "no image could be read" : frames.back().reason;
+    if (!last_good_) {
+      run_.end = RunEnd::kNotStarted;
+      run_.message = "the estimator could not start: " + reason +
+                     "; try another --start, and `facet check` on the sequence";
+    } else if (is_lost_ && ToSeconds(frames.back().t - *last_good_) >= kLostForGoodS) {
+      run_.end = RunEnd::kLost;
+      run_.message = "the estimator was lost at " + FormatSeconds(*last_good_) +
+                     " s and did not recover: " + reason + "; the results up to there were written";
+    }
+  }
+
+  AslDataset& dataset_;
+  const VioFunctions& vio_;
+  const RunRange range_;
+  const FrameInterval part_;
+  const Clock::time_point start_;
+  SequenceRun run_;
+  cv::Mat left_, right_;
+  std::size_t next_imu_ = 0;
+  int num_mono_ = 0;
+  int damaged_in_a_row_ = 0;
+  bool is_lost_ = true;
+  std::optional<Timestamp> last_good_;
+  std::shared_ptr<const MapSnapshot> last_snapshot_;
+};
+
+}  // namespace
+
+SequenceRun RunSequence(AslDataset& dataset,
+                        const VioFunctions& vio,
+                        const RunRange& range,
+                        const RunObserver& observer) {
+  return SequenceRunner(dataset, vio, range).Run(observer);
+}
+
+}  // namespace facet

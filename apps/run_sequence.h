@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The run loop: feeds a recording to the estimator and keeps what comes out.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "facet/frontend/stereo_frontend.h"
+#include "facet/io/asl_dataset.h"
+#include "facet/io/result_writer.h"
+#include "facet/pipeline/vio_output.h"
+
+namespace facet {
+
+/// The estimator as the loop sees it: VioPipeline, or a stand-in for tests.
+struct VioFunctions {
+  std::function<void(const ImuSample&)> add_imu;
+  std::function<VioOutput(const StereoFrame&)> add_stereo;
+  std::function<std::vector<KeyframePose>()> window_keyframes;
+};
+
+/// Which part of a recording is run and how fast.
+struct RunRange {
+  double start_s = 0;  ///< after the first stereo pair
+  double duration_s = std::numeric_limits<double>::infinity();
+  double imu_history_s = 0;  ///< IMU from before the first frame
+  bool realtime = false;     ///< at recorded speed; what arrives while busy is dropped
+};
+
+enum class RunEnd {
+  kComplete,
+  kStopped,     ///< by the observer
+  kDamaged,     ///< too many left images in a row were unreadable
+  kNotStarted,  ///< no frame got a pose
+  kLost         ///< the last second or more has no pose
+};
+
+struct SequenceRun {
+  RunRecord record;  ///< of everything up to the end, whatever the end was
+  RunEnd end = RunEnd::kComplete;
+  std::string message;  ///< what happened and what to do; empty when complete
+};
+
+/// Called after each processed frame with the number of frames so far and of all; false stops the
+/// run.
+using RunObserver = std::function<bool(int done, int total, const VioOutput& output)>;
+
+/// Runs one part of a recording. Before each frame the IMU samples up to its stamp (plus the rig's
+/// time offset) and one more are fed. A frame whose left image is unusable is skipped, counted and
+/// reported, one with an unusable right image becomes a mono frame.
+///
+/// Throws ConfigError when the part is empty. The caller fills in version, pipeline, threads and
+/// config.
+SequenceRun RunSequence(AslDataset& dataset,
+                        const VioFunctions& vio,
+                        const RunRange& range,
+                        const RunObserver& observer);
+
+}  // namespace facet

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Full state of a frame between keyframes, at a fraction of the cost of the window: the last keyframe's
+// pose and the landmarks are held, its velocity and biases are free within their covariance, the frame is
+// tied to it by the IMU and to the landmarks by its observations (docs/math.md, section 4.4).
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include "facet/estimator/estimator_options.h"
+#include "facet/estimator/vision_factor.h"
+
+namespace facet {
+
+/// One observation, prepared for the estimator.
+struct PreparedObservation {
+  LandmarkId landmark;
+  WindowObservation observation;  ///< `frame` is not used here
+};
+
+struct FrameUpdateResult {
+  bool ok = false;
+  int num_used = 0;  ///< observations of known landmarks
+  Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
+};
+
+/// Not thread-safe.
+class FrameUpdater {
+ public:
+  FrameUpdater(const StereoRig& rig, const SolverOptions& options) : geometry_(rig), options_(options) {}
+
+  /// Takes the newest frame of the window as reference, with its marginal covariance, and the landmarks
+  /// that it sees.
+  void SetReference(const SlidingWindow& window, const Matrix<15, 15>& covariance);
+
+  /// `frame` holds the predicted state and the IMU interval since the reference; its state is updated.
+  FrameUpdateResult Update(const std::vector<PreparedObservation>& observations, WindowFrame& frame) const;
+
+  const WindowFrame& reference() const { return reference_; }
+
+ private:
+  /// A landmark of the window, held in the world as d_W + rho (p_WH - p).
+  struct HeldLandmark {
+    Vector3d d_W;
+    Matrix<3, 2> B_W;
+    double rho;
+    Vector3d p_WH;
+    Matrix3d covariance;  // of the two bearing directions and rho
+  };
+  struct Match {
+    const HeldLandmark* landmark;
+    const WindowObservation* observation;
+  };
+  using System = std::pair<Matrix<24, 24>, Vector<24>>;
+
+  void AddVision(const std::vector<Match>& matches, const WindowFrame& frame, System& system) const;
+  void AddImu(const WindowFrame& reference, const WindowFrame& frame, System& system) const;
+  Matrix<15, 15> Covariance(const System& system, const WindowFrame& frame) const;
+
+  FrameGeometry geometry_;
+  SolverOptions options_;
+  WindowFrame reference_;
+  Matrix<15, 15> reference_covariance_ = Matrix<15, 15>::Zero();
+  Matrix<9, 9> motion_information_ = Matrix<9, 9>::Zero();  // given the pose
+  std::unordered_map<LandmarkId, HeldLandmark> landmarks_;
+};
+
+}  // namespace facet

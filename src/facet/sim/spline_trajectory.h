@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A smooth motion through recorded poses: a uniform quintic B-spline in position and in the quaternion's
+// components (normalised on evaluation). All derivatives are analytic, so that simulated IMU samples
+// and poses agree exactly; recorded ground truth itself is too noisy for that.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "facet/imu/imu_types.h"
+
+namespace facet {
+
+struct SplineOptions {
+  double knot_interval_s = 0.1;  ///< raising it smooths more: motion above about 0.3 / interval Hz is lost
+  double smoothing = 1e-4;       ///< weight of third differences; bridges holes in the recording
+};
+
+/// Everything about the motion at one moment.
+struct TrajectoryPoint {
+  NavState state;                        ///< biases are zero
+  Vector3d w_B = Vector3d::Zero();       ///< angular rate [rad/s]
+  Vector3d a_W = Vector3d::Zero();       ///< acceleration of the body's origin in W [m/s^2]
+};
+
+/// Thread-safe (immutable).
+class SplineTrajectory {
+ public:
+  /// Least squares through the poses of `states` (in order of time; velocities and biases are not
+  /// used). CHECKs that there are at least two of them, one second or more apart.
+  static SplineTrajectory Fit(std::span<const NavState> states, const SplineOptions& options = {});
+
+  Timestamp begin() const { return begin_; }
+  Timestamp end() const { return end_; }
+
+  /// CHECKs that t lies between begin and end.
+  TrajectoryPoint At(Timestamp t) const;
+
+  /// What a perfect IMU measures: angular rate and specific force in B.
+  ImuSample IdealImuAt(Timestamp t) const;
+
+ private:
+  static constexpr int kDegree = 5;
+  using Coefficients = Vector<7>;  // position, quaternion x y z w (not normalised)
+
+  /// Value, first and second derivative of the seven components.
+  std::array<Coefficients, 3> Evaluate(double seconds) const;
+
+  Timestamp begin_, end_;
+  double knot_interval_s_ = 0;
+  std::vector<Coefficients> control_points_;
+};
+
+/// Poses at 200 Hz of a made-up flight in a volume of about 4 x 3 x 1.5 m, for tests without recorded
+/// data: speeds around 1 m/s, turning, body axes as in EuRoC (x up, z forward). Differs with the seed.
+std::vector<NavState> MakeFlight(double duration_s, std::uint64_t seed);
+
+}  // namespace facet
