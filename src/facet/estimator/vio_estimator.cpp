@@ -298,30 +298,28 @@ int VioEstimator::RemoveOutliers() {
   return removed;
 }
 
-bool VioEstimator::StartIsOver() const {
+bool VioEstimator::StartIsOver() {
   const double elapsed_s = ToSeconds(window_.frames.back().x.t - first_t_);
-  return elapsed_s >= options_.window.start_s && TiltSigma() < options_.window.start_tilt_deg * kDegree;
-}
-
-void VioEstimator::ThinOutStart() {
+  if (elapsed_s < options_.window.start_s) return false;
+  if (TiltSigma() < options_.window.start_tilt_deg * kDegree) return true;
   const int num_frames = static_cast<int>(window_.frames.size());
-  if (num_frames <= options_.window.max_start_keyframes) return;
-  // Nothing is frozen yet: the frame goes without a trace but for its IMU, which joins the next interval.
+  if (num_frames <= options_.window.max_start_keyframes) return false;
+  // At rest the tilt stays uncertain, but the frames are duplicates: one of them goes without a trace but
+  // for its IMU, which joins the next interval. In motion there is none, and the start has to end.
   const int victim = MostRedundantFrame(window_, 1, num_frames - 3, options_.window.covisible_share);
+  if (!IsDuplicate(window_, victim)) return true;
   WindowFrame& next = window_.frames[victim + 1];
   ImuPreintegration joined = window_.frames[victim].imu;
   joined.Integrate(next.imu.samples());
   next.imu = std::move(joined);
   UpdatePreintegration(next);
   window_.RemoveFrame(victim);
+  return false;
 }
 
 void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
   if (!start_is_over_) {
-    if (!StartIsOver()) {
-      ThinOutStart();
-      return;
-    }
+    if (!StartIsOver()) return;
     start_is_over_ = true;
     RelinearizeImu();
     solver_.Solve(window_, kStartIterations);

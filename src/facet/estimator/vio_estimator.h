@@ -60,9 +60,8 @@ class VioEstimator {
   void RelinearizeImu();
   int RemoveOutliers();
   void Shrink(std::vector<KeyframePose>& finished);
-  void ThinOutStart();
   void MoveOriginToNewestFrame();
-  bool StartIsOver() const;
+  bool StartIsOver();
   double TiltSigma() const;
   void FillResult(const WindowFrame& frame, int num_used, EstimatorResult& result) const;
   int NumSeenInNewest() const;

@@ -72,6 +72,30 @@ int MostRedundantFrame(const SlidingWindow& window, int first, int last, double 
   return best;
 }
 
+bool IsDuplicate(const SlidingWindow& window, int frame) {
+  constexpr double kMaxParallax = 5e-3;  // rad; about two pixels
+  constexpr double kMinShared = 0.8;
+  const int num_frames = static_cast<int>(window.frames.size());
+  std::vector<double> inverse_distances;
+  std::vector<int> shared(window.frames.size(), 0);
+  for (const WindowLandmark& landmark : window.landmarks()) {
+    if (!landmark.has_depth || !Sees(landmark, frame)) continue;
+    inverse_distances.push_back(landmark.inverse_distance);
+    for (const WindowObservation& o : landmark.observations) ++shared[o.frame];
+  }
+  if (inverse_distances.empty()) return true;
+  const auto middle = inverse_distances.begin() + static_cast<long>(inverse_distances.size() / 2);
+  std::nth_element(inverse_distances.begin(), middle, inverse_distances.end());
+  for (int i = 0; i < num_frames; ++i) {
+    const double distance = (window.frames[i].x.T_WB.p - window.frames[frame].x.T_WB.p).norm();
+    if (i != frame && distance * *middle < kMaxParallax &&
+        shared[i] > kMinShared * static_cast<double>(inverse_distances.size())) {
+      return true;
+    }
+  }
+  return false;
+}
+
 MarginalizationPlan PlanMarginalization(const SlidingWindow& window, const WindowOptions& options) {
   MarginalizationPlan plan(window);
   const int num_frames = static_cast<int>(window.frames.size());

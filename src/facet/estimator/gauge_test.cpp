@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Stereo and IMU say nothing about the position of everything and its heading. The prior must not
+// gain information there, however often something is marginalised (docs/math.md, section 5.3).
+#include <algorithm>
+#include <iostream>
+
+#include <gtest/gtest.h>
+
+#include "facet/estimator/landmark_depth.h"
+#include "facet/estimator/test_window.h"
+#include "facet/estimator/window_policy.h"
+#include "facet/estimator/window_solver.h"
+#include "facet/imu/imu_buffer.h"
+#include "facet/sim/euroc_rig.h"
+#include "facet/sim/feature_simulator.h"
+
+namespace facet {
+namespace {
+
+constexpr double kHuber = 2.0;
+constexpr int kStartKeyframes = 10;
+
+/// Fixed-lag smoothing of keyframes alone: what VioEstimator does, without its start and its exceptions.
+class KeyframeSmoother {
+ public:
+  /// With `first_estimates` false the prior follows the estimate, and with it all Jacobians.
+  KeyframeSmoother(const SimulatedRun& run, bool first_estimates)
+      : run_(run), first_estimates_(first_estimates), solver_(run.rig, SolverOptions{}), geometry_(run.rig) {
+    window_.T_BC0 = run.rig.T_BC[0];
+    for (const ImuSample& sample : run.imu) imu_.Add(sample);
+  }
+
+  void Process(std::size_t i, Rng& rng) {
+    AppendFrame(i, rng);
+    AppendObservations(run_.frames[i]);
+    geometry_.Update(window_.frames);
+    for (WindowLandmark& landmark : window_.landmarks()) {
+      if (!landmark.has_depth) InitializeDepth(geometry_, landmark);
+    }
+    FollowEstimate();
+    solver_.Solve(window_, i < kStartKeyframes ? 15 : 4);
+    FollowEstimate();
+    if (i < kStartKeyframes) return;
+    while (true) {
+      const MarginalizationPlan plan = PlanMarginalization(window_, WindowOptions{});
+      if (plan.IsEmpty()) return;
+      Marginalize(plan, run_.rig, RobustOptions{kHuber}, window_);
+      ++num_marginalizations_;
+    }
+  }
+
+  const SlidingWindow& window() const { return window_; }
+  int num_marginalizations() const { return num_marginalizations_; }
+
+ private:
+  void AppendFrame(std::size_t i, Rng& rng) {
+    WindowFrame frame;
+    frame.id = run_.frames[i].frame;
+    frame.is_keyframe = true;
+    if (i == 0) {
+      frame.x = testing::Retract(run_.truth[0], testing::RandomStep({0.01, 0, 0.05, 0.005, 0.05}, rng));
+      frame.x.t = run_.truth[0].t;
+      window_.start_prior = {true, frame.id, frame.x.T_WB};
+    } else {
+      const NavState& last = window_.frames.back().x;
+      PreintegrationNoise noise;
+      frame.imu = ImuPreintegration(last.bias, noise);
+      frame.imu.Integrate(imu_.Between(last.t, run_.truth[i].t, Duration{20'000'000}, Duration{0}).samples);
+      frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, BiasWalk{});
+      frame.has_imu_link = true;
+      frame.x = frame.imu.Predict(last);
+    }
+    frame.lin = frame.x;
+    window_.frames.push_back(std::move(frame));
+  }
+
+  void AppendObservations(const FrameObservations& observations) {
+    const int newest = static_cast<int>(window_.frames.size()) - 1;
+    for (const FeatureObservation& feature : observations.features) {
+      WindowObservation o;
+      o.frame = newest;
+      o.has_right = feature.px_right.has_value();
+      for (int c = 0; c < (o.has_right ? 2 : 1); ++c) {
+        const Vector2d px = c == 0 ? feature.px_left : *feature.px_right;
+        const UndistortedPoint point = run_.rig.cameras[c].Undistort(px).value();
+        o.xy[c] = point.xy;
+        o.sqrt_info[c] = point.J_xy_px.inverse() / feature.sigma_left_px;
+      }
+      WindowLandmark* landmark = window_.Find(feature.landmark);
+      if (landmark == nullptr) landmark = &window_.AddLandmark(feature.landmark, newest);
+      landmark->observations.push_back(o);
+    }
+  }
+
+  // Moves the linearisation point of the prior to the estimate: the same quadratic, other Jacobians.
+  void FollowEstimate() {
+    if (first_estimates_ || window_.prior.dim() == 0) return;
+    window_.prior.b += window_.prior.H * PriorDelta(window_);
+    for (WindowFrame& frame : window_.frames) {
+      frame.lin = frame.x;
+      frame.delta.setZero();
+    }
+  }
+
+  const SimulatedRun& run_;
+  bool first_estimates_;
+  ImuBuffer imu_;
+  SlidingWindow window_;
+  WindowSolver solver_;
+  FrameGeometry geometry_;
+  int num_marginalizations_ = 0;
+};
+
+// Columns: translation x y z, turn about the vertical through `pivot_W`; (5.3) and (5.4) of docs/math.md.
+Matrix<15, 4> GaugeDirections(const NavState& x, const Vector3d& pivot_W) {
+  Matrix<15, 4> N = Matrix<15, 4>::Zero();
+  const Vector3d e_z = Vector3d::UnitZ();
+  N.block<3, 3>(3, 0) = Matrix3d::Identity();
+  N.block<3, 1>(0, 3) = x.T_WB.q.conjugate() * e_z;
+  N.block<3, 1>(3, 3) = e_z.cross(x.T_WB.p - pivot_W);
+  N.block<3, 1>(6, 3) = e_z.cross(x.v_WB);
+  return N;
+}
+
+MatrixXd PriorDirections(const SlidingWindow& window, const Vector3d& pivot_W) {
+  MatrixXd N(window.prior.dim(), 4);
+  for (const MarginalPrior::Block& block : window.prior.blocks) {
+    const Matrix<15, 4> N_frame = GaugeDirections(window.frames[window.IndexOf(block.frame)].lin, pivot_W);
+    if (block.is_motion) {
+      N.middleRows<9>(block.offset) = N_frame.bottomRows<9>();
+    } else {
+      N.middleRows<6>(block.offset) = N_frame.topRows<6>();
+    }
+  }
+  return N;
+}
+
+MatrixXd WindowDirections(const SlidingWindow& window, const Vector3d& pivot_W) {
+  const StateLayout layout = MakeLayout(window.frames);
+  MatrixXd N(layout.dim, 4);
+  for (std::size_t i = 0; i < window.frames.size(); ++i) {
+    const Matrix<15, 4> N_frame = GaugeDirections(window.frames[i].lin, pivot_W);
+    N.middleRows<6>(layout.pose_column[i]) = N_frame.topRows<6>();
+    if (window.frames[i].has_motion) N.middleRows<9>(layout.motion_column[i]) = N_frame.bottomRows<9>();
+  }
+  return N;
+}
+
+Vector4d Energy(const MatrixXd& H, const MatrixXd& N) { return (N.transpose() * H * N).diagonal(); }
+
+struct GaugeHistory {
+  Vector4d first, last, largest;
+  Vector4d gained = Vector4d::Zero();  ///< sum of all increases from one marginalisation to the next
+  double largest_window_energy = 0;    ///< of the factors other than the prior
+  double position_error = 0;           ///< at the end [m]
+  int num_marginalizations = 0;
+};
+
+GaugeHistory RunSmoother(const SimulatedRun& run, bool first_estimates, int num_marginalizations) {
+  KeyframeSmoother smoother(run, first_estimates);
+  const Vector3d pivot_W = run.truth[0].T_WB.p;
+  GaugeHistory history;
+  Rng rng(5);
+  bool has_prior = false;
+  std::size_t i = 0;
+  for (; i < run.frames.size() && smoother.num_marginalizations() < num_marginalizations; ++i) {
+    smoother.Process(i, rng);
+    const SlidingWindow& window = smoother.window();
+    if (window.prior.dim() == 0) continue;
+    const Vector4d energy = Energy(window.prior.H, PriorDirections(window, pivot_W));
+    if (!has_prior) history.first = history.last = history.largest = energy;
+    has_prior = true;
+    history.gained += (energy - history.last).cwiseMax(0);
+    history.last = energy;
+    history.largest = history.largest.cwiseMax(energy);
+    if (i % 20 == 0) {
+      SlidingWindow without_prior = window;
+      without_prior.prior = MarginalPrior();
+      const MatrixXd H = testing::Assemble(without_prior, run.rig, kHuber).H;
+      history.largest_window_energy = std::max(
+          history.largest_window_energy, Energy(H, WindowDirections(window, pivot_W)).maxCoeff());
+    }
+  }
+  history.num_marginalizations = smoother.num_marginalizations();
+  history.position_error = (smoother.window().frames.back().x.T_WB.p - run.truth[i - 1].T_WB.p).norm();
+  return history;
+}
+
+void Print(const char* name, const GaugeHistory& h) {
+  std::cout << name << ": " << h.num_marginalizations << " marginalisations, position error "
+            << h.position_error << " m\n  information (x y z yaw): first " << h.first.transpose() << ", largest "
+            << h.largest.transpose() << ", last " << h.last.transpose() << "\n  gained in all "
+            << h.gained.transpose() << ", window without prior " << h.largest_window_energy << '\n';
+}
+
+SimulatedRun Simulate() {
+  FeatureSimulatorOptions options;
+  options.frame_rate_hz = 5;
+  options.keyframe_every = 1;
+  options.max_tracks = 60;
+  options.mean_track_life_s = 1.5;
+  return SimulateFeatures(SplineTrajectory::Fit(MakeFlight(110, 3)), EurocRig(), options, 1);
+}
+
+TEST(GaugeTest, ThePriorGainsNothingOver500Marginalizations) {
+  const SimulatedRun run = Simulate();
+  const GaugeHistory fixed = RunSmoother(run, true, 500);
+  Print("first estimates", fixed);
+  ASSERT_GE(fixed.num_marginalizations, 500);
+  const StartPrior start;
+  const Vector4d given(1 / (start.sigma_position * start.sigma_position),
+                       1 / (start.sigma_position * start.sigma_position),
+                       1 / (start.sigma_position * start.sigma_position),
+                       1 / (start.sigma_yaw * start.sigma_yaw));
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_LT(fixed.largest(k), given(k) * (1 + 1e-3)) << k;
+    EXPECT_LT(fixed.gained(k), 1e-3 * given(k)) << k;
+  }
+  EXPECT_LT(fixed.position_error, 1.0);
+
+  const GaugeHistory following = RunSmoother(run, false, 500);
+  Print("Jacobians at the estimate", following);
+}
+
+}  // namespace
+}  // namespace facet
