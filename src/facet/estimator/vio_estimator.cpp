@@ -90,7 +90,7 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
     RemoveOutliers();
     RelinearizeImu();
     result.solve = solver_.Solve(window_, kStartIterations);
-    newest_covariance_ = solver_.system().FrameCovariance(num_frames - 1);
+    newest_covariance_ = solver_.system().NewestFrameCovariance();
     const double waited_s = ToSeconds(observations.t - first_t_);
     if (TiltSigma() < options_.start.max_tilt_deg * kDegree || waited_s >= options_.start.max_wait_s) {
       MoveOriginToNewestFrame();
@@ -119,7 +119,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     InitializeDepths();
     RelinearizeImu();
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
-    newest_covariance_ = solver_.system().FrameCovariance(static_cast<int>(window_.frames.size()) - 1);
+    newest_covariance_ = solver_.system().NewestFrameCovariance();
     RemoveOutliers();
   }
   FillResult(window_.frames.back(), NumSeenInNewest(), result);

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 namespace facet {
 
 namespace {
@@ -14,6 +12,10 @@ namespace {
 constexpr double kMinDepth = 0.05;
 // Cost of a row whose point is behind the camera, in sigmas: bad, but finite.
 constexpr double kBehindSigma = 30.0;
+
+// Less information than this on a direction of a landmark (1-sigma of 30 rad or 30/m) counts as none.
+constexpr double kMinInformation = 1e-3;
+constexpr double kNoInformationPivot = 1e100;
 
 double HuberCost(double s, double k) { return s <= k ? 0.5 * s * s : k * (s - 0.5 * k); }
 
@@ -147,14 +149,22 @@ double LandmarkCost(const FrameGeometry& geometry,
 
 void Eliminate(double lambda, LandmarkBlock& block) {
   Matrix3d V = block.V;
-  // The ridge keeps a point without parallax (no information on its distance) from blowing up.
   V.diagonal() += lambda * V.diagonal();
-  V.diagonal().array() += 1e-6 + 1e-9 * V.trace();
-  block.L = V.llt().matrixL();
-  block.y = block.L.triangularView<Eigen::Lower>().solve(block.b);
+  // Cholesky by hand: a direction without information (no parallax, no view at all) gets an infinite
+  // pivot, which leaves it where it is. A ridge instead would pretend to know it and leak into the prior.
+  Matrix3d& L = block.L;
+  L.setZero();
+  for (int c = 0; c < 3; ++c) {
+    const double pivot = V(c, c) - L.row(c).head(c).squaredNorm();
+    L(c, c) = pivot > kMinInformation ? std::sqrt(pivot) : kNoInformationPivot;
+    for (int r = c + 1; r < 3; ++r) {
+      L(r, c) = (V(r, c) - L.row(r).head(c).dot(L.row(c).head(c))) / L(c, c);
+    }
+  }
+  block.y = L.triangularView<Eigen::Lower>().solve(block.b);
   for (int v = 0; v < block.num_views; ++v) {
     LandmarkBlock::View& view = block.views[v];
-    view.Y.transpose() = block.L.triangularView<Eigen::Lower>().solve(view.W.transpose());
+    view.Y.transpose() = L.triangularView<Eigen::Lower>().solve(view.W.transpose());
   }
 }
 

@@ -49,7 +49,7 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
 
     bool accepted = false;
     while (!accepted && lambda_ <= kMaxLambda) {
-      if (!system_.Solve(lambda_)) {
+      if (!system_.Solve(window, lambda_)) {
         lambda_ = std::max(lambda_ * 10, 1e-6);
         continue;
       }

@@ -31,17 +31,6 @@ void AddFactor(const J& jacobian, const R& r, std::initializer_list<Slice> slice
 
 }  // namespace
 
-StateLayout MakeLayout(const std::vector<WindowFrame>& frames) {
-  StateLayout layout;
-  for (std::size_t i = 0; i < frames.size(); ++i) layout.pose_column.push_back(static_cast<int>(6 * i));
-  layout.dim = static_cast<int>(6 * frames.size());
-  for (const WindowFrame& frame : frames) {
-    layout.motion_column.push_back(frame.has_motion ? layout.dim : -1);
-    if (frame.has_motion) layout.dim += 9;
-  }
-  return layout;
-}
-
 VectorXd PriorDelta(const SlidingWindow& window) {
   VectorXd delta(window.prior.dim());
   for (const MarginalPrior::Block& block : window.prior.blocks) {
@@ -188,7 +177,7 @@ double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robu
   return cost;
 }
 
-bool WindowSystem::Solve(double lambda) {
+bool WindowSystem::Solve(const SlidingWindow& window, double lambda) {
   reduced_H_ = H_;
   reduced_b_ = b_;
   reduced_H_.diagonal() += lambda * H_.diagonal();
@@ -196,10 +185,12 @@ bool WindowSystem::Solve(double lambda) {
     Eliminate(lambda, blocks_[k]);
     SubtractSchur(blocks_[k], layout_.pose_column, reduced_H_, reduced_b_);
   }
-  factor_.compute(reduced_H_);
+  if (!motions_.Eliminate(window, layout_, reduced_H_, reduced_b_)) return false;
+  factor_.compute(reduced_H_.topLeftCorner(layout_.dense_dim, layout_.dense_dim));
   if (factor_.info() != Eigen::Success) return false;
-  step_ = -reduced_b_;
-  factor_.solveInPlace(step_);
+  step_.setZero(layout_.dim);
+  step_.head(layout_.dense_dim) = -factor_.solve(reduced_b_.head(layout_.dense_dim));
+  motions_.BackSubstitute(step_);
   return step_.allFinite();
 }
 
@@ -238,10 +229,12 @@ void WindowSystem::ApplyStep(SlidingWindow& window) {
   }
 }
 
-Matrix<15, 15> WindowSystem::FrameCovariance(int frame) const {
-  MatrixXd rhs = MatrixXd::Zero(layout_.dim, 15);
-  for (int k = 0; k < 6; ++k) rhs(layout_.pose_column[frame] + k, k) = 1;
-  for (int k = 0; k < 9; ++k) rhs(layout_.motion_column[frame] + k, 6 + k) = 1;
+Matrix<15, 15> WindowSystem::NewestFrameCovariance() const {
+  // The newest frame owns the last columns of the dense part but for the order: its pose comes first.
+  const int pose = layout_.pose_column.back(), motion = layout_.motion_column.back();
+  MatrixXd rhs = MatrixXd::Zero(layout_.dense_dim, 15);
+  for (int k = 0; k < 6; ++k) rhs(pose + k, k) = 1;
+  for (int k = 0; k < 9; ++k) rhs(motion + k, 6 + k) = 1;
   // Sigma = L^-T L^-1; its block is the squared half solve.
   factor_.matrixL().solveInPlace(rhs);
   return rhs.transpose() * rhs;

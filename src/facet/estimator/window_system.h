@@ -7,19 +7,11 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/estimator/motion_elimination.h"
 #include "facet/estimator/vision_factor.h"
 #include "facet/estimator/window.h"
 
 namespace facet {
-
-/// Which columns belong to whom: first all poses (theta p), then all motions (v b_g b_a).
-struct StateLayout {
-  std::vector<int> pose_column;    ///< by frame index
-  std::vector<int> motion_column;  ///< by frame index, -1 without motion
-  int dim = 0;
-};
-
-StateLayout MakeLayout(const std::vector<WindowFrame>& frames);
 
 /// Current value of delta of a prior block (zero for what is not frozen).
 VectorXd PriorDelta(const SlidingWindow& window);
@@ -48,7 +40,7 @@ class WindowSystem {
   double Cost(const SlidingWindow& window, const RobustOptions& robust);
 
   /// Reduces with damping lambda and solves; false if the matrix is not positive definite.
-  bool Solve(double lambda);
+  bool Solve(const SlidingWindow& window, double lambda);
 
   /// Moves frames and landmarks by the last solution.
   void ApplyStep(SlidingWindow& window);
@@ -58,8 +50,8 @@ class WindowSystem {
   const StateLayout& layout() const { return layout_; }
   const FrameGeometry& geometry() const { return geometry_; }
 
-  /// Marginal covariance of a frame with motion from the last factorisation: theta p v b_g b_a.
-  Matrix<15, 15> FrameCovariance(int frame) const;
+  /// Marginal covariance of the newest frame (with motion) from the last factorisation: theta p v b_g b_a.
+  Matrix<15, 15> NewestFrameCovariance() const;
 
  private:
   void LinearizeVision(const SlidingWindow& window, const RobustOptions& robust);
@@ -72,7 +64,8 @@ class WindowSystem {
   VectorXd b_;
   MatrixXd reduced_H_;  // lower triangle
   VectorXd reduced_b_;
-  Eigen::LLT<MatrixXd> factor_;
+  MotionElimination motions_;
+  Eigen::LLT<MatrixXd> factor_;  // of the poses and the newest motion
   VectorXd step_;
   double cost_ = 0;
 };
