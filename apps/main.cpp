@@ -25,7 +25,9 @@ int Fail(int code, std::string message) {
 
 /// CLI11 would say that a command is missing where there is one that it does not know.
 bool IsUnknownCommand(const CLI::App& app, int argc, char** argv) {
-  return argc > 1 && argv[1][0] != '-' && app.get_subcommand_no_throw(argv[1]) == nullptr;
+  if (argc < 2 || argv[1][0] == '-') return false;
+  const std::string name = argv[1];
+  return app.get_subcommands([&](const CLI::App* c) { return c->check_name(name); }).empty();
 }
 
 int RunProgram(int argc, char** argv) {

@@ -19,6 +19,9 @@ using Clock = std::chrono::steady_clock;
 constexpr int kMaxDamagedInARow = 20;
 constexpr int kMaxDamagedReported = 3;
 constexpr double kLostForGoodS = 1.0;
+// A frame this close to the border of the chosen part belongs to it: EuRoC's stamps jitter by 256
+// ns.
+constexpr double kStampJitterS = 1e-3;
 
 double MsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -46,13 +49,14 @@ struct FrameInterval {
 
 FrameInterval SelectFrames(const std::vector<FrameEntry>& frames, const RunRange& range) {
   const auto seconds = [&](const FrameEntry& f) { return ToSeconds(f.t - frames.front().t); };
+  const double start_s = range.start_s - kStampJitterS;
+  const double end_s = range.start_s + range.duration_s + kStampJitterS;
   FrameInterval part;
   while (part.begin < frames.size() &&
-         (seconds(frames[part.begin]) < range.start_s || !frames[part.begin].HasRight())) {
+         (seconds(frames[part.begin]) < start_s || !frames[part.begin].HasRight())) {
     ++part.begin;
   }
   part.end = part.begin;
-  const double end_s = range.start_s + range.duration_s;
   while (part.end < frames.size() && seconds(frames[part.end]) <= end_s)
     ++part.end;
   if (part.begin == part.end) {
@@ -78,6 +82,7 @@ class SequenceRunner {
         start_(Clock::now()) {
     RunRecord& record = run_.record;
     record.sequence = dataset.name();
+    record.calibration = dataset.calibration_source();
     record.warnings = dataset.warnings();
     record.first_pair = Stamp(part_.begin);
     record.num_frames = static_cast<int>(part_.end - part_.begin);
@@ -143,7 +148,8 @@ class SequenceRunner {
 
     const auto vio_start = Clock::now();
     FeedImu(Stamp(i));
-    VioOutput output = vio_.add_stereo({Stamp(i), left_, right_});
+    images_.t = Stamp(i);
+    VioOutput output = vio_.add_stereo(images_);
     output.times[Stage::kDecode] += decode_ms;
     const double wall_ms = decode_wall_ms + MsSince(vio_start);
     Record(output, wall_ms, range_.realtime ? MsSince(ArrivalOf(i)) : wall_ms);
@@ -153,7 +159,7 @@ class SequenceRunner {
   /// False when the left image is unusable.
   bool Decode(std::size_t i) {
     try {
-      const std::string problem = dataset_.ReadPair(i, left_, right_);
+      const std::string problem = dataset_.ReadPair(i, images_.left, images_.right);
       if (!problem.empty()) {
         Report(num_mono_++, problem + " (the frame was used with its left image only)");
       }
@@ -195,8 +201,7 @@ class SequenceRunner {
     record.num_imu_gaps += output.imu_gaps;
     AddKeyframes(output.finished_keyframes);
     if (output.snapshot) last_snapshot_ = output.snapshot;
-    is_lost_ = !output.has_pose || output.status == TrackingStatus::kLost;
-    if (!is_lost_) last_good_ = output.t;
+    if (output.has_pose && output.status != TrackingStatus::kLost) last_good_ = output.t;
   }
 
   void AddKeyframes(const std::vector<KeyframePose>& keyframes) {
@@ -208,6 +213,7 @@ class SequenceRunner {
     run_.end = RunEnd::kStopped;
     run_.message = "stopped after " + std::to_string(i + 1 - part_.begin) + " of " +
                    std::to_string(run_.record.num_frames) + " frames";
+    run_.record.num_frames = static_cast<int>(i + 1 - part_.begin);
     run_.record.duration_s = ToSeconds(Stamp(i) - Stamp(part_.begin));
   }
 
@@ -250,7 +256,7 @@ class SequenceRunner {
       run_.end = RunEnd::kNotStarted;
       run_.message = "the estimator could not start: " + reason +
                      "; try another --start, and `facet check` on the sequence";
-    } else if (is_lost_ && ToSeconds(frames.back().t - *last_good_) >= kLostForGoodS) {
+    } else if (ToSeconds(frames.back().t - *last_good_) >= kLostForGoodS) {
       run_.end = RunEnd::kLost;
       run_.message = "the estimator was lost at " + FormatSeconds(*last_good_) +
                      " s and did not recover: " + reason + "; the results up to there were written";
@@ -263,11 +269,10 @@ class SequenceRunner {
   const FrameInterval part_;
   const Clock::time_point start_;
   SequenceRun run_;
-  cv::Mat left_, right_;
+  StereoFrame images_;
   std::size_t next_imu_ = 0;
   int num_mono_ = 0;
   int damaged_in_a_row_ = 0;
-  bool is_lost_ = true;
   std::optional<Timestamp> last_good_;
   std::shared_ptr<const MapSnapshot> last_snapshot_;
 };

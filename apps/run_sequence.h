@@ -23,7 +23,7 @@ struct VioFunctions {
 
 /// Which part of a recording is run and how fast.
 struct RunRange {
-  double start_s = 0;  ///< after the first stereo pair
+  double start_s = 0;  ///< after the first stereo pair; both borders to the millisecond
   double duration_s = std::numeric_limits<double>::infinity();
   double imu_history_s = 0;  ///< IMU from before the first frame
   bool realtime = false;     ///< at recorded speed; what arrives while busy is dropped

@@ -11,7 +11,7 @@
 namespace facet {
 namespace {
 
-constexpr int kWidth = 752, kHeight = 480, kLevels = 4, kPoints = 150;
+constexpr int kWidth = 752, kHeight = 480, kLevels = 4, kParameters = 4, kPoints = 150;
 
 // Smooth noise; the second image is shifted by a quarter pixel.
 cv::Mat MakeImage(double shift) {
@@ -53,7 +53,7 @@ PatchTracker MakeTracker(benchmark::State& state) {
   KltOptions options;
   options.simd = Variant(state);
   if (FindPatchKernels(options.simd) == nullptr) options.simd = "auto";
-  return PatchTracker(options);
+  return PatchTracker(options, kParameters);
 }
 
 void BM_Pyramid(benchmark::State& state) {
@@ -67,7 +67,7 @@ void BM_Detect(benchmark::State& state) {
   const cv::Mat image = MakeImage(0);
   ImagePyramid pyramid;
   pyramid.Build(image, kLevels);
-  const PatchTracker tracker{KltOptions{}};
+  const PatchTracker tracker(KltOptions{}, 4);
   FeatureDetector detector{DetectorOptions{}};
   for (auto _ : state) {
     benchmark::DoNotOptimize(detector.Detect(image, pyramid.level(0), tracker, {}, 160));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <opencv2/core/utility.hpp>
 
 #include "facet/base/stage_timer.h"
 #include "facet/frontend/stereo_frontend.h"
@@ -99,14 +100,17 @@ void PrintRow(const char* name, const std::vector<double>& v) {
 }
 
 void PrintFrames(const Run& run) {
-  std::vector<double> tracked, lost, outliers, refreshed, fresh, observed, ratio, all;
+  std::vector<double> out_of_view, not_found, not_returned, tracked, lost, outliers, refreshed, fresh, observed, ratio, all;
   std::vector<double> ordinary_ms, keyframe_ms, track_ms, detect_ms, stereo_ms;
   for (const FrameRecord& frame : run.frames) {
     const FrontendResult& r = frame.result;
-    tracked.push_back(r.num_tracked);
-    lost.push_back(r.num_lost);
+    tracked.push_back(r.tracking.num_tracked);
+    lost.push_back(r.tracking.num_lost());
     outliers.push_back(r.num_outliers);
-    refreshed.push_back(r.num_refreshed);
+    out_of_view.push_back(r.tracking.num_out_of_view);
+    not_found.push_back(r.tracking.num_not_found);
+    not_returned.push_back(r.tracking.num_not_returned);
+    refreshed.push_back(r.tracking.num_refreshed);
     track_ms.push_back(frame.times[Stage::kTrack]);
     all.push_back(frame.times.Total());
     if (!r.observations.is_keyframe) {
@@ -124,7 +128,10 @@ void PrintFrames(const Run& run) {
   std::printf("per frame                 count     mean      p10   median      p95      max\n");
   PrintRow("tracked", tracked);
   PrintRow("lost", lost);
-  PrintRow("of these outliers", outliers);
+  PrintRow("  out of view", out_of_view);
+  PrintRow("  not found", not_found);
+  PrintRow("  not returned", not_returned);
+  PrintRow("outliers", outliers);
   PrintRow("refreshed", refreshed);
   PrintRow("new (keyframes)", fresh);
   PrintRow("observed (keyframes)", observed);
@@ -268,6 +275,7 @@ int Main(int argc, char** argv) {
   app.add_option("--refine-poses", refinements, "rounds that fit the poses too, for noisy ground truth");
   CLI11_PARSE(app, argc, argv);
 
+  cv::setNumThreads(1);  // otherwise OpenCV hides cost in other threads
   FrontendOptions options;
   std::vector<ConfigEntry> entries;
   for (const std::string& text : overrides) entries.push_back(ParseOverride(text));

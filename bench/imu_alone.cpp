@@ -6,8 +6,9 @@
 #include <exception>
 #include <functional>
 
-#include "facet/testing/data_dir.h"
 #include "imu_alone_study.h"
+
+#include "facet/testing/data_dir.h"
 
 namespace facet {
 namespace {
@@ -16,13 +17,17 @@ using Intervals = std::vector<PredictedInterval>;
 
 void PrintVector(const char* name, const Vector<9>& x) {
   std::printf("  %-10s", name);
-  for (int i = 0; i < 9; ++i) std::printf(" %10.2e", x(i));
+  for (int i = 0; i < 9; ++i)
+    std::printf(" %10.2e", x(i));
   std::printf("\n");
 }
 
 void PrintErrors(const Intervals& intervals, Duration length) {
   const ErrorStatistics s = Summarise(intervals);
-  std::printf("interval %.2f s, %d intervals%54s\n", ToSeconds(length), s.count, "(W: p, v in the world; B: in the body)");
+  std::printf("interval %.2f s, %d intervals%54s\n",
+              ToSeconds(length),
+              s.count,
+              "(W: p, v in the world; B: in the body)");
   std::printf("  %-10s %32s %32s %32s\n", "", "theta [rad] x y z", "p [m] x y z", "v [m/s] x y z");
   PrintVector("W mean", s.W.mean);
   PrintVector("W mean/se", s.W.mean.cwiseQuotient(s.W.standard_error));
@@ -30,11 +35,20 @@ void PrintErrors(const Intervals& intervals, Duration length) {
   PrintVector("B mean/se", s.B.mean.cwiseQuotient(s.B.standard_error));
   PrintVector("B rms", s.B.rms);
   std::printf("  rms length: %.3g rad, %.3g mm, %.3g m/s;  NEES %.1f (9 with a perfect truth)\n",
-              s.norm_rms(0), 1e3 * s.norm_rms(1), s.norm_rms(2), s.nees);
+              s.norm_rms(0),
+              1e3 * s.norm_rms(1),
+              s.norm_rms(2),
+              s.nees);
   const Vector3d g_W = GravityWithoutMeanError(intervals);
-  std::printf("  gravity without mean velocity error: %.4f %.4f %.4f +- %.4f, length %.4f, tilt %.2f mrad\n",
-              g_W.x(), g_W.y(), g_W.z(), s.W.standard_error(8) / ToSeconds(length), g_W.norm(),
-              1e3 * std::hypot(g_W.x(), g_W.y()) / g_W.norm());
+  std::printf(
+      "  gravity without mean velocity error: %.4f %.4f %.4f +- %.4f, length %.4f, tilt %.2f "
+      "mrad\n",
+      g_W.x(),
+      g_W.y(),
+      g_W.z(),
+      s.W.standard_error(8) / ToSeconds(length),
+      g_W.norm(),
+      1e3 * std::hypot(g_W.x(), g_W.y()) / g_W.norm());
 }
 
 void PrintFactors(const char* name, const Intervals& intervals) {
@@ -42,8 +56,16 @@ void PrintFactors(const char* name, const Intervals& intervals) {
   const ErrorStatistics s = Summarise(intervals);
   const Vector2d density = OddEvenDensity(intervals);
   std::printf("  %-26s %5d   %6.2f %6.2f %6.2f   %8.1e %8.1e %8.1e   %8.1e %8.1e\n",
-              name, s.count, s.factor(0), s.factor(2), s.factor(1), s.norm_rms(0), s.norm_rms(2),
-              s.norm_rms(1), density(0), density(1));
+              name,
+              s.count,
+              s.factor(0),
+              s.factor(2),
+              s.factor(1),
+              s.norm_rms(0),
+              s.norm_rms(2),
+              s.norm_rms(1),
+              density(0),
+              density(1));
 }
 
 template <class Condition>
@@ -54,10 +76,21 @@ Intervals Where(const Intervals& all, const Condition& condition) {
 }
 
 void PrintSplit(const Intervals& all, Duration length) {
-  std::printf("interval %.2f s: factor on the datasheet densities for theta, v, p; rms length; "
-              "odd-even densities\n", ToSeconds(length));
-  std::printf("  %-26s %5s   %6s %6s %6s   %8s %8s %8s   %8s %8s\n", "intervals", "count", "theta",
-              "v", "p", "rad", "m/s", "m", "gyro", "accel");
+  std::printf(
+      "interval %.2f s: factor on the datasheet densities for theta, v, p; rms length; "
+      "odd-even densities\n",
+      ToSeconds(length));
+  std::printf("  %-26s %5s   %6s %6s %6s   %8s %8s %8s   %8s %8s\n",
+              "intervals",
+              "count",
+              "theta",
+              "v",
+              "p",
+              "rad",
+              "m/s",
+              "m",
+              "gyro",
+              "accel");
   const auto flying = [](const PredictedInterval& i) { return !i.at_rest; };
   PrintFactors("at rest", Where(all, std::not_fn(flying)));
   const Intervals flight = Where(all, flying);
@@ -82,13 +115,18 @@ void PrintSplit(const Intervals& all, Duration length) {
 
 void Study(const std::filesystem::path& folder) {
   const Flight flight = LoadFlight(folder);
-  std::printf("==== %s: %zu true states, %zu samples\n", folder.filename().c_str(),
-              flight.truth.size(), flight.imu.size());
+  std::printf("==== %s: %zu true states, %zu samples\n",
+              folder.filename().c_str(),
+              flight.truth.size(),
+              flight.imu.size());
   constexpr double kLengths[] = {0.05, 0.1, 0.2, 0.5, 1.0};
   std::vector<Intervals> all;
-  for (double s : kLengths) all.push_back(PredictFlight(flight, FromSeconds(s)));
-  for (std::size_t i = 0; i < all.size(); ++i) PrintErrors(all[i], FromSeconds(kLengths[i]));
-  for (std::size_t i = 0; i < all.size(); ++i) PrintSplit(all[i], FromSeconds(kLengths[i]));
+  for (double s : kLengths)
+    all.push_back(PredictFlight(flight, FromSeconds(s)));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    PrintErrors(all[i], FromSeconds(kLengths[i]));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    PrintSplit(all[i], FromSeconds(kLengths[i]));
 }
 
 }  // namespace
@@ -107,7 +145,8 @@ int main(int argc, char** argv) {
         folders.push_back(*folder);
       }
     }
-    for (const auto& folder : folders) facet::Study(folder);
+    for (const auto& folder : folders)
+      facet::Study(folder);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "imu_alone: %s\n", e.what());
     return 1;

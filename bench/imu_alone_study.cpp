@@ -21,7 +21,8 @@ double Vibration(const std::vector<ImuSample>& samples) {
   for (int i = 0; i < n; ++i) {
     const int begin = std::max(0, i - kHalf), end = std::min(n, i + kHalf + 1);
     Vector3d mean = Vector3d::Zero();
-    for (int k = begin; k < end; ++k) mean += samples[k].accel / (end - begin);
+    for (int k = begin; k < end; ++k)
+      mean += samples[k].accel / (end - begin);
     sum += (samples[i].accel - mean).squaredNorm() / 3.0;
   }
   return std::sqrt(sum / n);
@@ -54,8 +55,8 @@ PredictedInterval Predict(const NavState& start,
   PredictedInterval result;
   result.t0 = start.t;
   result.length = end.t - start.t;
-  result.error << LogSO3(end.T_WB.q.conjugate() * predicted.T_WB.q),
-      predicted.T_WB.p - end.T_WB.p, predicted.v_WB - end.v_WB;
+  result.error << LogSO3(end.T_WB.q.conjugate() * predicted.T_WB.q), predicted.T_WB.p - end.T_WB.p,
+      predicted.v_WB - end.v_WB;
   const Quaterniond q_BW = start.T_WB.q.conjugate();
   result.error_B << result.error.head<3>(), q_BW * result.error.segment<3>(3),
       q_BW * result.error.tail<3>();
@@ -81,7 +82,8 @@ std::vector<PredictedInterval> PredictFlight(const Flight& flight,
                                              Duration length,
                                              const Vector3d& g_W) {
   ImuBuffer buffer;
-  for (const ImuSample& sample : flight.imu) buffer.Add(sample);
+  for (const ImuSample& sample : flight.imu)
+    buffer.Add(sample);
   std::vector<PredictedInterval> intervals;
   // Stamps jitter by some 100 ns: take the first true state near the nominal end.
   constexpr Duration kJitter{1'000'000};
@@ -93,7 +95,8 @@ std::vector<PredictedInterval> PredictFlight(const Flight& flight,
         });
     if (end == flight.truth.end()) return intervals;
     if (end->t - start->t < length + kJitter) {
-      const ImuInterval interval = buffer.Between(start->t, end->t, Duration{8'000'000}, Duration{0});
+      const ImuInterval interval =
+          buffer.Between(start->t, end->t, Duration{8'000'000}, Duration{0});
       if (!interval.samples.empty() && interval.gaps == 0) {
         intervals.push_back(Predict(*start, *end, interval.samples, g_W));
       }
@@ -129,7 +132,8 @@ Vector<9> StandardErrorOfMean(const std::vector<PredictedInterval>& intervals,
   for (std::size_t b = 0; b < num_batches; ++b) {
     Vector<9> sum = Vector<9>::Zero();
     const std::size_t end = std::min(intervals.size(), (b + 1) * batch);
-    for (std::size_t i = b * batch; i < end; ++i) sum += intervals[i].*field - mean;
+    for (std::size_t i = b * batch; i < end; ++i)
+      sum += intervals[i].*field - mean;
     squares += (sum / static_cast<double>(end - b * batch)).cwiseAbs2();
   }
   return squares.cwiseSqrt() / static_cast<double>(num_batches);
@@ -164,7 +168,8 @@ ErrorStatistics Summarise(const std::vector<PredictedInterval>& intervals) {
     }
     s.nees += NormalisedSquaredError(i.covariance, i.error_B) / s.count;
   }
-  for (int k = 0; k < 3; ++k) s.norm_rms(k) = s.W.rms.segment<3>(3 * k).norm();
+  for (int k = 0; k < 3; ++k)
+    s.norm_rms(k) = s.W.rms.segment<3>(3 * k).norm();
   s.factor = normalised.cwiseSqrt();
   return s;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The IMU alone against the ground truth of two real flights, over 0.2 s.
+#include "imu_alone_study.h"
 #include <gtest/gtest.h>
 
 #include "facet/testing/data_dir.h"
-#include "imu_alone_study.h"
 
 namespace facet {
 namespace {
@@ -24,7 +24,9 @@ class ImuAloneTest : public ::testing::TestWithParam<const char*> {
 
 INSTANTIATE_TEST_SUITE_P(Euroc, ImuAloneTest, ::testing::Values("V1_02_medium", "MH_05_difficult"));
 
-double RmsPerAxis(double norm_rms) { return norm_rms / std::sqrt(3.0); }
+double RmsPerAxis(double norm_rms) {
+  return norm_rms / std::sqrt(3.0);
+}
 
 TEST_P(ImuAloneTest, PredictsTheTruthOver200Ms) {
   const auto intervals = PredictFlight(flight_, kLength);
@@ -46,8 +48,8 @@ TEST_P(ImuAloneTest, HasNoMeanErrorInTheBody) {
   ExpectNoMean(Summarise(PredictFlight(flight_, kLength)).B);
 }
 
-// The z axis of the ground truth is not exactly vertical (V1_02: 2.0 mrad), which is a mean velocity
-// error in its frame. Without that tilt neither half of the flight has any.
+// The z axis of the ground truth is not exactly vertical (V1_02: 2.0 mrad), which is a mean
+// velocity error in its frame. Without that tilt neither half of the flight has any.
 TEST_P(ImuAloneTest, HasNoMeanErrorInAFrameAlignedWithGravity) {
   const Vector3d g_W = GravityWithoutMeanError(PredictFlight(flight_, kLength));
   EXPECT_NEAR(g_W.norm(), kGravity, 5e-3);

@@ -227,6 +227,12 @@ def report_ratio(name, config, ratios):
             "high": float(high), "starts": len(ratios), "verdict": verdict}
 
 
+def verdict(a, b):
+    if a is None or b is None:
+        return "not compared"
+    return "identical" if a == b else "DIFFER"
+
+
 def repeat_check(sequences, config, out):
     """Two runs and one with two threads must write the same trajectory."""
     same = True
@@ -242,11 +248,9 @@ def repeat_check(sequences, config, out):
             contents.append(file.read_bytes() if file.exists() else None)
             if contents[-1] is None:
                 print(f"{sequence.name}: {name}: no trajectory ({last_line(process)})")
-        repeated = contents[0] is not None and contents[0] == contents[1]
-        threaded = contents[0] is not None and contents[0] == contents[2]
-        print(f"{sequence.name:24} two runs {'identical' if repeated else 'DIFFER'}, "
-              f"two threads {'identical' if threaded else 'DIFFER'}")
-        same = same and repeated and threaded
+        first, second, threaded = contents
+        print(f"{sequence.name:24} two runs {verdict(first, second)}, two threads {verdict(first, threaded)}")
+        same = same and None not in contents and first == second == threaded
     return same
 
 

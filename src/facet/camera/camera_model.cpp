@@ -122,8 +122,9 @@ Vector2d Distort(const CameraIntrinsics& k, const Vector2d& xy, Matrix2d* J) {
   return xy;
 }
 
-/// Inverse of the radial part: the undistorted point in the direction of xy_d. RadialDistortion grows
-/// on [0, max_radius], so Newton's method with a bracket always finds it; empty if it is not inside.
+/// Inverse of the radial part: the undistorted point in the direction of xy_d. RadialDistortion
+/// grows on [0, max_radius], so Newton's method with a bracket always finds it; empty if it is not
+/// inside.
 std::optional<Vector2d> UndistortRadially(const CameraIntrinsics& k,
                                           const Vector2d& xy_d,
                                           double max_radius) {
@@ -145,8 +146,8 @@ std::optional<Vector2d> UndistortRadially(const CameraIntrinsics& k,
 }
 
 bool AllFinite(const CameraIntrinsics& k) {
-  const bool pinhole = std::isfinite(k.fx) && std::isfinite(k.fy) && std::isfinite(k.cx) &&
-                       std::isfinite(k.cy);
+  const bool pinhole =
+      std::isfinite(k.fx) && std::isfinite(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy);
   return pinhole && std::all_of(k.coefficients.begin(), k.coefficients.end(), [](double c) {
            return std::isfinite(c);
          });

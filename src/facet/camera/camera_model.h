@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Pinhole cameras with radial-tangential (OpenCV, Kalibr "radtan") or equidistant (Kannala-Brandt,
-// Kalibr "equidistant") distortion, any resolution. Images are never rectified: points are undistorted.
+// Kalibr "equidistant") distortion, any resolution. Images are never rectified: points are
+// undistorted.
 #pragma once
 
 #include <array>
@@ -45,13 +46,13 @@ class CameraModel {
   int height() const { return k_.height; }
   double mean_focal_px() const { return 0.5 * (k_.fx + k_.fy); }
 
-  /// Pixel of a point in the camera frame; empty outside the field of view, that is behind the camera,
-  /// more than 85 deg away from the axis, or where the distortion polynomial folds over. The pixel may
-  /// lie outside the image. J: d pixel / d p_C.
+  /// Pixel of a point in the camera frame; empty outside the field of view, that is behind the
+  /// camera, more than 85 deg away from the axis, or where the distortion polynomial folds over.
+  /// The pixel may lie outside the image. J: d pixel / d p_C.
   std::optional<Vector2d> Project(const Vector3d& p_C, Matrix<2, 3>* J = nullptr) const;
 
-  /// Inverse of Project onto the plane z = 1, to 1e-9; empty where no ray inside the field of view of
-  /// Project has this pixel.
+  /// Inverse of Project onto the plane z = 1, to 1e-9; empty where no ray inside the field of view
+  /// of Project has this pixel.
   std::optional<UndistortedPoint> Undistort(const Vector2d& px) const;
 
   /// Unit bearing of a pixel.

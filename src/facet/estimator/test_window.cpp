@@ -168,9 +168,14 @@ StereoRig MakeTestRig() {
 }
 
 TestWindow MakeTestWindow(const TestWindowOptions& options, Rng& rng) {
+  const TestMotion motion = TestMotion::Random(rng);
+  return MakeTestWindow(options, motion, rng);
+}
+
+TestWindow MakeTestWindow(const TestWindowOptions& options, const TestMotion& motion, Rng& rng) {
   TestWindow out;
   out.rig = MakeTestRig();
-  out.motion = TestMotion::Random(rng);
+  out.motion = motion;
   out.window.T_BC0 = out.rig.T_BC[0];
   AddFrames(options, rng, out);
   for (int l = 0; l < options.num_landmarks; ++l) Observe(options, rng, out);

@@ -62,6 +62,8 @@ struct TestWindow {
   std::vector<NavState> truth;   ///< by frame
   std::vector<Vector3d> points;  ///< p_W by landmark
 };
+TestWindow MakeTestWindow(const TestWindowOptions& options, const TestMotion& motion, Rng& rng);
+/// Along a random motion.
 TestWindow MakeTestWindow(const TestWindowOptions& options, Rng& rng);
 
 /// Moves all states and landmarks away from where they are. Frozen variables move in delta.

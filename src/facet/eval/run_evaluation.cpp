@@ -67,7 +67,7 @@ std::optional<double> Coverage(const fs::path& result,
 fs::path TrajectoryFile(const fs::path& result) {
   if (!fs::exists(result)) throw InputError(result.string() + ": there is no such file or folder");
   if (!fs::is_directory(result)) return result;
-  const fs::path file = result / "trajectory.tum";
+  fs::path file = result / "trajectory.tum";
   if (!fs::exists(file)) {
     throw InputError(file.string() + ": there is no such file; is '" + result.string() +
                      "' a result folder of 'facet run'?");

@@ -33,6 +33,9 @@ std::vector<StampedPose> Circle(int num_poses, std::int64_t interval_ns) {
 
 // A sequence folder with truth and 100 frames, and the result folder of a run over it.
 class RunEvaluationTest : public ::testing::Test {
+ public:
+  ~RunEvaluationTest() override { fs::remove_all(folder_); }
+
  protected:
   RunEvaluationTest() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
@@ -46,8 +49,6 @@ class RunEvaluationTest : public ::testing::Test {
     Write("seq/mav0/cam0/data.csv", FrameTable());
     WriteTum(result() / "trajectory.tum", std::vector(Circle(90, 50'000'000)));
   }
-  ~RunEvaluationTest() override { fs::remove_all(folder_); }
-
   fs::path result() const { return folder_ / "result"; }
   fs::path sequence() const { return folder_ / "seq"; }
 

@@ -21,17 +21,17 @@ Vector3d Mean(std::span<const Vector3d> points) {
 
 // What both kinds of rotation are computed from.
 struct Moments {
-  Vector3d mean_W, mean_G;
-  Matrix3d cross = Matrix3d::Zero();  // sum (p_G - mean_G) (p_W - mean_W)^T
-  double square_W = 0;                // sum |p_W - mean_W|^2
+  Vector3d p_mean_W, p_mean_G;
+  Matrix3d cross = Matrix3d::Zero();  // sum (p_G - p_mean_G) (p_W - p_mean_W)^T
+  double square_sum = 0;              // sum |p_W - p_mean_W|^2
 };
 
-Moments ComputeMoments(std::span<const Vector3d> points_W, std::span<const Vector3d> points_G) {
-  Moments m{Mean(points_W), Mean(points_G)};
-  for (std::size_t i = 0; i < points_W.size(); ++i) {
-    const Vector3d w = points_W[i] - m.mean_W;
-    m.cross += (points_G[i] - m.mean_G) * w.transpose();
-    m.square_W += w.squaredNorm();
+Moments ComputeMoments(std::span<const Vector3d> p_W, std::span<const Vector3d> p_G) {
+  Moments m{Mean(p_W), Mean(p_G)};
+  for (std::size_t i = 0; i < p_W.size(); ++i) {
+    const Vector3d w = p_W[i] - m.p_mean_W;
+    m.cross += (p_G[i] - m.p_mean_G) * w.transpose();
+    m.square_sum += w.squaredNorm();
   }
   return m;
 }
@@ -70,20 +70,20 @@ const char* ToString(AlignmentKind kind) {
   return "";
 }
 
-TrajectoryAlignment AlignTrajectory(std::span<const Vector3d> points_W,
-                                    std::span<const Vector3d> points_G,
+TrajectoryAlignment AlignTrajectory(std::span<const Vector3d> p_W,
+                                    std::span<const Vector3d> p_G,
                                     AlignmentKind kind) {
-  FACET_CHECK(!points_W.empty() && points_W.size() == points_G.size())
-      << points_W.size() << " and " << points_G.size() << " points";
-  const Moments m = ComputeMoments(points_W, points_G);
+  FACET_CHECK(!p_W.empty() && p_W.size() == p_G.size())
+      << p_W.size() << " and " << p_G.size() << " points";
+  const Moments m = ComputeMoments(p_W, p_G);
   const Matrix3d R_GW =
       kind == AlignmentKind::kYawOnly ? BestRotationAboutZ(m.cross) : BestRotation(m.cross);
   TrajectoryAlignment alignment;
-  if (kind == AlignmentKind::kSim3 && m.square_W > 0) {
-    alignment.scale = (R_GW.transpose() * m.cross).trace() / m.square_W;  // Umeyama (42)
+  if (kind == AlignmentKind::kSim3 && m.square_sum > 0) {
+    alignment.scale = (R_GW.transpose() * m.cross).trace() / m.square_sum;  // Umeyama (42)
   }
   alignment.T_GW.q = Quaterniond(R_GW).normalized();
-  alignment.T_GW.p = m.mean_G - alignment.T_GW.q * (alignment.scale * m.mean_W);
+  alignment.T_GW.p = m.p_mean_G - alignment.T_GW.q * (alignment.scale * m.p_mean_W);
   return alignment;
 }
 

@@ -32,8 +32,8 @@ struct TrajectoryAlignment {
 /// The alignment with the least sum of squared distances |p_G - alignment * p_W|. The spans have
 /// the same size, at least one. Where the points leave directions open (all on one line, all in one
 /// place) the rest of the rotation is arbitrary and the scale is 1 if nothing moves.
-TrajectoryAlignment AlignTrajectory(std::span<const Vector3d> points_W,
-                                    std::span<const Vector3d> points_G,
+TrajectoryAlignment AlignTrajectory(std::span<const Vector3d> p_W,
+                                    std::span<const Vector3d> p_G,
                                     AlignmentKind kind);
 
 }  // namespace facet

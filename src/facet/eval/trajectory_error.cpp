@@ -51,12 +51,12 @@ std::size_t ClosestAfter(const std::vector<double>& values, std::size_t first, d
 }
 
 TrajectoryAlignment Align(std::span<const PosePair> pairs, AlignmentKind kind) {
-  std::vector<Vector3d> points_W, points_G;
+  std::vector<Vector3d> p_W, p_G;
   for (const PosePair& pair : pairs) {
-    points_W.push_back(pair.T_WB.p);
-    points_G.push_back(pair.T_GB.p);
+    p_W.push_back(pair.T_WB.p);
+    p_G.push_back(pair.T_GB.p);
   }
-  return AlignTrajectory(points_W, points_G, kind);
+  return AlignTrajectory(p_W, p_G, kind);
 }
 
 // Umeyama's scale takes the estimate to the truth; the error is that of the estimate.

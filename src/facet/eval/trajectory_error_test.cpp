@@ -46,6 +46,7 @@ std::vector<StampedPose> Moved(const std::vector<StampedPose>& poses, const SE3&
 
 std::vector<Vector3d> Positions(const std::vector<StampedPose>& poses) {
   std::vector<Vector3d> points;
+  points.reserve(poses.size());
   for (const StampedPose& pose : poses) {
     points.push_back(pose.T_WB.p);
   }
@@ -60,13 +61,13 @@ TEST(TrajectoryAlignmentTest, RecoversTheMotionThatWasApplied) {
     const Vector3d yaw_only(0, 0, rng.Uniform(-3, 3));
     const double scale = rng.Uniform(0.5, 2);
     const auto expect_aligned = [&](AlignmentKind kind, const SE3& T_WG, double s) {
-      const auto points_W = Positions(Moved(truth, T_WG, s));
-      const auto points_G = Positions(truth);
-      const TrajectoryAlignment alignment = AlignTrajectory(points_W, points_G, kind);
+      const auto p_W = Positions(Moved(truth, T_WG, s));
+      const auto p_G = Positions(truth);
+      const TrajectoryAlignment alignment = AlignTrajectory(p_W, p_G, kind);
       EXPECT_NEAR(alignment.scale, 1 / s, 1e-12);
       EXPECT_LT(LogSO3(alignment.T_GW.q * T_WG.q).norm(), 1e-7);
-      for (std::size_t k = 0; k < points_G.size(); ++k) {
-        EXPECT_LT((alignment * points_W[k] - points_G[k]).norm(), 1e-12);
+      for (std::size_t k = 0; k < p_G.size(); ++k) {
+        EXPECT_LT((alignment * p_W[k] - p_G[k]).norm(), 1e-12);
       }
     };
     expect_aligned(AlignmentKind::kSE3, SE3(ExpSO3(turn), 10 * rng.Normal3()), 1);

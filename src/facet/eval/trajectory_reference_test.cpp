@@ -112,6 +112,10 @@ struct Published {
   double rmse, mean, median, max;
 };
 
+void PrintTo(const Published& published, std::ostream* stream) {
+  *stream << published.file;
+}
+
 class PublishedEstimateTest : public ::testing::TestWithParam<Published> {
  protected:
   void SetUp() override {

@@ -16,9 +16,6 @@ struct KltOptions {
   int max_iterations = 6;
   /// An alignment ends when an update moves the patch by less than this. Smaller costs iterations.
   double min_update_px = 0.01;
-  /// Free parameters of the warp besides gain and offset: 2 shift, 3 and rotation, 4 and scale, 6
-  /// affine. The prediction carries the full affine map in each case.
-  int num_parameters = 4;
   /// Instruction set: auto, avx2, sse2 or scalar. The results are bit-identical.
   std::string simd = "auto";
 
@@ -27,13 +24,14 @@ struct KltOptions {
     v.Field("num_levels", num_levels, Range{1, 5}, "images in the pyramid");
     v.Field("max_iterations", max_iterations, Range{1, 50}, "iterations per pyramid level");
     v.Field("min_update_px", min_update_px, Range{1e-4, 1}, "update that ends the iterations");
-    v.Field("num_parameters", num_parameters, Range{2, 6}, "2 shift, 3 rotation, 4 scale, 6 affine");
     v.Field("simd", simd, Range{}, "auto, avx2, sse2 or scalar; same results");
   }
 };
 
 /// Where new points come from (feature_detector.h).
 struct DetectorOptions {
+  /// Free parameters of the warp that the strength of a corner is judged with (see TrackingOptions).
+  int num_parameters = 4;
   /// Side of a square grid cell; one new point per cell that holds no track. Smaller: more points. (!)
   int cell_px = 40;
   /// Distance that a new point keeps from every track.
@@ -50,6 +48,7 @@ struct DetectorOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
+    v.Field("num_parameters", num_parameters, Range{2, 6}, "warp parameters of the strength");
     v.Field("cell_px", cell_px, Range{8, 400}, "side of a grid cell with at most one new point");
     v.Field("min_distance_px", min_distance_px, Range{0, 200}, "distance of new points from tracks");
     v.Field("fast_threshold", fast_threshold, Range{1, 255}, "first FAST threshold");
@@ -61,6 +60,13 @@ struct DetectorOptions {
 
 /// From left image to left image (temporal_tracker.h).
 struct TrackingOptions {
+  /// Free parameters of the warp from frame to frame, besides gain and offset: 2 shift, 3 and rotation,
+  /// 4 and scale, 6 affine. The prediction supplies the others. More are noisier, and follow more.
+  int num_parameters = 2;
+  /// The same for the alignment with the reference patch.
+  int reference_parameters = 4;
+  /// Coarsest pyramid level for points whose motion can be predicted; others begin at the top.
+  int start_level = 1;
   /// A point that does not come back to within this distance when tracked back is lost. (!)
   double max_forward_backward_px = 0.5;
   /// Similarity (ZNCC, -1..1) with the previous frame below which a point is lost.
@@ -76,6 +82,9 @@ struct TrackingOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
+    v.Field("num_parameters", num_parameters, Range{2, 6}, "2 shift, 3 rotation, 4 scale, 6 affine");
+    v.Field("reference_parameters", reference_parameters, Range{2, 6}, "same, to the reference");
+    v.Field("start_level", start_level, Range{0, 4}, "coarsest level for predicted points");
     v.Field("max_forward_backward_px", max_forward_backward_px, Range{0.01, 10}, "tracking back");
     v.Field("min_zncc", min_zncc, Range{-1, 1}, "similarity with the previous frame");
     v.Field("min_reference_zncc", min_reference_zncc, Range{-1, 1}, "similarity with the reference");
@@ -87,6 +96,8 @@ struct TrackingOptions {
 
 /// From the left image to the right one (stereo_matcher.h).
 struct StereoMatcherOptions {
+  /// Free parameters of the warp from left to right (see TrackingOptions).
+  int num_parameters = 4;
   /// Nearest depth that the search of new points covers. Smaller costs time and false matches.
   double min_depth_m = 0.3;
   /// Pyramid level of the search along the epipolar line.
@@ -102,6 +113,7 @@ struct StereoMatcherOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
+    v.Field("num_parameters", num_parameters, Range{2, 6}, "2 shift, 3 rotation, 4 scale, 6 affine");
     v.Field("min_depth_m", min_depth_m, Range{0.02, 100}, "nearest depth of the search");
     v.Field("search_level", search_level, Range{0, 5}, "pyramid level of the epipolar search");
     v.Field("min_search_zncc", min_search_zncc, Range{-1, 1}, "similarity in the search");
@@ -116,11 +128,12 @@ struct OutlierOptions {
   bool enabled = true;
   /// Angle between a ray and its epipolar plane, in pixels of the mean focal length. (!)
   double max_error_px = 1.5;
-  /// Median motion without rotation, below which the test is skipped: every normal would be noise.
+  /// Median motion apart from any rotation, below which the test is skipped: the directions would be
+  /// noise.
   double min_parallax_px = 1.0;
   int max_iterations = 60;
   /// Fewer inliers than this share and the model is not trusted: nothing is removed.
-  double min_inlier_ratio = 0.5;
+  double min_inlier_ratio = 0.7;
 
   template <class Visitor>
   void Visit(Visitor& v) {

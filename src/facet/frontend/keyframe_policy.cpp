@@ -25,7 +25,9 @@ KeyframeReason KeyframePolicy::Reason(Timestamp t, int num_shared) const {
   if (since_keyframe + tolerance >= FromSeconds(options_.interval_s)) {
     return KeyframeReason::kInterval;
   }
-  if (num_shared < options_.min_tracked_ratio * num_points_) return KeyframeReason::kFewTracks;
+  if (num_points_ == 0 || num_shared < options_.min_tracked_ratio * num_points_) {
+    return KeyframeReason::kFewTracks;
+  }
   return KeyframeReason::kNone;
 }
 

@@ -9,7 +9,7 @@
 
 namespace facet {
 
-/// One 8 bit image in memory, not owned.
+/// One 8 bit image in memory, not owned. Sides and step are below 32768.
 struct ImageLevel {
   const std::uint8_t* data = nullptr;
   int step = 0;  ///< bytes from row to row
@@ -29,21 +29,38 @@ struct PatchWarp {
   float x = 0, y = 0;
 };
 
-/// Whether all bilinear samples of the warped patch can be read (also by vector loads); false for NaN.
+/// Whether all bilinear samples of the warped patch can be read; false for NaN.
 bool CanSample(const ImageLevel& image, const PatchWarp& warp);
 
+/// Whether the upright patch around (x, y) and one more sample on each side can be read.
+bool CanSampleGradient(const ImageLevel& image, float x, float y);
+
+/// Arrays are 32 byte aligned and hold kPatchSize values, or several such rows one after the other.
 struct PatchKernels {
   const char* name;
-  /// Bilinear samples of the warped patch. Requires CanSample. Arrays here are 32 byte aligned.
+  /// Bilinear samples of the warped patch. Requires CanSample.
   void (*sample)(const ImageLevel& image, const PatchWarp& warp, float* values);
-  /// out[k] = sum_i values[i] rows[k * kPatchSize + i].
+  /// Bilinear samples of the upright patch around (x, y), and their central differences. Requires
+  /// CanSampleGradient.
+  void (*sample_gradient)(
+      const ImageLevel& image, float x, float y, float* values, float* grad_x, float* grad_y);
+  /// out[k] = sum_i values[i] rows[k][i].
   void (*dot_rows)(const float* values, const float* rows, int num_rows, float* out);
   /// sum_i w[i] values[i] and sum_i w[i] values[i]^2.
   void (*moments)(const float* values, const float* weights, float* sum, float* sum_squares);
+  /// out[i] = sum_k factors[k] rows[k][i].
+  void (*combine)(const float* rows, const float* factors, int num_rows, float* out);
 };
 
 /// "scalar", "sse2", "avx2", or "auto" for the fastest that this machine has. Null for an unknown name
 /// and for a variant that this machine cannot run.
 const PatchKernels* FindPatchKernels(const std::string& name);
+
+namespace internal {
+/// Null where the compiler's target has no such instructions.
+const PatchKernels* Sse2Kernels();
+/// Null where this machine has no such instructions.
+const PatchKernels* Avx2Kernels();
+}  // namespace internal
 
 }  // namespace facet

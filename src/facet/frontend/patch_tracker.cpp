@@ -12,8 +12,6 @@
 namespace facet {
 namespace {
 
-using Row = Eigen::Map<Eigen::Array<float, kPatchSize, 1>, Eigen::Aligned32>;
-
 struct alignas(32) PatchRow {
   std::array<float, kPatchSize> values{};
   float* data() { return values.data(); }
@@ -21,89 +19,111 @@ struct alignas(32) PatchRow {
 };
 
 // A disc: the samples in the corners are farther away and say less about the centre's motion.
-PatchRow MakeWeights() {
+constexpr PatchRow MakeWeights() {
   PatchRow weights;
-  for (int r = 0; r < kPatchSide; ++r) {
-    for (int c = 0; c < kPatchSide; ++c) {
-      const float u = static_cast<float>(c) - kPatchHalf, v = static_cast<float>(r) - kPatchHalf;
-      weights.values[static_cast<std::size_t>(r * kPatchSide + c)] = u * u + v * v < 18 ? 1.0F : 0.0F;
-    }
+  for (int i = 0; i < kPatchSize; ++i) {
+    const float u = static_cast<float>(i % kPatchSide) - kPatchHalf;
+    const float v = static_cast<float>(i / kPatchSide) - kPatchHalf;
+    weights.values[static_cast<std::size_t>(i)] = u * u + v * v < 18 ? 1.0F : 0.0F;
   }
   return weights;
 }
 
-const PatchRow kWeights = MakeWeights();
-
-constexpr float SumOfWeights() {
-  return 52;
+constexpr float Sum(const PatchRow& row) {
+  float sum = 0;
+  for (const float value : row.values) sum += value;
+  return sum;
 }
 
-// Values and central differences of the unrotated patch. Only additions and products per element, so
-// any vectorisation gives the same bits.
-void SampleWithGradient(const ImageLevel& image, float x, float y, PatchRow& value, PatchRow& gx, PatchRow& gy) {
-  constexpr int kSide = kPatchSide + 2;
-  const float left = x - kPatchHalf - 1, top = y - kPatchHalf - 1;
-  const int ix = static_cast<int>(left), iy = static_cast<int>(top);
-  const float fx = left - static_cast<float>(ix), fy = top - static_cast<float>(iy);
-  std::array<std::array<float, kSide>, kSide + 1> rows;
-  for (int r = 0; r <= kSide; ++r) {
-    const std::uint8_t* p = image.data + static_cast<std::ptrdiff_t>(iy + r) * image.step + ix;
-    auto& row = rows[static_cast<std::size_t>(r)];
-    for (int c = 0; c < kSide; ++c) {
-      const float a = p[c], b = p[c + 1];
-      row[static_cast<std::size_t>(c)] = a + fx * (b - a);
-    }
-  }
-  std::array<std::array<float, kSide>, kSide> patch;
-  for (std::size_t r = 0; r < kSide; ++r) {
-    for (std::size_t c = 0; c < kSide; ++c) {
-      patch[r][c] = rows[r][c] + fy * (rows[r + 1][c] - rows[r][c]);
-    }
-  }
-  for (std::size_t r = 0; r < kPatchSide; ++r) {
-    for (std::size_t c = 0; c < kPatchSide; ++c) {
-      const std::size_t i = r * kPatchSide + c;
-      value.values[i] = patch[r + 1][c + 1];
-      gx.values[i] = 0.5F * (patch[r + 1][c + 2] - patch[r + 1][c]);
-      gy.values[i] = 0.5F * (patch[r + 2][c + 1] - patch[r][c + 1]);
-    }
-  }
-}
-
-struct PatchOffsets {
-  PatchRow u, v;
-};
-
-PatchOffsets MakeOffsets() {
-  PatchOffsets offsets;
-  for (int i = 0; i < kPatchSize; ++i) {
-    offsets.u.values[static_cast<std::size_t>(i)] = static_cast<float>(i % kPatchSide) - kPatchHalf;
-    offsets.v.values[static_cast<std::size_t>(i)] = static_cast<float>(i / kPatchSide) - kPatchHalf;
-  }
-  return offsets;
-}
-
-const PatchOffsets kOffsets = MakeOffsets();
+constexpr PatchRow kWeights = MakeWeights();
+constexpr float kWeightSum = Sum(kWeights);
 
 // d template / d (x, y, angle, log scale), one row of samples each; 6 parameters are (x, y) and the
-// four entries of the affine matrix.
-void FillJacobian(const PatchRow& gx, const PatchRow& gy, int num_parameters, float* rows) {
+// four entries of the affine matrix. The first two rows are there already, without weights.
+template <int N>
+void FillJacobian(float* rows) {
+  float* const gx = rows;
+  float* const gy = rows + kPatchSize;
   for (int i = 0; i < kPatchSize; ++i) {
-    const auto s = static_cast<std::size_t>(i);
-    const float x = gx.values[s], y = gy.values[s];
-    const float u = kOffsets.u.values[s], v = kOffsets.v.values[s];
-    rows[i] = x;
-    rows[kPatchSize + i] = y;
-    if (num_parameters == 6) {
-      rows[2 * kPatchSize + i] = x * u;
-      rows[3 * kPatchSize + i] = x * v;
-      rows[4 * kPatchSize + i] = y * u;
-      rows[5 * kPatchSize + i] = y * v;
-      continue;
-    }
-    if (num_parameters >= 3) rows[2 * kPatchSize + i] = y * u - x * v;
-    if (num_parameters >= 4) rows[3 * kPatchSize + i] = x * u + y * v;
+    gx[i] *= kWeights.data()[i];
+    gy[i] *= kWeights.data()[i];
   }
+  for (int r = 0; r < kPatchSide; ++r) {
+    const float v = static_cast<float>(r) - kPatchHalf;
+    for (int c = 0; c < kPatchSide; ++c) {
+      const float u = static_cast<float>(c) - kPatchHalf;
+      const int i = r * kPatchSide + c;
+      if constexpr (N == 6) {
+        rows[2 * kPatchSize + i] = gx[i] * u;
+        rows[3 * kPatchSize + i] = gx[i] * v;
+        rows[4 * kPatchSize + i] = gy[i] * u;
+        rows[5 * kPatchSize + i] = gy[i] * v;
+      } else {
+        if constexpr (N >= 3) rows[2 * kPatchSize + i] = gy[i] * u - gx[i] * v;
+        if constexpr (N >= 4) rows[3 * kPatchSize + i] = gx[i] * u + gy[i] * v;
+      }
+    }
+  }
+}
+
+// Extracts one level with N free parameters. With J the Jacobian, 1 the offset and T the contrast,
+// the update rows are H^-1 J'^T, where J' is J without its parts along 1 and T, and H = J'^T J'.
+template <int N>
+void ExtractTemplate(
+    const PatchKernels& kernels, const ImageLevel& image, float x, float y, PatchTemplate& patch) {
+  // Rows: Jacobian, contrast, offset. All are weighted; the weights are 0 or 1.
+  alignas(32) std::array<float, (N + 2) * kPatchSize> rows;
+  float* const contrast = rows.data() + N * kPatchSize;
+  float* const ones = contrast + kPatchSize;
+  std::copy(kWeights.values.begin(), kWeights.values.end(), ones);
+  PatchRow value;
+  kernels.sample_gradient(image, x, y, value.data(), rows.data(), rows.data() + kPatchSize);
+  FillJacobian<N>(rows.data());
+  float sum = 0, squares = 0;
+  kernels.moments(value.data(), ones, &sum, &squares);
+  const float mean = sum / kWeightSum;
+  for (int i = 0; i < kPatchSize; ++i) contrast[i] = ones[i] * (value.data()[i] - mean);
+
+  std::array<float, N + 2> on_contrast{}, on_offset{}, products{};
+  kernels.dot_rows(contrast, rows.data(), N + 1, on_contrast.data());
+  kernels.dot_rows(ones, rows.data(), N, on_offset.data());
+  const float contrast2 = on_contrast[N];
+  // Less than about one grey level of contrast is noise.
+  if (!(contrast2 > kWeightSum)) return;
+  Eigen::Matrix<float, N, N> H;
+  for (int k = 0; k < N; ++k) {
+    const auto sk = static_cast<std::size_t>(k);
+    kernels.dot_rows(rows.data() + k * kPatchSize, rows.data(), k + 1, products.data());
+    for (int j = 0; j <= k; ++j) {
+      const auto sj = static_cast<std::size_t>(j);
+      H(k, j) = H(j, k) = products[sj] - on_offset[sk] * on_offset[sj] / kWeightSum -
+                          on_contrast[sk] * on_contrast[sj] / contrast2;
+    }
+  }
+  const Eigen::LLT<Eigen::Matrix<float, N, N>> llt(H);
+  if (llt.info() != Eigen::Success) return;
+  const Eigen::Matrix<float, N, N> inverse = llt.solve(Eigen::Matrix<float, N, N>::Identity());
+  const float xx = inverse(0, 0), xy = inverse(0, 1), yy = inverse(1, 1);
+  const float half_trace = 0.5F * (xx + yy);
+  const float max_variance = half_trace + std::sqrt(0.25F * (xx - yy) * (xx - yy) + xy * xy);
+  if (!(max_variance > 0) || !std::isfinite(max_variance)) return;
+
+  patch.norm = std::sqrt(contrast2);
+  patch.translation_cov = half_trace;
+  patch.min_eigenvalue = 1 / (max_variance * kWeightSum);
+  const float to_gain = 1 / contrast2;
+  kernels.combine(contrast, &to_gain, 1, patch.rows.data());
+  for (int k = 0; k < N; ++k) {
+    std::array<float, N + 2> factors{};
+    for (int j = 0; j < N; ++j) {
+      const auto sj = static_cast<std::size_t>(j);
+      factors[sj] = inverse(k, j);
+      factors[N] -= inverse(k, j) * on_contrast[sj] / contrast2;
+      factors[N + 1] -= inverse(k, j) * on_offset[sj] / kWeightSum;
+    }
+    kernels.combine(rows.data(), factors.data(), N + 2, patch.rows.data() + (1 + k) * kPatchSize);
+  }
+  patch.is_valid = true;
 }
 
 // warp <- warp o W(d)^-1 with W(d) u = (I + D) u + (d0, d1).
@@ -145,81 +165,32 @@ PatchWarp FromLevel(PatchWarp warp, int level) {
   return warp;
 }
 
-PatchTracker::PatchTracker(const KltOptions& options)
+PatchTracker::PatchTracker(const KltOptions& options, int num_parameters)
     : options_(options),
-      num_parameters_(options.num_parameters),
+      num_parameters_(num_parameters),
       kernels_(FindPatchKernels(options.simd)) {
   FACET_CHECK(kernels_ != nullptr) << "simd variant " << options.simd << " cannot run here";
+  FACET_CHECK((num_parameters >= 2 && num_parameters <= 4) || num_parameters == 6) << num_parameters;
   FACET_CHECK(options.num_levels >= 1 && options.num_levels <= kMaxPyramidLevels);
 }
 
 void PatchTracker::Extract(
     const ImagePyramid& image, float x, float y, LevelRange range, PatchPyramid& patch) const {
-  for (int l = 0; l < kMaxPyramidLevels; ++l) {
-    PatchTemplate& level = patch.levels[static_cast<std::size_t>(l)];
-    level.is_valid = false;
-    if (l < range.finest || l > range.coarsest || l >= image.num_levels()) continue;
+  for (int l = range.finest; l <= std::min(range.coarsest, image.num_levels() - 1); ++l) {
     const float scale = 1.0F / static_cast<float>(1 << l);
-    ExtractLevel(image.level(l), x * scale, y * scale, level);
+    ExtractLevel(image.level(l), x * scale, y * scale, patch.levels[static_cast<std::size_t>(l)]);
   }
 }
 
 void PatchTracker::ExtractLevel(const ImageLevel& image, float x, float y, PatchTemplate& patch) const {
   patch.is_valid = false;
-  // One sample more on each side than the patch itself, for the gradient.
-  constexpr float kGrow = (kPatchHalf + 1) / kPatchHalf;
-  if (!CanSample(image, {kGrow, 0, 0, kGrow, x, y})) return;
-  PatchRow value, gx, gy, weighted;
-  SampleWithGradient(image, x, y, value, gx, gy);
-
-  const int n = num_parameters_;
-  alignas(32) std::array<float, kMaxWarpParameters * kPatchSize> jacobian;
-  FillJacobian(gx, gy, n, jacobian.data());
-  float sum = 0, squares = 0;
-  kernels_->moments(value.data(), kWeights.data(), &sum, &squares);
-  const float mean = sum / SumOfWeights();
-  Row contrast(value.data());
-  const Row weights(const_cast<float*>(kWeights.data()));
-  contrast = weights * (contrast - mean);
-  float unused = 0, contrast2 = 0;
-  kernels_->moments(value.data(), kWeights.data(), &unused, &contrast2);
-  // Less than about one grey level of contrast is noise.
-  if (!(contrast2 > SumOfWeights())) return;
-
-  // Project offset and gain out of the Jacobian.
-  std::array<float, kMaxWarpParameters> on_offset{}, on_gain{};
-  kernels_->dot_rows(kWeights.data(), jacobian.data(), n, on_offset.data());
-  kernels_->dot_rows(contrast.data(), jacobian.data(), n, on_gain.data());
-  using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxWarpParameters, kMaxWarpParameters>;
-  Matrix H(n, n);
-  for (int k = 0; k < n; ++k) {
-    Row row(jacobian.data() + k * kPatchSize);
-    const auto s = static_cast<std::size_t>(k);
-    row = weights * (row - on_offset[s] / SumOfWeights() - (on_gain[s] / contrast2) * contrast);
+  if (!CanSampleGradient(image, x, y)) return;
+  switch (num_parameters_) {
+    case 2: return ExtractTemplate<2>(*kernels_, image, x, y, patch);
+    case 3: return ExtractTemplate<3>(*kernels_, image, x, y, patch);
+    case 4: return ExtractTemplate<4>(*kernels_, image, x, y, patch);
+    default: return ExtractTemplate<6>(*kernels_, image, x, y, patch);
   }
-  std::array<float, kMaxWarpParameters> products{};
-  for (int k = 0; k < n; ++k) {
-    kernels_->dot_rows(jacobian.data() + k * kPatchSize, jacobian.data(), k + 1, products.data());
-    for (int j = 0; j <= k; ++j) H(k, j) = H(j, k) = products[static_cast<std::size_t>(j)];
-  }
-  const Eigen::LLT<Matrix> llt(H);
-  if (llt.info() != Eigen::Success) return;
-  const Matrix inverse = llt.solve(Matrix::Identity(n, n));
-  const float xx = inverse(0, 0), xy = inverse(0, 1), yy = inverse(1, 1);
-  const float half_trace = 0.5F * (xx + yy);
-  const float max_variance = half_trace + std::sqrt(0.25F * (xx - yy) * (xx - yy) + xy * xy);
-  if (!(max_variance > 0) || !std::isfinite(max_variance)) return;
-
-  patch.norm = std::sqrt(contrast2);
-  patch.translation_cov = half_trace;
-  patch.min_eigenvalue = 1 / (max_variance * SumOfWeights());
-  Row(patch.rows.data()) = contrast / contrast2;
-  for (int k = 0; k < n; ++k) {
-    Row row(patch.rows.data() + (1 + k) * kPatchSize);
-    row = inverse(k, 0) * Row(jacobian.data());
-    for (int j = 1; j < n; ++j) row += inverse(k, j) * Row(jacobian.data() + j * kPatchSize);
-  }
-  patch.is_valid = true;
 }
 
 float PatchTracker::Similarity(const PatchTemplate& patch,
@@ -231,7 +202,7 @@ float PatchTracker::Similarity(const PatchTemplate& patch,
   float gain = 0, sum = 0, squares = 0;
   kernels_->dot_rows(value.data(), patch.rows.data(), 1, &gain);
   kernels_->moments(value.data(), kWeights.data(), &sum, &squares);
-  const float variance = squares - sum * sum / SumOfWeights();
+  const float variance = squares - sum * sum / kWeightSum;
   return variance > 1 ? gain * patch.norm / std::sqrt(variance) : -1;
 }
 
@@ -266,7 +237,7 @@ bool PatchTracker::AlignLevel(const PatchTemplate& patch,
   if (!CanSample(image, warp)) return false;
   float sum = 0, squares = 0;
   kernels_->moments(value.data(), kWeights.data(), &sum, &squares);
-  const float variance = squares - sum * sum / SumOfWeights();
+  const float variance = squares - sum * sum / kWeightSum;
   *zncc = variance > 1 ? product[0] * patch.norm / std::sqrt(variance) : -1;
   return true;
 }
@@ -294,7 +265,7 @@ Alignment PatchTracker::Align(const PatchPyramid& patch,
     result.level = l;
     const float unexplained = std::max(0.0F, 1 - result.zncc * result.zncc);
     const float noise2 = unexplained * level.norm * level.norm /
-                         (SumOfWeights() - 2 - static_cast<float>(num_parameters_));
+                         (kWeightSum - 2 - static_cast<float>(num_parameters_));
     result.sigma_px = static_cast<float>(1 << l) * std::sqrt(noise2 * level.translation_cov);
   }
   result.ok = true;

@@ -29,6 +29,11 @@ struct PatchTemplate {
 /// A patch on all levels, taken at one point of one image.
 struct PatchPyramid {
   std::array<PatchTemplate, kMaxPyramidLevels> levels;
+
+  void Invalidate() {
+    for (PatchTemplate& level : levels) level.is_valid = false;
+  }
+  bool IsValid(int level) const { return levels[static_cast<std::size_t>(level)].is_valid; }
 };
 
 /// What an alignment came to.
@@ -48,10 +53,11 @@ struct LevelRange {
 /// Thread-safe (immutable).
 class PatchTracker {
  public:
-  /// CHECKs that options.simd can run here.
-  explicit PatchTracker(const KltOptions& options);
+  /// Free parameters of the warp besides gain and offset: 2 shift, 3 and rotation, 4 and scale, 6
+  /// affine. CHECKs these numbers and that options.simd can run here.
+  PatchTracker(const KltOptions& options, int num_parameters);
 
-  /// Takes the patch around (x, y) of level 0, on the levels of `range`; the others become invalid.
+  /// Takes the patch around (x, y) of level 0, on the levels of `range`; the others stay as they are.
   void Extract(const ImagePyramid& image, float x, float y, LevelRange range, PatchPyramid& patch) const;
 
   /// Takes one level; (x, y) in pixels of that level.

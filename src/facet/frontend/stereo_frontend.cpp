@@ -22,7 +22,6 @@ struct StereoFrontend::Impl {
   void FollowTracks(const cv::Mat& left, FrontendResult& result);
   void RejectOutliers(FrontendResult& result);
   void DetectNew(const cv::Mat& left, FrontendResult& result);
-  void BeginTrack(const Vector2d& px, Track& track);
   void MatchStereo(const cv::Mat& right);
   void StartKeyframe();
   void FillObservations(FrontendResult& result) const;
@@ -30,7 +29,7 @@ struct StereoFrontend::Impl {
 
   StereoRig rig;
   FrontendOptions options;
-  PatchTracker patch_tracker;
+  PatchTracker detection_tracker;
   TemporalTracker temporal_tracker;
   FeatureDetector detector;
   StereoMatcher stereo_matcher;
@@ -54,10 +53,10 @@ struct StereoFrontend::Impl {
 StereoFrontend::Impl::Impl(const StereoRig& stereo_rig, const FrontendOptions& frontend_options)
     : rig(stereo_rig),
       options(frontend_options),
-      patch_tracker(options.klt),
-      temporal_tracker(rig.cameras[0], options, patch_tracker),
+      detection_tracker(options.klt, options.detector.num_parameters),
+      temporal_tracker(rig.cameras[0], options),
       detector(options.detector),
-      stereo_matcher(rig, options.stereo, patch_tracker),
+      stereo_matcher(rig, options),
       outlier_rejection(options.outliers, rig.cameras[0].mean_focal_px()),
       keyframe_policy(options.keyframe),
       R_C_kf_prev(Quaterniond::Identity()) {
@@ -87,12 +86,7 @@ void StereoFrontend::Impl::FollowTracks(const cv::Mat& left, FrontendResult& res
   const SE3& T_BC = rig.T_BC[0];
   const SE3 T_Cprev_Cnow = T_BC.Inverse() * T_Bprev_Bnow * T_BC;
   if (!previous.empty()) {
-    const TrackingSummary summary =
-        temporal_tracker.Advance(previous, now, T_Cprev_Cnow.Inverse(), tracks);
-    result.num_tracked = summary.num_tracked;
-    result.num_lost = summary.num_lost;
-    result.num_refreshed = summary.num_refreshed;
-    result.retried = summary.retried;
+    result.tracking = temporal_tracker.Advance(previous, now, T_Cprev_Cnow.Inverse(), tracks);
   }
   R_C_kf_prev = (R_C_kf_prev * T_Cprev_Cnow.q).normalized();
   T_Bprev_Bnow = SE3();
@@ -114,8 +108,7 @@ void StereoFrontend::Impl::RejectOutliers(FrontendResult& result) {
     if (is_outlier[k] == 0) continue;
     tracks[pair_slots[k]].id = LandmarkId{};
     ++result.num_outliers;
-    ++result.num_lost;
-    --result.num_tracked;
+    --result.tracking.num_tracked;
   }
 }
 
@@ -125,37 +118,20 @@ int StereoFrontend::Impl::CountShared() const {
   }));
 }
 
-void StereoFrontend::Impl::BeginTrack(const Vector2d& px, Track& track) {
-  const std::optional<UndistortedPoint> ray = rig.cameras[0].Undistort(px);
-  if (!ray) return;
-  const LevelRange all = {now.num_levels() - 1, 0};
-  patch_tracker.Extract(
-      now, static_cast<float>(px.x()), static_cast<float>(px.y()), all, *track.patch);
-  if (!track.patch->levels[0].is_valid) return;
-  *track.reference = *track.patch;
-  track.reference_warp = PatchWarp{};
-  track.id = LandmarkId{next_landmark++};
-  track.px = px;
-  track.ray = *ray;
-  track.sigma_px = 0;
-  track.level = 0;
-  track.inverse_depth.reset();
-  track.keyframe_bearing.reset();
-}
-
 void StereoFrontend::Impl::DetectNew(const cv::Mat& left, FrontendResult& result) {
   occupied.clear();
   for (const Track& track : tracks) {
     if (track.id.IsValid()) occupied.push_back(track.px);
   }
   const int wanted = static_cast<int>(tracks.size() - occupied.size());
-  const auto found = detector.Detect(left, now.level(0), patch_tracker, occupied, wanted);
+  const auto found = detector.Detect(left, now.level(0), detection_tracker, occupied, wanted);
   auto slot = tracks.begin();
   for (const Vector2d& px : found) {
     while (slot != tracks.end() && slot->id.IsValid()) ++slot;
     if (slot == tracks.end()) break;
-    BeginTrack(px, *slot);
-    if (slot->id.IsValid()) ++result.num_new;
+    if (!temporal_tracker.Begin(now, px, *slot)) continue;
+    slot->id = LandmarkId{next_landmark++};
+    ++result.num_new;
   }
 }
 

@@ -12,6 +12,7 @@
 #include "facet/camera/stereo_rig.h"
 #include "facet/frontend/frontend_options.h"
 #include "facet/frontend/keyframe_policy.h"
+#include "facet/frontend/tracking_summary.h"
 #include "facet/map/observation.h"
 
 namespace facet {
@@ -40,14 +41,11 @@ struct FrontendHint {
 struct FrontendResult {
   FrameObservations observations;
   KeyframeReason keyframe_reason = KeyframeReason::kNone;
-  int num_tracked = 0;    ///< points that were known before this frame and are seen in it
-  int num_lost = 0;       ///< points of the previous frame that are not seen in this one
-  int num_outliers = 0;   ///< of these, the ones that contradict the motion of the others
-  int num_new = 0;        ///< points that begin in this frame
-  int num_stereo = 0;     ///< observations with a right pixel
-  int num_refreshed = 0;  ///< tracks that took a new reference patch
-  bool retried = false;   ///< too many points were lost at first and were sought again more widely
-  bool image_ok = true;   ///< false: no left image, or one of the wrong size or type
+  TrackingSummary tracking;  ///< points of the previous frame; num_tracked without the outliers
+  int num_outliers = 0;      ///< points removed because they contradict the motion of the others
+  int num_new = 0;           ///< points that begin in this frame
+  int num_stereo = 0;        ///< observations with a right pixel
+  bool image_ok = true;      ///< false: no left image, or one of the wrong size or type
 };
 
 /// Owns the tracks. Deterministic: the same frames and hints give the same observations on every

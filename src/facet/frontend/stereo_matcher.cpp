@@ -10,17 +10,17 @@ namespace facet {
 namespace {
 
 constexpr std::size_t kMaxCandidates = 2;
+// Coarsest level of a match whose depth is known.
+constexpr int kSeededLevel = 1;
 
 }  // namespace
 
-StereoMatcher::StereoMatcher(const StereoRig& rig,
-                             const StereoMatcherOptions& options,
-                             const PatchTracker& tracker)
+StereoMatcher::StereoMatcher(const StereoRig& rig, const FrontendOptions& options)
     : right_camera_(rig.cameras[1]),
       T_C1C0_(rig.T_C1C0()),
       baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()),
-      options_(options),
-      tracker_(tracker) {}
+      options_(options.stereo),
+      tracker_(options.klt, options.stereo.num_parameters) {}
 
 bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
                                 const Vector2d& px_right,
@@ -53,8 +53,7 @@ std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
                                                  float* zncc) {
   std::optional<PatchWarp> warp = PredictWarp(track.ray, inverse_depth, T_C1C0_, right_camera_);
   if (!warp) return std::nullopt;
-  const Alignment found =
-      tracker_.Align(*track.patch, right, {coarsest_level, track.level}, *warp);
+  const Alignment found = tracker_.Align(patch_, right, {coarsest_level, track.level}, *warp);
   *zncc = found.zncc;
   if (!found.ok || found.zncc < static_cast<float>(options_.min_zncc)) return std::nullopt;
   StereoMatch match;
@@ -74,22 +73,32 @@ std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
   return match;
 }
 
-void StereoMatcher::Search(const Track& track, const ImagePyramid& right) {
+void StereoMatcher::Search(const Track& track, const ImagePyramid& left, const ImagePyramid& right) {
   samples_.clear();
   candidates_.clear();
   int level = std::min(options_.search_level, right.num_levels() - 1);
-  while (level > 0 && !track.patch->levels[static_cast<std::size_t>(level)].is_valid) --level;
-  const PatchTemplate& patch = track.patch->levels[static_cast<std::size_t>(level)];
+  const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
+  tracker_.Extract(left, x, y, {level, kSeededLevel + 1}, patch_);
+  while (level > 0 && !patch_.IsValid(level)) --level;
+  const PatchTemplate& patch = patch_.levels[static_cast<std::size_t>(level)];
   if (!patch.is_valid) return;
   const double max_inverse_depth = 1 / options_.min_depth_m;
+  const std::optional<PatchWarp> far = PredictWarp(track.ray, 0, T_C1C0_, right_camera_);
+  if (!far) return;
   const double step_px = 1 << level;
   const int steps =
       std::max(1, static_cast<int>(std::ceil(baseline_focal_px_ * max_inverse_depth / step_px)));
+  const Vector3d ray_C1 = T_C1C0_.q * Vector3d(track.ray.xy.x(), track.ray.xy.y(), 1);
   for (int i = 0; i <= steps; ++i) {
     const double rho = max_inverse_depth * i / steps;
-    const std::optional<PatchWarp> warp = PredictWarp(track.ray, rho, T_C1C0_, right_camera_);
+    const std::optional<Vector2d> px = right_camera_.Project(ray_C1 + rho * T_C1C0_.p);
     Candidate sample{rho, -1};
-    if (warp) sample.zncc = tracker_.Similarity(patch, right.level(level), ToLevel(*warp, level));
+    if (px && right_camera_.IsInside(*px, 0)) {
+      PatchWarp warp = *far;  // the shape hardly depends on the depth
+      warp.x = static_cast<float>(px->x());
+      warp.y = static_cast<float>(px->y());
+      sample.zncc = tracker_.Similarity(patch, right.level(level), ToLevel(warp, level));
+    }
     samples_.push_back(sample);
   }
   for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -108,14 +117,16 @@ void StereoMatcher::Search(const Track& track, const ImagePyramid& right) {
 std::optional<StereoMatch> StereoMatcher::Match(const Track& track,
                                                 const ImagePyramid& left,
                                                 const ImagePyramid& right) {
-  constexpr int kSeededLevel = 1;
   float zncc = -1;
+  patch_.Invalidate();
+  const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
+  tracker_.Extract(left, x, y, {kSeededLevel, 0}, patch_);
   if (track.inverse_depth) {
     std::optional<StereoMatch> match =
         Refine(track, *track.inverse_depth, kSeededLevel, left, right, &zncc);
     if (match) return match;
   }
-  Search(track, right);
+  Search(track, left, right);
   std::optional<StereoMatch> best;
   float best_zncc = -1;
   for (const Candidate& candidate : candidates_) {

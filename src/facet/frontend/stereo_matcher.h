@@ -21,12 +21,9 @@ struct StereoMatch {
 /// Not thread-safe.
 class StereoMatcher {
  public:
-  /// The tracker must outlive the matcher.
-  StereoMatcher(const StereoRig& rig,
-                const StereoMatcherOptions& options,
-                const PatchTracker& tracker);
+  StereoMatcher(const StereoRig& rig, const FrontendOptions& options);
 
-  /// Match of the track's newest patch; empty when none can be trusted. Starts at the track's inverse
+  /// Match of the track's place in the newest left image; empty when none can be trusted. Starts at the track's inverse
   /// depth where there is one, otherwise (or without success there) searches along the epipolar line.
   std::optional<StereoMatch> Match(const Track& track,
                                    const ImagePyramid& left,
@@ -44,7 +41,8 @@ class StereoMatcher {
                                     const ImagePyramid& left,
                                     const ImagePyramid& right,
                                     float* zncc);
-  void Search(const Track& track, const ImagePyramid& right);
+  /// Fills candidates_, best first.
+  void Search(const Track& track, const ImagePyramid& left, const ImagePyramid& right);
   /// Inverse depth whose projection is nearest to the pixel, and the distance that is left.
   bool Triangulate(const UndistortedPoint& ray, const Vector2d& px_right, StereoMatch& match) const;
 
@@ -52,10 +50,11 @@ class StereoMatcher {
   SE3 T_C1C0_;
   double baseline_focal_px_;
   StereoMatcherOptions options_;
-  const PatchTracker& tracker_;
+  PatchTracker tracker_;
   std::vector<Candidate> samples_;     // along the epipolar line
   std::vector<Candidate> candidates_;  // the best local maxima of samples_
-  PatchPyramid back_;
+  PatchPyramid patch_;                 // of the left image
+  PatchPyramid back_;                  // of the right image
 };
 
 }  // namespace facet

@@ -7,11 +7,59 @@
 #include "facet/frontend/warp_prediction.h"
 
 namespace facet {
+namespace {
 
-TemporalTracker::TemporalTracker(const CameraModel& camera,
-                                 const FrontendOptions& options,
-                                 const PatchTracker& tracker)
-    : camera_(camera), options_(options), tracker_(tracker) {}
+// Finest and second finest level: what the reference patch is aligned on.
+constexpr LevelRange kReferenceLevels = {1, 0};
+
+}  // namespace
+
+TemporalTracker::TemporalTracker(const CameraModel& camera, const FrontendOptions& options)
+    : camera_(camera),
+      options_(options),
+      frame_tracker_(options.klt, options.tracking.num_parameters),
+      reference_tracker_(options.klt, options.tracking.reference_parameters) {}
+
+bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& track) const {
+  const std::optional<UndistortedPoint> ray = camera_.Undistort(px);
+  if (!ray) return false;
+  const auto x = static_cast<float>(px.x()), y = static_cast<float>(px.y());
+  track.patch->Invalidate();
+  track.reference->Invalidate();
+  frame_tracker_.Extract(now, x, y, {options_.tracking.start_level, 0}, *track.patch);
+  reference_tracker_.Extract(now, x, y, kReferenceLevels, *track.reference);
+  if (!track.patch->IsValid(0) || !track.reference->IsValid(0)) return false;
+  track.reference_warp = PatchWarp{};
+  track.px = px;
+  track.ray = *ray;
+  track.sigma_px = 0;
+  track.level = 0;
+  track.inverse_depth.reset();
+  track.drift.reset();
+  track.keyframe_bearing.reset();
+  return true;
+}
+
+std::optional<TemporalTracker::Prediction> TemporalTracker::Predict(const SE3& T_now_prev,
+                                                                    const Track& track) const {
+  // Translation known: the motion follows from the depth. Otherwise the point is assumed to go on as
+  // it did, which is written as a translation of a point at unit depth.
+  SE3 motion = T_now_prev;
+  double inverse_depth = 0;
+  Prediction prediction;
+  if (!T_now_prev.p.isZero(0) && track.inverse_depth) {
+    inverse_depth = *track.inverse_depth;
+    prediction.is_close = true;
+  } else if (track.drift) {
+    motion.p << *track.drift, 0;
+    inverse_depth = 1;
+    prediction.is_close = true;
+  }
+  const std::optional<PatchWarp> warp = PredictWarp(track.ray, inverse_depth, motion, camera_);
+  if (!warp) return std::nullopt;
+  prediction.warp = *warp;
+  return prediction;
+}
 
 bool TemporalTracker::AlignWithReference(const ImagePyramid& now,
                                          const Track& track,
@@ -21,11 +69,10 @@ bool TemporalTracker::AlignWithReference(const ImagePyramid& now,
   const auto max_scale = static_cast<float>(options_.tracking.max_reference_scale);
   const float scale = Scale(aligned);
   if (!(scale < max_scale && scale * max_scale > 1)) return false;
-  const Alignment result =
-      tracker_.Align(*track.reference, now, {found.level, found.level}, aligned);
-  if (!result.ok || result.zncc < static_cast<float>(options_.tracking.min_reference_zncc)) {
-    return false;
-  }
+  const auto min_zncc = static_cast<float>(options_.tracking.min_reference_zncc);
+  const LevelRange range = {found.level, found.level};
+  const Alignment result = reference_tracker_.Align(*track.reference, now, range, aligned);
+  if (!result.ok || result.zncc < min_zncc) return false;
   const float shift = std::hypot(aligned.x - warp.x, aligned.y - warp.y);
   if (shift > static_cast<float>(options_.tracking.max_reference_shift_px)) return false;
   warp.x = aligned.x;
@@ -37,43 +84,75 @@ bool TemporalTracker::AlignWithReference(const ImagePyramid& now,
 
 bool TemporalTracker::ReturnsToStart(const ImagePyramid& previous,
                                      const Track& track,
-                                     const PatchWarp& warp) {
+                                     int level,
+                                     const PatchWarp& warp) const {
   const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
   PatchWarp back = InverseAt(warp, x, y);
-  if (!tracker_.Align(*scratch_, previous, {1, 0}, back).ok) return false;
+  if (!frame_tracker_.Align(*scratch_, previous, {level, level}, back).ok) return false;
   const float distance = std::hypot(back.x - x, back.y - y);
-  return distance < static_cast<float>(options_.tracking.max_forward_backward_px);
+  const float scale = static_cast<float>(1 << level);
+  return distance < scale * static_cast<float>(options_.tracking.max_forward_backward_px);
 }
 
-bool TemporalTracker::Follow(const ImagePyramid& previous,
-                             const ImagePyramid& now,
-                             const PatchWarp& prediction,
+void TemporalTracker::Accept(const ImagePyramid& now,
+                             const PatchWarp& warp,
+                             const UndistortedPoint& ray,
+                             const Alignment& found,
+                             bool has_reference,
                              Track& track) {
-  PatchWarp warp = prediction;
-  const LevelRange all = {now.num_levels() - 1, 0};
-  Alignment found = tracker_.Align(*track.patch, now, all, warp);
-  if (!found.ok || found.zncc < static_cast<float>(options_.tracking.min_zncc)) return false;
-  const bool has_reference = AlignWithReference(now, track, warp, found);
-  const Vector2d px(warp.x, warp.y);
-  if (!camera_.IsInside(px, options_.border_px)) return false;
-  tracker_.Extract(now, warp.x, warp.y, all, *scratch_);
-  if (!ReturnsToStart(previous, track, warp)) return false;
-  const std::optional<UndistortedPoint> ray = camera_.Undistort(px);
-  if (!ray) return false;
-
   std::swap(track.patch, scratch_);
-  track.px = px;
-  track.ray = *ray;
+  track.px = Vector2d(warp.x, warp.y);
+  track.ray = ray;
   track.sigma_px = found.sigma_px;
   track.level = found.level;
   if (has_reference) {
     track.reference_warp = new_reference_warp_;
-  } else {
-    *track.reference = *track.patch;
-    track.reference_warp = PatchWarp{};
-    ++num_refreshed_;
+    return;
   }
-  return true;
+  track.reference->Invalidate();
+  reference_tracker_.Extract(now, warp.x, warp.y, kReferenceLevels, *track.reference);
+  track.reference_warp = PatchWarp{};
+  ++num_refreshed_;
+}
+
+TemporalTracker::Outcome TemporalTracker::FollowInRange(const Images& images,
+                                                        const PatchWarp& prediction,
+                                                        LevelRange range,
+                                                        Track& track) {
+  PatchWarp warp = prediction;
+  Alignment found = frame_tracker_.Align(*track.patch, images.now, range, warp);
+  if (!found.ok || found.zncc < static_cast<float>(options_.tracking.min_zncc)) {
+    return Outcome::kNotFound;
+  }
+  const bool has_reference = AlignWithReference(images.now, track, warp, found);
+  const Vector2d px(warp.x, warp.y);
+  if (!camera_.IsInside(px, options_.border_px)) return Outcome::kOutOfView;
+  scratch_->Invalidate();
+  frame_tracker_.Extract(
+      images.now, warp.x, warp.y, {options_.tracking.start_level, 0}, *scratch_);
+  if (!ReturnsToStart(images.previous, track, found.level, warp)) return Outcome::kNotReturned;
+  const std::optional<UndistortedPoint> ray = camera_.Undistort(px);
+  if (!ray) return Outcome::kOutOfView;
+  Accept(images.now, warp, *ray, found, has_reference, track);
+  return Outcome::kTracked;
+}
+
+TemporalTracker::Outcome TemporalTracker::Follow(const Images& images,
+                                                 const Prediction& prediction,
+                                                 Track& track) {
+  const int start = options_.tracking.start_level;
+  const int top = images.now.num_levels() - 1;
+  Outcome outcome = Outcome::kNotFound;
+  if (prediction.is_close) {
+    outcome = FollowInRange(images, prediction.warp, {start, 0}, track);
+    if (outcome == Outcome::kTracked || outcome == Outcome::kOutOfView) return outcome;
+  }
+  const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
+  frame_tracker_.Extract(images.previous, x, y, {top, start + 1}, *track.patch);
+  outcome = FollowInRange(images, prediction.warp, {top, 0}, track);
+  if (outcome != Outcome::kNotFound) return outcome;
+  // Blurred images may agree on a coarser level only.
+  return FollowInRange(images, prediction.warp, {top, 1}, track);
 }
 
 TrackingSummary TemporalTracker::Advance(const ImagePyramid& previous,
@@ -82,16 +161,21 @@ TrackingSummary TemporalTracker::Advance(const ImagePyramid& previous,
                                          std::span<Track> tracks) {
   TrackingSummary summary;
   num_refreshed_ = 0;
+  const SE3 rotation(T_now_prev.q, Vector3d::Zero());
   for (Track& track : tracks) {
     if (!track.id.IsValid()) continue;
-    const std::optional<PatchWarp> prediction =
-        PredictWarp(track.ray, track.inverse_depth.value_or(0), T_now_prev, camera_);
-    if (prediction && Follow(previous, now, *prediction, track)) {
-      ++summary.num_tracked;
-    } else {
+    const Vector3d expected = T_now_prev.q * Vector3d(track.ray.xy.x(), track.ray.xy.y(), 1);
+    const std::optional<Prediction> prediction = Predict(T_now_prev, track);
+    const Outcome outcome = prediction ? Follow({previous, now}, *prediction, track) : Outcome::kOutOfView;
+    summary.num_tracked += outcome == Outcome::kTracked ? 1 : 0;
+    summary.num_out_of_view += outcome == Outcome::kOutOfView ? 1 : 0;
+    summary.num_not_found += outcome == Outcome::kNotFound ? 1 : 0;
+    summary.num_not_returned += outcome == Outcome::kNotReturned ? 1 : 0;
+    if (outcome != Outcome::kTracked) {
       track.id = LandmarkId{};
-      ++summary.num_lost;
+      continue;
     }
+    track.drift = track.ray.xy - expected.head<2>() / expected.z();
   }
   summary.num_refreshed = num_refreshed_;
   return summary;

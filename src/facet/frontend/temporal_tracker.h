@@ -3,49 +3,70 @@
 // with the patch where the track began, so that errors do not add up from frame to frame.
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "facet/camera/camera_model.h"
 #include "facet/frontend/track.h"
+#include "facet/frontend/tracking_summary.h"
 #include "facet/geometry/se3.h"
 
 namespace facet {
 
-struct TrackingSummary {
-  int num_tracked = 0;
-  int num_lost = 0;
-  int num_refreshed = 0;
-  bool retried = false;
-};
-
 /// Not thread-safe.
 class TemporalTracker {
  public:
-  /// The patch tracker must outlive this one.
-  TemporalTracker(const CameraModel& camera,
-                  const FrontendOptions& options,
-                  const PatchTracker& tracker);
+  TemporalTracker(const CameraModel& camera, const FrontendOptions& options);
+
+  /// Starts a track at px of the image, apart from its id. False: the place has no texture or ray.
+  bool Begin(const ImagePyramid& now, const Vector2d& px, Track& track) const;
 
   /// Moves every track to the image `now`; tracks that are lost get an invalid id. T_now_prev is the
-  /// predicted motion of the camera.
+  /// predicted motion of the camera; a translation of zero means that it is not known.
   TrackingSummary Advance(const ImagePyramid& previous,
                           const ImagePyramid& now,
                           const SE3& T_now_prev,
                           std::span<Track> tracks);
 
  private:
-  /// Whether the track was found from this prediction; the track is unchanged otherwise.
-  bool Follow(const ImagePyramid& previous,
-              const ImagePyramid& now,
-              const PatchWarp& prediction,
-              Track& track);
+  enum class Outcome { kTracked, kOutOfView, kNotFound, kNotReturned };
+  struct Prediction {
+    PatchWarp warp;
+    bool is_close = false;  ///< near enough to begin at the start level
+  };
+  struct Images {
+    const ImagePyramid& previous;
+    const ImagePyramid& now;
+  };
+
+  std::optional<Prediction> Predict(const SE3& T_now_prev, const Track& track) const;
+  /// Tries finer to wider ranges of levels. The track is unchanged unless it was tracked.
+  Outcome Follow(const Images& images, const Prediction& prediction, Track& track);
+  Outcome FollowInRange(const Images& images,
+                        const PatchWarp& prediction,
+                        LevelRange range,
+                        Track& track);
   /// Corrects `warp` (previous to now) by the reference patch. False: no longer similar.
-  bool AlignWithReference(const ImagePyramid& now, const Track& track, PatchWarp& warp, Alignment& found);
-  bool ReturnsToStart(const ImagePyramid& previous, const Track& track, const PatchWarp& warp);
+  bool AlignWithReference(const ImagePyramid& now,
+                          const Track& track,
+                          PatchWarp& warp,
+                          Alignment& found);
+  bool ReturnsToStart(const ImagePyramid& previous,
+                      const Track& track,
+                      int level,
+                      const PatchWarp& warp) const;
+  /// The track's new state at `warp`, with scratch_ as its patch.
+  void Accept(const ImagePyramid& now,
+              const PatchWarp& warp,
+              const UndistortedPoint& ray,
+              const Alignment& found,
+              bool has_reference,
+              Track& track);
 
   CameraModel camera_;
   FrontendOptions options_;
-  const PatchTracker& tracker_;
+  PatchTracker frame_tracker_;
+  PatchTracker reference_tracker_;
   std::unique_ptr<PatchPyramid> scratch_ = std::make_unique<PatchPyramid>();
   PatchWarp new_reference_warp_;
   int num_refreshed_ = 0;

@@ -21,6 +21,8 @@ struct Track {
   int level = 0;                   ///< finest level of the alignment
   /// [1/m] along z of the left camera; empty until a right pixel or the estimator told it.
   std::optional<double> inverse_depth;
+  /// How far the point moved on the plane z = 1 since the previous frame, beyond the predicted rotation.
+  std::optional<Vector2d> drift;
   /// Bearing in the last keyframe that saw the point there.
   std::optional<Vector3d> keyframe_bearing;
   /// Patch in the newest image, around px.

@@ -69,7 +69,8 @@ ImuInterval ImuBuffer::Between(Timestamp t0,
 }
 
 void ImuBuffer::DropBefore(Timestamp t) {
-  while (samples_.size() > 1 && samples_[1].t <= t) samples_.pop_front();
+  while (samples_.size() > 1 && samples_[1].t <= t)
+    samples_.pop_front();
 }
 
 }  // namespace facet

@@ -18,7 +18,8 @@ struct ImuInterval {
   Duration longest_gap;  ///< longest time between two samples that overlaps [t0, t1]
 };
 
-/// Not thread-safe. Accepts any content: what is not finite, not in order or a duplicate is refused.
+/// Not thread-safe. Accepts any content: what is not finite, not in order or a duplicate is
+/// refused.
 class ImuBuffer {
  public:
   /// kNotFinite: not a number, or beyond kMaxMagnitude (its squares would soon overflow).
@@ -30,9 +31,12 @@ class ImuBuffer {
   AddResult Add(const ImuSample& sample);
 
   /// Samples of [t0, t1], linearly interpolated at both ends. Where the buffer ends before t1 by at
-  /// most `max_extrapolation` the last sample is held; otherwise, or where the buffer begins after t0
-  /// or t1 < t0, `samples` is empty. One sample if t0 == t1.
-  ImuInterval Between(Timestamp t0, Timestamp t1, Duration max_gap, Duration max_extrapolation) const;
+  /// most `max_extrapolation` the last sample is held; otherwise, or where the buffer begins after
+  /// t0 or t1 < t0, `samples` is empty. One sample if t0 == t1.
+  ImuInterval Between(Timestamp t0,
+                      Timestamp t1,
+                      Duration max_gap,
+                      Duration max_extrapolation) const;
 
   /// Forgets what is older than t, but keeps one sample at or before t.
   void DropBefore(Timestamp t);

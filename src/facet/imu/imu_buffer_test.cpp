@@ -11,7 +11,9 @@ namespace {
 constexpr Duration kMaxGap{20'000'000};
 constexpr Duration kMaxExtrapolation{10'000'000};
 
-Timestamp Ms(double ms) { return {std::llround(ms * 1e6)}; }
+Timestamp Ms(double ms) {
+  return {std::llround(ms * 1e6)};
+}
 
 ImuSample Sample(double ms) {
   return {Ms(ms), Vector3d(ms, 2 * ms, -ms), Vector3d(1 + ms, 0, 9.81)};
@@ -19,7 +21,8 @@ ImuSample Sample(double ms) {
 
 ImuBuffer EveryFiveMs(int count) {
   ImuBuffer buffer;
-  for (int i = 0; i < count; ++i) buffer.Add(Sample(5.0 * i));
+  for (int i = 0; i < count; ++i)
+    buffer.Add(Sample(5.0 * i));
   return buffer;
 }
 
@@ -87,7 +90,8 @@ TEST(ImuBufferTest, RefusesWhatIsNotCovered) {
 
 TEST(ImuBufferTest, CountsGaps) {
   ImuBuffer buffer;
-  for (double ms : {0, 5, 30, 35, 40, 90, 95}) buffer.Add(Sample(ms));
+  for (double ms : {0, 5, 30, 35, 40, 90, 95})
+    buffer.Add(Sample(ms));
   EXPECT_EQ(Between(buffer, 0, 5).gaps, 0);
   EXPECT_EQ(Between(buffer, 0, 95).gaps, 2);
   EXPECT_EQ(Between(buffer, 0, 95).longest_gap, Duration{50'000'000});

@@ -9,7 +9,9 @@ namespace facet {
 
 /// Gravity in the world frame is (0, 0, -kGravity).
 inline constexpr double kGravity = 9.81;
-inline Vector3d GravityInWorld() { return {0, 0, -kGravity}; }
+inline Vector3d GravityInWorld() {
+  return {0, 0, -kGravity};
+}
 
 struct ImuSample {
   Timestamp t;
@@ -24,10 +26,10 @@ struct ImuBias {
 
 /// Continuous-time noise densities as on a datasheet (EuRoC's sensor.yaml, Kalibr's imu.yaml).
 struct ImuNoise {
-  double gyro_noise = 1.6968e-4;   ///< rad/s/sqrt(Hz)
-  double gyro_walk = 1.9393e-5;    ///< rad/s^2/sqrt(Hz)
-  double accel_noise = 2.0e-3;     ///< m/s^2/sqrt(Hz)
-  double accel_walk = 3.0e-3;      ///< m/s^3/sqrt(Hz)
+  double gyro_noise = 1.6968e-4;  ///< rad/s/sqrt(Hz)
+  double gyro_walk = 1.9393e-5;   ///< rad/s^2/sqrt(Hz)
+  double accel_noise = 2.0e-3;    ///< m/s^2/sqrt(Hz)
+  double accel_walk = 3.0e-3;     ///< m/s^3/sqrt(Hz)
   double rate_hz = 200;
 };
 

@@ -33,9 +33,9 @@ void ImuPreintegration::Reintegrate(const ImuBias& bias) {
   *this = std::move(fresh);
 }
 
-// Midpoint rule: mean rate, and the mean of the accelerations at both ends turned into the first body
-// frame. Its linearisation in (theta, p, v), in the noise of the mean measurements and in the biases is
-// in docs/math.md, section 2.
+// Midpoint rule: mean rate, and the mean of the accelerations at both ends turned into the first
+// body frame. Its linearisation in (theta, p, v), in the noise of the mean measurements and in the
+// biases is in docs/math.md, section 2.
 void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b) {
   const double dt = ToSeconds(b.t - a.t);
   const Vector3d w = 0.5 * (a.gyro + b.gyro) - bias_.b_g;
@@ -101,8 +101,8 @@ NavState ImuPreintegration::Predict(const NavState& start) const {
   if (!samples_.empty()) end.t = start.t + (samples_.back().t - samples_.front().t);
   const Quaterniond& q_WB = start.T_WB.q;
   end.T_WB.q = (q_WB * dR_ * ExpSO3(correction.head<3>())).normalized();
-  end.T_WB.p += start.v_WB * dt_s_ + 0.5 * dt_s_ * dt_s_ * g_W +
-                q_WB * (dp_ + correction.segment<3>(3));
+  end.T_WB.p +=
+      start.v_WB * dt_s_ + 0.5 * dt_s_ * dt_s_ * g_W + q_WB * (dp_ + correction.segment<3>(3));
   end.v_WB += g_W * dt_s_ + q_WB * (dv_ + correction.tail<3>());
   return end;
 }

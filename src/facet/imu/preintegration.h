@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// On-manifold IMU preintegration (Forster et al., TRO 2017; docs/math.md, section 2), midpoint rule.
-// Order of every 9-vector and 9x9 matrix here: theta, p, v.
+// On-manifold IMU preintegration (Forster et al., TRO 2017; docs/math.md, section 2), midpoint
+// rule. Order of every 9-vector and 9x9 matrix here: theta, p, v.
 #pragma once
 
 #include <span>
@@ -15,9 +15,10 @@ struct PreintegrationNoise {
   double gyro = 1.6968e-4;    ///< rad/s/sqrt(Hz)
   double accel = 2.0e-3;      ///< m/s^2/sqrt(Hz)
   double integration = 1e-8;  ///< m/sqrt(s): keeps the position covariance regular
-  /// A longer step than this is a hole in the recording: what happened inside is only guessed from its
-  /// ends, and the mean rate and acceleration over the hole get these extra standard deviations. EuRoC
-  /// flights with artificial holes of 25-200 ms: up to 0.07 rad/s and 0.9 m/s^2 rms per axis.
+  /// A longer step than this is a hole in the recording: what happened inside is only guessed from
+  /// its ends, and the mean rate and acceleration over the hole get these extra standard
+  /// deviations. EuRoC flights with artificial holes of 25-200 ms: up to 0.07 rad/s and 0.9 m/s^2
+  /// rms per axis.
   double max_step_s = 0.021;
   double gyro_in_gap = 0.1;   ///< rad/s
   double accel_in_gap = 1.0;  ///< m/s^2
@@ -35,9 +36,9 @@ class ImuPreintegration {
   ImuPreintegration(const ImuBias& bias, const PreintegrationNoise& noise)
       : bias_(bias), noise_(noise) {}
 
-  /// Extends the interval by the samples. CHECKs that they are in order of time and that the first one
-  /// has the stamp of the last one that is already there (intervals share their end samples; see
-  /// ImuBuffer::Between). Samples with the stamp of their predecessor add nothing.
+  /// Extends the interval by the samples. CHECKs that they are in order of time and that the first
+  /// one has the stamp of the last one that is already there (intervals share their end samples;
+  /// see ImuBuffer::Between). Samples with the stamp of their predecessor add nothing.
   void Integrate(std::span<const ImuSample> samples);
 
   /// Integrates the stored samples again about another bias.

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kRate = 200.0;
 
-/// A motion with closed-form derivatives: p_W = p0 + sum of sines; R_WB = Exp(w0 t + w1 sin(s t)) about
-/// one axis, so that the body rate is exact.
+/// A motion with closed-form derivatives: p_W = p0 + sum of sines; R_WB = Exp(w0 t + w1 sin(s t))
+/// about one axis, so that the body rate is exact.
 struct AnalyticMotion {
   Vector3d amplitude{0.8, -0.5, 0.3}, frequency{2.1, 1.3, 2.9}, axis{0.267261, -0.534522, 0.801784};
   double rate = 0.7, swing = 0.6, swing_frequency = 3.0;
@@ -31,15 +31,16 @@ struct AnalyticMotion {
   ImuSample ImuAt(double t) const {
     const Eigen::Array3d phase = frequency.array() * t;
     const Vector3d a_W = -amplitude.array() * frequency.array().square() * phase.sin();
-    const Vector3d w_B = axis.normalized() *
-                         (rate + swing * swing_frequency * std::cos(swing_frequency * t));
+    const Vector3d w_B =
+        axis.normalized() * (rate + swing * swing_frequency * std::cos(swing_frequency * t));
     return {Timestamp{} + FromSeconds(t), w_B, At(t).T_WB.q.conjugate() * (a_W - GravityInWorld())};
   }
 
   std::vector<ImuSample> Samples(double t0, double t1, double rate_hz = kRate) const {
     std::vector<ImuSample> samples;
     const int n = static_cast<int>(std::lround((t1 - t0) * rate_hz));
-    for (int i = 0; i <= n; ++i) samples.push_back(ImuAt(t0 + i / rate_hz));
+    for (int i = 0; i <= n; ++i)
+      samples.push_back(ImuAt(t0 + i / rate_hz));
     return samples;
   }
 };
@@ -158,7 +159,8 @@ std::vector<ImuSample> WithNoise(std::vector<ImuSample> samples,
 
 TEST(PreintegrationTest, CovarianceAgreesWithMonteCarlo) {
   constexpr int kRuns = 6000;
-  // Gyro noise large enough that its effect on velocity and position is seen beside the accelerometer's.
+  // Gyro noise large enough that its effect on velocity and position is seen beside the
+  // accelerometer's.
   PreintegrationNoise noise;
   noise.gyro = 1e-3;
   const auto samples = AnalyticMotion().Samples(0, 0.5);

@@ -32,7 +32,7 @@ void CheckReplaceable(const fs::path& target) {
 
 ResultFolder::ResultFolder(const fs::path& target) {
   std::error_code error;
-  target_ = fs::weakly_canonical(target, error);
+  target_ = fs::weakly_canonical(fs::absolute(target), error);
   if (error) target_ = fs::absolute(target);
   if (!target_.has_filename()) target_ = target_.parent_path();
   CheckReplaceable(target_);
@@ -63,24 +63,27 @@ void ResultFolder::Commit() {
     staging_.clear();
     return;
   }
-  // Both names exist: they are exchanged in one step, and the old result is removed by the
-  // destructor.
+  ExchangeWithTarget();
+  fs::remove_all(staging_, error);
+  staging_.clear();
+}
+
+/// Afterwards the old result is in the staging folder.
+void ResultFolder::ExchangeWithTarget() {
   if (renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0)
     return;
-  if (errno != EINVAL && errno != ENOSYS) {
-    throw OutputError(target_.string() +
-                      ": cannot be replaced: " + std::generic_category().message(errno));
-  }
-  // A file system without that operation: between the two steps there is only the old result's
-  // copy.
-  const fs::path old = staging_.string() + "-old";
-  fs::rename(target_, old, error);
-  if (!error) {
-    fs::rename(staging_, target_, error);
-    if (error) fs::rename(old, target_);
+  std::error_code error(errno, std::generic_category());
+  if (error.value() == EINVAL || error.value() == ENOSYS) {
+    // A file system that cannot exchange: the target is absent for a moment.
+    const fs::path old = staging_.string() + "-old";
+    fs::rename(target_, old, error);
+    if (!error) {
+      fs::rename(staging_, target_, error);
+      if (error) fs::rename(old, target_);
+    }
+    if (!error) staging_ = old;
   }
   if (error) throw OutputError(target_.string() + ": cannot be replaced: " + error.message());
-  staging_ = old;
 }
 
 }  // namespace facet

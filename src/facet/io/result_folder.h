@@ -27,6 +27,8 @@ class ResultFolder {
   void Commit();
 
  private:
+  void ExchangeWithTarget();
+
   std::filesystem::path target_;
   std::filesystem::path staging_;
 };

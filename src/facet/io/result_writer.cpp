@@ -165,6 +165,7 @@ Json Summary(const RunRecord& run) {
   json["sequence"] = run.sequence;
   json["pipeline"] = run.pipeline;
   json["threads"] = run.threads;
+  json["calibration"] = run.calibration;
   json["frames"] = run.num_frames;
   json["frames_with_pose"] = landmarks.size();
   json["keyframes"] = run.keyframes.size();

@@ -35,6 +35,7 @@ struct FrameRecord {
 /// A whole run.
 struct RunRecord {
   std::string version, sequence, pipeline;
+  std::string calibration;  ///< which files and which convention were read
   int threads = 1;
   Timestamp first_pair;  ///< first stereo pair after --start
   int num_frames =

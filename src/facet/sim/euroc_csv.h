@@ -10,8 +10,8 @@
 
 namespace facet {
 
-/// state_groundtruth_estimate0/data.csv, at any rate: stamp [ns], p_WB [m], q_WB (w x y z), v_WB [m/s],
-/// b_g [rad/s], b_a [m/s^2]. Velocity and biases may be nan or missing; they are then zero.
+/// state_groundtruth_estimate0/data.csv, at any rate: stamp [ns], p_WB [m], q_WB (w x y z), v_WB
+/// [m/s], b_g [rad/s], b_a [m/s^2]. Velocity and biases may be nan or missing; they are then zero.
 /// Throws std::runtime_error with path and line if the file is missing, malformed or not in order.
 std::vector<NavState> LoadGroundTruthCsv(const std::filesystem::path& path);
 

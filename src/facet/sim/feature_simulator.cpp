@@ -20,8 +20,8 @@ constexpr std::size_t kMaxLost = 2000;
 
 Vector2d NoisyPixel(const Vector2d& px, const FeatureSimulatorOptions& options, Rng& rng) {
   const double sigma = options.add_pixel_noise ? options.pixel_sigma : 0.0;
-  Vector2d noise(rng.Normal(), rng.Normal());
-  noise *= sigma;
+  const double x = rng.Normal(), y = rng.Normal();
+  Vector2d noise = sigma * Vector2d(x, y);
   if (rng.Uniform() < options.outlier_share) {
     const double smallest = 3 * options.pixel_sigma;
     const double size = rng.Uniform(smallest, std::max(smallest, options.outlier_px));
@@ -119,13 +119,15 @@ class TrackSimulator {
       }
     }
     tracks_ = std::move(kept);
-    while (lost_.size() > kMaxLost) lost_.pop_front();
+    while (lost_.size() > kMaxLost)
+      lost_.pop_front();
   }
 
   /// Starts a track in every empty cell, in random order, up to the allowed number.
   void StartTracks(const SE3& T_WB, SimulatedRun& run) {
     std::vector<bool> is_taken(grid_.size(), false);
-    for (const Track& track : tracks_) is_taken[grid_.IndexOf(track.px_left)] = true;
+    for (const Track& track : tracks_)
+      is_taken[grid_.IndexOf(track.px_left)] = true;
     std::vector<int> cells;
     for (int cell = 0; cell < grid_.size(); ++cell) {
       if (!is_taken[cell]) cells.push_back(cell);
@@ -137,8 +139,7 @@ class TrackSimulator {
     for (const int cell : cells) {
       if (static_cast<int>(tracks_.size()) >= options_.max_tracks) return;
       const auto lost = lost_in_cell.find(cell);
-      const bool again =
-          rng_.Uniform() < options_.redetected_share && lost != lost_in_cell.end();
+      const bool again = rng_.Uniform() < options_.redetected_share && lost != lost_in_cell.end();
       if (again) {
         StartTrack(T_WB, lost->second, run);
       } else if (const auto point = NewPoint(T_WB, cell)) {
@@ -200,11 +201,10 @@ ImuBias BiasAt(const SimulatedImu& imu, Timestamp t) {
       imu.samples.begin(), imu.samples.end(), t, [](const ImuSample& s, Timestamp stamp) {
         return s.t < stamp;
       });
-  const std::size_t j =
-      std::min<std::size_t>(next - imu.samples.begin(), imu.samples.size() - 1);
+  const std::size_t j = std::min<std::size_t>(next - imu.samples.begin(), imu.samples.size() - 1);
   if (j == 0) return imu.biases.front();
-  const double u = ToSeconds(t - imu.samples[j - 1].t) /
-                   ToSeconds(imu.samples[j].t - imu.samples[j - 1].t);
+  const double u =
+      ToSeconds(t - imu.samples[j - 1].t) / ToSeconds(imu.samples[j].t - imu.samples[j - 1].t);
   const ImuBias& a = imu.biases[j - 1];
   const ImuBias& b = imu.biases[j];
   return {(1 - u) * a.b_g + u * b.b_g, (1 - u) * a.b_a + u * b.b_a};
@@ -220,7 +220,8 @@ SimulatedImu SimulateImu(const SplineTrajectory& trajectory,
   const ImuNoise& noise = options.noise;
   const double root_rate = std::sqrt(noise.rate_hz);
   const double scale = options.add_noise ? 1.0 : 0.0;
-  const double sigma_gyro = scale * std::hypot(noise.gyro_noise * root_rate, options.gyro_vibration);
+  const double sigma_gyro =
+      scale * std::hypot(noise.gyro_noise * root_rate, options.gyro_vibration);
   const double sigma_accel =
       scale * std::hypot(noise.accel_noise * root_rate, options.accel_vibration);
   ImuBias bias = options.bias;
@@ -249,9 +250,8 @@ SimulatedRun SimulateFeatures(const SplineTrajectory& trajectory,
   const Timestamp begin = imu_begin + FromSeconds(options.imu_lead_s);
   // One IMU sample after the last frame.
   const Timestamp last = trajectory.end() - FromSeconds(2 / options.imu.noise.rate_hz);
-  const Timestamp end = options.duration_s > 0
-                            ? std::min(last, begin + FromSeconds(options.duration_s))
-                            : last;
+  const Timestamp end =
+      options.duration_s > 0 ? std::min(last, begin + FromSeconds(options.duration_s)) : last;
   FACET_CHECK(end >= begin + FromSeconds(1 / options.frame_rate_hz))
       << "the trajectory is too short";
 
@@ -259,8 +259,11 @@ SimulatedRun SimulateFeatures(const SplineTrajectory& trajectory,
   Rng rng(seed);
   Rng room_rng(rng.Next()), imu_rng(rng.Next()), track_rng(rng.Next());
   const RoomScene scene(PathOf(trajectory, begin, end), options.room, room_rng);
-  const SimulatedImu imu = SimulateImu(
-      trajectory, imu_begin, end + FromSeconds(2 / options.imu.noise.rate_hz), options.imu, imu_rng);
+  const SimulatedImu imu = SimulateImu(trajectory,
+                                       imu_begin,
+                                       end + FromSeconds(2 / options.imu.noise.rate_hz),
+                                       options.imu,
+                                       imu_rng);
 
   SimulatedRun run;
   run.rig = rig;

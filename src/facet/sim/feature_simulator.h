@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a front end would hand to the estimator along a known trajectory, without images: tracks of points
-// on flat surfaces, with noise, outliers, occlusion and short lives, and IMU samples. The truth is known
-// exactly. The same seed gives the same run on every machine.
+// What a front end would hand to the estimator along a known trajectory, without images: tracks of
+// points on flat surfaces, with noise, outliers, occlusion and short lives, and IMU samples. The
+// truth is known exactly. The same seed gives the same run on every machine.
 #pragma once
 
 #include <cstdint>
@@ -16,30 +16,31 @@
 namespace facet {
 
 struct ImuSimulatorOptions {
-  bool add_noise = true;           ///< white noise and bias walks of `noise`, and vibration
-  ImuNoise noise;                  ///< densities and sample rate
-  double gyro_vibration = 0;       ///< extra white noise of each sample, 1-sigma per axis [rad/s]
-  double accel_vibration = 0;      ///< the same [m/s^2]; EuRoC in flight: 0.5-1 before integration
-  ImuBias bias{Vector3d(-0.0022, 0.0208, 0.0760), Vector3d(-0.013, 0.10, 0.09)};  ///< mean at the start
-  double bias_spread_gyro = 5e-3;  ///< 1-sigma of the initial bias about its mean, per seed [rad/s]
-  double bias_spread_accel = 0.03; ///< the same [m/s^2]
+  bool add_noise = true;       ///< white noise and bias walks of `noise`, and vibration
+  ImuNoise noise;              ///< densities and sample rate
+  double gyro_vibration = 0;   ///< extra white noise of each sample, 1-sigma per axis [rad/s]
+  double accel_vibration = 0;  ///< the same [m/s^2]; EuRoC in flight: 0.5-1 before integration
+  /// Mean of the initial bias, and 1-sigma of its spread over the seeds [rad/s], [m/s^2].
+  ImuBias bias{Vector3d(-0.0022, 0.0208, 0.0760), Vector3d(-0.013, 0.10, 0.09)};
+  double bias_spread_gyro = 5e-3;
+  double bias_spread_accel = 0.03;
 };
 
 struct FeatureSimulatorOptions {
   double frame_rate_hz = 20;
-  int keyframe_every = 4;          ///< every n-th frame is a keyframe, beginning with the first
+  int keyframe_every = 4;             ///< every n-th frame is a keyframe, beginning with the first
   bool right_on_every_frame = false;  ///< otherwise the right image is used on keyframes only
-  int max_tracks = 150;            ///< per frame; at most one new track per image cell
-  double border_px = 8;            ///< tracks end this close to the border of the image
-  double mean_track_life_s = 1.0;  ///< of tracks that stay in view (exponential)
-  double redetected_share = 0.5;   ///< of new tracks that take up a point that was lost, under a new id
-  double pixel_sigma = 0.5;        ///< 1-sigma per axis, both images; also what the observations say
+  int max_tracks = 150;               ///< per frame; at most one new track per image cell
+  double border_px = 8;               ///< tracks end this close to the border of the image
+  double mean_track_life_s = 1.0;     ///< of tracks that stay in view (exponential)
+  double redetected_share = 0.5;      ///< of new tracks that are lost points, under a new id
+  double pixel_sigma = 0.5;  ///< 1-sigma per axis, both images; also what the observations say
   bool add_pixel_noise = true;
-  double outlier_share = 0;        ///< of left and, independently, of right observations
-  double outlier_px = 20;          ///< outliers are off by up to this, at least 3 sigma
-  double start_s = 0;              ///< the first frame comes this long after the trajectory's begin ...
-  double imu_lead_s = 0.05;        ///< ... and this; IMU samples begin before it
-  double duration_s = 0;           ///< of the frames; 0: to the end of the trajectory
+  double outlier_share = 0;  ///< of left and, independently, of right observations
+  double outlier_px = 20;    ///< outliers are off by up to this, at least 3 sigma
+  double start_s = 0;        ///< the first frame comes this long after the trajectory's begin ...
+  double imu_lead_s = 0.05;  ///< ... and this; IMU samples begin before it
+  double duration_s = 0;     ///< of the frames; 0: to the end of the trajectory
   RoomOptions room;
   ImuSimulatorOptions imu;
 };
@@ -53,9 +54,9 @@ struct SimulatedRun {
   StereoRig rig;
   std::vector<FrameObservations> frames;  ///< stamps in the camera clock
   std::vector<ImuSample> imu;             ///< from before the first to after the last frame
-  std::vector<NavState> truth;            ///< at frames[i]; stamps in the IMU clock (rig.time_offset)
+  std::vector<NavState> truth;  ///< at frames[i]; stamps in the IMU clock (rig.time_offset)
   std::unordered_map<LandmarkId, TrueLandmark> landmarks;
-  std::vector<Surface> surfaces;          ///< surfaces[i].id == PlaneId{i}
+  std::vector<Surface> surfaces;  ///< surfaces[i].id == PlaneId{i}
 };
 
 /// Room, landmarks, track ends, biases and all noise come from `seed`.

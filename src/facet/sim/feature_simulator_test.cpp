@@ -21,15 +21,21 @@ FeatureSimulatorOptions Perfect() {
   return options;
 }
 
-SimulatedRun Simulate(const FeatureSimulatorOptions& options, std::uint64_t seed, double duration = 12) {
+SimulatedRun Simulate(const FeatureSimulatorOptions& options,
+                      std::uint64_t seed,
+                      double duration = 12) {
   return SimulateFeatures(
       SplineTrajectory::Fit(MakeFlight(duration, 4)), EurocRig(), options, seed);
 }
 
 /// Deviation of an observation from the projection of the true landmark.
-Vector2d PixelError(const SimulatedRun& run, std::size_t i, int camera, const FeatureObservation& f) {
+Vector2d PixelError(const SimulatedRun& run,
+                    std::size_t i,
+                    int camera,
+                    const FeatureObservation& f) {
   const SE3 T_WC = run.truth[i].T_WB * run.rig.T_BC[camera];
-  const auto px = run.rig.cameras[camera].Project(T_WC.Inverse() * run.landmarks.at(f.landmark).p_W);
+  const auto px =
+      run.rig.cameras[camera].Project(T_WC.Inverse() * run.landmarks.at(f.landmark).p_W);
   return (camera ? *f.px_right : f.px_left) - px.value();
 }
 
@@ -63,8 +69,8 @@ TEST(FeatureSimulatorTest, LandmarksLieOnTheirSurfaces) {
   EXPECT_GT(run.surfaces.size(), 10u);
 }
 
-// Noise-free samples joined over the whole run end where the trajectory ends, up to the error of the
-// midpoint rule.
+// Noise-free samples joined over the whole run end where the trajectory ends, up to the error of
+// the midpoint rule.
 TEST(FeatureSimulatorTest, ImuWithoutNoiseReproducesTheTruth) {
   FeatureSimulatorOptions options = Perfect();
   options.imu.noise.rate_hz = 1000;
@@ -143,7 +149,8 @@ TEST(FeatureSimulatorTest, TracksImitateAFrontEnd) {
 
 TEST(FeatureSimulatorTest, SeedsRepeatAndDiffer) {
   const FeatureSimulatorOptions options;
-  const SimulatedRun a = Simulate(options, 7, 4), b = Simulate(options, 7, 4), c = Simulate(options, 8, 4);
+  const SimulatedRun a = Simulate(options, 7, 4), b = Simulate(options, 7, 4),
+                     c = Simulate(options, 8, 4);
   ASSERT_EQ(a.frames.size(), b.frames.size());
   EXPECT_EQ(a.frames.size(), c.frames.size());
   for (std::size_t i = 0; i < a.frames.size(); ++i) {
@@ -204,7 +211,8 @@ TEST(FeatureSimulatorTest, WorksAlongARealFlight) {
   options.duration_s = 20;
   const SimulatedRun run = SimulateFeatures(trajectory, EurocRig(), options, 1);
   ASSERT_EQ(run.frames.size(), 401u);
-  for (const FrameObservations& frame : run.frames) EXPECT_GT(frame.features.size(), 60u);
+  for (const FrameObservations& frame : run.frames)
+    EXPECT_GT(frame.features.size(), 60u);
 }
 
 }  // namespace

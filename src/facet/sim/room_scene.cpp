@@ -36,7 +36,9 @@ struct Cuboid {
   }
 };
 
-Matrix3d Yaw(double angle) { return ExpSO3(Vector3d(0, 0, angle)).toRotationMatrix(); }
+Matrix3d Yaw(double angle) {
+  return ExpSO3(Vector3d(0, 0, angle)).toRotationMatrix();
+}
 
 Cuboid RoomAround(std::span<const Vector3d> path_W, const RoomOptions& options, Rng& rng) {
   Cuboid room;
@@ -113,15 +115,16 @@ RoomScene::RoomScene(std::span<const Vector3d> path_W, const RoomOptions& option
     AddSurface(wall);
   }
   for (int i = 0; i < options.num_boxes; ++i) {
-    const Vector3d half_size(rng.Uniform(0.2, 0.6), rng.Uniform(0.2, 0.6), rng.Uniform(0.15, 0.7));
-    const auto box = Place(room, path_W, half_size, 0, options.clearance_m, rng);
+    const double x = rng.Uniform(0.2, 0.6), y = rng.Uniform(0.2, 0.6), z = rng.Uniform(0.15, 0.7);
+    const auto box = Place(room, path_W, Vector3d(x, y, z), 0, options.clearance_m, rng);
     if (!box) continue;
-    for (const int k : {0, 1, 2, 3, 5}) AddSurface(box->Side(k));  // not the bottom
+    for (const int k : {0, 1, 2, 3, 5})
+      AddSurface(box->Side(k));  // not the bottom
   }
   for (int i = 0; i < options.num_boards; ++i) {
-    const Vector3d half_size(rng.Uniform(0.4, 1.0), 0, rng.Uniform(0.3, 0.8));
+    const double x = rng.Uniform(0.4, 1.0), z = rng.Uniform(0.3, 0.8);
     const double height = rng.Uniform(0, 0.6);
-    const auto board = Place(room, path_W, half_size, height, options.clearance_m, rng);
+    const auto board = Place(room, path_W, Vector3d(x, 0, z), height, options.clearance_m, rng);
     if (board) AddSurface(board->Side(3));
   }
 }

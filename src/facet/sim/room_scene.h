@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A closed room of flat surfaces around a trajectory: six walls, boxes on the floor, upright boards.
+// A closed room of flat surfaces around a trajectory: six walls, boxes on the floor, upright
+// boards.
 #pragma once
 
 #include <optional>
@@ -14,9 +15,9 @@ namespace facet {
 struct RoomOptions {
   double min_margin_m = 1.5;  ///< from the trajectory to each side wall
   double max_margin_m = 4.0;
-  int num_boxes = 4;          ///< standing on the floor, turned at random
-  int num_boards = 3;         ///< thin upright rectangles, turned at random
-  double clearance_m = 0.6;   ///< boxes and boards keep this distance from the trajectory
+  int num_boxes = 4;         ///< standing on the floor, turned at random
+  int num_boards = 3;        ///< thin upright rectangles, turned at random
+  double clearance_m = 0.6;  ///< boxes and boards keep this distance from the trajectory
 };
 
 /// A rectangle in space, seen from both sides. Its plane is n_W . p_W = d_W.
@@ -40,8 +41,8 @@ struct RayHit {
 /// Thread-safe (immutable).
 class RoomScene {
  public:
-  /// A room around the points `path_W`, different for each state of `rng`. Boxes and boards for which
-  /// no free place is found are left out.
+  /// A room around the points `path_W`, different for each state of `rng`. Boxes and boards for
+  /// which no free place is found are left out.
   RoomScene(std::span<const Vector3d> path_W, const RoomOptions& options, Rng& rng);
 
   /// surfaces()[i].id == PlaneId{i}; the first six are floor, ceiling and walls.

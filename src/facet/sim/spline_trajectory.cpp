@@ -40,6 +40,18 @@ KnotPosition Locate(double seconds, double knot_interval_s, int num_intervals) {
   return {interval, x - interval};
 }
 
+/// Adds weight * (third difference)^2 of n control points to the normal equations.
+void AddSmoothing(double weight, int n, std::vector<Eigen::Triplet<double>>& entries) {
+  constexpr std::array<double, 4> kThirdDifference = {-1, 3, -3, 1};
+  for (int k = 0; k + 3 < n; ++k) {
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        entries.emplace_back(k + i, k + j, weight * kThirdDifference[i] * kThirdDifference[j]);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 SplineTrajectory SplineTrajectory::Fit(std::span<const NavState> states,
@@ -75,22 +87,15 @@ SplineTrajectory SplineTrajectory::Fit(std::span<const NavState> states,
       }
     }
   }
-  constexpr std::array<double, 4> kThirdDifference = {-1, 3, -3, 1};
-  for (int k = 0; k + 3 < n; ++k) {
-    for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) {
-        entries.emplace_back(
-            k + i, k + j, options.smoothing * kThirdDifference[i] * kThirdDifference[j]);
-      }
-    }
-  }
+  AddSmoothing(options.smoothing, n, entries);
   Eigen::SparseMatrix<double> A(n, n);
   A.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(A);
   FACET_CHECK(solver.info() == Eigen::Success) << "the spline is not determined by its poses";
   const Eigen::Matrix<double, Eigen::Dynamic, 7> x = solver.solve(b);
   spline.control_points_.resize(n);
-  for (int i = 0; i < n; ++i) spline.control_points_[i] = x.row(i).transpose();
+  for (int i = 0; i < n; ++i)
+    spline.control_points_[i] = x.row(i).transpose();
   return spline;
 }
 
@@ -101,11 +106,13 @@ std::array<SplineTrajectory::Coefficients, 3> SplineTrajectory::Evaluate(double 
   std::array<Coefficients, kDegree + 1> points;
   std::copy_n(control_points_.begin() + at.interval, kDegree + 1, points.begin());
   const auto differentiate = [&](int count) {
-    for (int i = 0; i < count; ++i) points[i] = (points[i + 1] - points[i]) / knot_interval_s_;
+    for (int i = 0; i < count; ++i)
+      points[i] = (points[i + 1] - points[i]) / knot_interval_s_;
   };
   const auto sum = [&](const auto& basis) {
     Coefficients result = Coefficients::Zero();
-    for (std::size_t i = 0; i < basis.size(); ++i) result += basis[i] * points[i];
+    for (std::size_t i = 0; i < basis.size(); ++i)
+      result += basis[i] * points[i];
     return result;
   };
   std::array<Coefficients, 3> result;
@@ -168,7 +175,8 @@ std::vector<NavState> MakeFlight(double duration_s, std::uint64_t seed) {
     const double t = i / 200.0;
     NavState state;
     state.t = Timestamp{1'000'000'000} + Duration{5'000'000LL * i};
-    for (int k = 0; k < 3; ++k) state.T_WB.p(k) = slow[k].At(t) + fast[k].At(t);
+    for (int k = 0; k < 3; ++k)
+      state.T_WB.p(k) = slow[k].At(t) + fast[k].At(t);
     const Quaterniond yaw = ExpSO3(Vector3d(0, 0, yaw_rate * t + attitude[0].At(t)));
     const Quaterniond tilt = ExpSO3(Vector3d(0, attitude[1].At(t), attitude[2].At(t)));
     state.T_WB.q = (yaw * Quaterniond(R_level) * tilt).normalized();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A smooth motion through recorded poses: a uniform quintic B-spline in position and in the quaternion's
-// components (normalised on evaluation). All derivatives are analytic, so that simulated IMU samples
-// and poses agree exactly; recorded ground truth itself is too noisy for that.
+// A smooth motion through recorded poses: a uniform quintic B-spline in position and in the
+// quaternion's components (normalised on evaluation). All derivatives are analytic, so that
+// simulated IMU samples and poses agree exactly; recorded ground truth itself is too noisy for
+// that.
 #pragma once
 
 #include <array>
@@ -13,15 +14,16 @@
 namespace facet {
 
 struct SplineOptions {
-  double knot_interval_s = 0.1;  ///< raising it smooths more: motion above about 0.3 / interval Hz is lost
-  double smoothing = 1e-4;       ///< weight of third differences; bridges holes in the recording
+  double knot_interval_s =
+      0.1;  ///< raising it smooths more: motion above about 0.3 / interval Hz is lost
+  double smoothing = 1e-4;  ///< weight of third differences; bridges holes in the recording
 };
 
 /// Everything about the motion at one moment.
 struct TrajectoryPoint {
-  NavState state;                        ///< biases are zero
-  Vector3d w_B = Vector3d::Zero();       ///< angular rate [rad/s]
-  Vector3d a_W = Vector3d::Zero();       ///< acceleration of the body's origin in W [m/s^2]
+  NavState state;                   ///< biases are zero
+  Vector3d w_B = Vector3d::Zero();  ///< angular rate [rad/s]
+  Vector3d a_W = Vector3d::Zero();  ///< acceleration of the body's origin in W [m/s^2]
 };
 
 /// Thread-safe (immutable).
@@ -52,8 +54,9 @@ class SplineTrajectory {
   std::vector<Coefficients> control_points_;
 };
 
-/// Poses at 200 Hz of a made-up flight in a volume of about 4 x 3 x 1.5 m, for tests without recorded
-/// data: speeds around 1 m/s, turning, body axes as in EuRoC (x up, z forward). Differs with the seed.
+/// Poses at 200 Hz of a made-up flight in a volume of about 4 x 3 x 1.5 m, for tests without
+/// recorded data: speeds around 1 m/s, turning, body axes as in EuRoC (x up, z forward). Differs
+/// with the seed.
 std::vector<NavState> MakeFlight(double duration_s, std::uint64_t seed);
 
 }  // namespace facet

@@ -14,8 +14,8 @@ namespace {
 constexpr Duration k1kHz{1'000'000};
 constexpr Duration k200Hz{5'000'000};
 
-/// Deviation (rad, m, m/s) of the integrated ideal IMU from the trajectory after 10 s. At 200 Hz the
-/// midpoint rule itself is off by up to 3 mm; its error falls with the square of the step.
+/// Deviation (rad, m, m/s) of the integrated ideal IMU from the trajectory after 10 s. At 200 Hz
+/// the midpoint rule itself is off by up to 3 mm; its error falls with the square of the step.
 Vector3d IntegrationError(const SplineTrajectory& trajectory, double start_s, Duration step) {
   const Timestamp begin = trajectory.begin() + FromSeconds(start_s);
   std::vector<ImuSample> samples;

@@ -15,9 +15,9 @@ namespace facet::testing {
 /// The including target defines FACET_SOURCE_DIR (facet_add_test does).
 inline std::optional<std::filesystem::path> DataDir(const std::string& name) {
   const char* root = std::getenv("FACET_DATA_DIR");
-  std::filesystem::path path = root && *root ? std::filesystem::path(root)
-                                             : std::filesystem::path(FACET_SOURCE_DIR).parent_path() /
-                                                   "shared" / "data";
+  std::filesystem::path path =
+      root && *root ? std::filesystem::path(root)
+                    : std::filesystem::path(FACET_SOURCE_DIR).parent_path() / "shared" / "data";
   path /= name;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return std::nullopt;

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Runs the built program on damaged recordings: it must end with the right exit code and one line
+// on stderr that names the file and the reason.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "facet/io/test_sequence.h"
+
+namespace facet {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const char* const kProgram = FACET_PROGRAM;
+
+struct ProgramRun {
+  int exit_code = -1;
+  std::string out, err;
+};
+
+/// Runs a shell command in which "facet" stands for the built program.
+ProgramRun RunShell(const std::string& command) {
+  const TempFolder folder;
+  const std::string redirected = command + " >" + (folder / "out").string() + " 2>" +
+                                 (folder / "err").string() + " </dev/null";
+  // The command consists of constants and temporary folders of this test.
+  const int status = std::system(redirected.c_str());  // NOLINT(concurrency-mt-unsafe)
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+          ReadText(folder / "out"),
+          ReadText(folder / "err")};
+}
+
+ProgramRun RunFacet(const std::string& arguments) {
+  return RunShell(std::string(kProgram) + " " + arguments);
+}
+
+class BadInputTest : public testing::Test {
+ protected:
+  BadInputTest() { WriteTestSequence(Sequence()); }
+  std::filesystem::path Sequence() const { return folder_ / "seq"; }
+  std::filesystem::path Mav0() const { return Sequence() / "mav0"; }
+  std::filesystem::path Csv(const std::string& sensor) const {
+    return Mav0() / sensor / "data.csv";
+  }
+  std::filesystem::path Out() const { return folder_ / "out"; }
+
+  ProgramRun Run(const std::string& more = "") const {
+    return RunFacet("run " + Sequence().string() + " --quiet --out " + Out().string() + " " + more);
+  }
+
+  /// The run fails with one line that holds all texts, and leaves nothing behind.
+  void ExpectFailure(int exit_code, const std::string& text, const std::string& more = "") const {
+    const ProgramRun run = Run(more);
+    EXPECT_EQ(run.exit_code, exit_code) << run.err;
+    EXPECT_THAT(run.err, AllOf(testing::StartsWith("facet: error: "), HasSubstr(text)));
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(Out()));
+    const auto entries = std::filesystem::directory_iterator(folder_.path());
+    EXPECT_EQ(std::distance(begin(entries), end(entries)),
+              std::filesystem::exists(Sequence()) ? 1 : 0);
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(BadInputTest, MissingFolder) {
+  std::filesystem::remove_all(Sequence());
+  ExpectFailure(3, "seq: no such folder");
+}
+
+TEST_F(BadInputTest, FolderThatIsNoSequence) {
+  std::filesystem::rename(Mav0(), Sequence() / "images");
+  ExpectFailure(3, "holds neither mav0/ nor cam0/");
+}
+
+TEST_F(BadInputTest, MissingFile) {
+  std::filesystem::remove(Csv("cam1"));
+  ExpectFailure(3, "cam1/data.csv: no such file");
+}
+
+TEST_F(BadInputTest, MissingImages) {
+  std::filesystem::remove_all(Mav0() / "cam0" / "data");
+  ExpectFailure(3, "cam0/data.csv");
+}
+
+TEST_F(BadInputTest, EmptyCsv) {
+  WriteText(Csv("imu0"), "");
+  ExpectFailure(3, "imu0/data.csv: holds no data");
+}
+
+TEST_F(BadInputTest, UnsortedStamps) {
+  EditLines(Csv("cam0"),
+            [](std::vector<std::string>& lines) { std::reverse(lines.begin() + 1, lines.end()); });
+  ExpectFailure(3, "cam0/data.csv:3: 11 of 12 lines have a stamp that runs backwards");
+}
+
+TEST_F(BadInputTest, DuplicateStamps) {
+  EditLines(Csv("imu0"), [](std::vector<std::string>& lines) {
+    for (std::size_t i = 2; i < lines.size(); ++i)
+      lines[i] = lines[1];
+  });
+  ExpectFailure(3, "imu0/data.csv:3: 150 of 151 lines have a duplicate stamp");
+}
+
+TEST_F(BadInputTest, StampsInSeconds) {
+  EditLines(Csv("cam0"), [](std::vector<std::string>& lines) {
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      lines[i].insert(10, 1, '.');
+  });
+  ExpectFailure(3, "look like seconds");
+}
+
+TEST_F(BadInputTest, WrongImageSize) {
+  ReplaceInFile(Mav0() / "cam0" / "sensor.yaml", "[160, 120]", "[320, 240]");
+  ExpectFailure(3, "160 x 120 pixels, the calibration of cam0 has 320 x 240");
+}
+
+TEST_F(BadInputTest, TruncatedImages) {
+  for (const auto& image : std::filesystem::directory_iterator(Mav0() / "cam0" / "data")) {
+    Truncate(image, 500);
+  }
+  ExpectFailure(3, ".pgm: truncated PGM");
+}
+
+TEST_F(BadInputTest, UnknownImageFormat) {
+  for (const auto& image : std::filesystem::directory_iterator(Mav0() / "cam1" / "data")) {
+    WriteText(image, "BM this is a bitmap");
+  }
+  ExpectFailure(3, "not a PNG, JPEG, WebP or PGM image");
+}
+
+TEST_F(BadInputTest, ImuNotFinite) {
+  EditLines(Csv("imu0"), [](std::vector<std::string>& lines) {
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      lines[i] = lines[i].substr(0, 19) + ",0,0,nan,0,0,inf";
+  });
+  ExpectFailure(3, "imu0/data.csv:2: 151 of 151 lines have values that are not finite");
+}
+
+TEST_F(BadInputTest, NoOverlapOfCameraAndImu) {
+  EditLines(Csv("imu0"), [](std::vector<std::string>& lines) {
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      lines[i][5] = '9';
+  });
+  ExpectFailure(3, "camera and IMU do not overlap in time");
+}
+
+TEST_F(BadInputTest, SingularCalibration) {
+  ReplaceInFile(Mav0() / "cam1" / "sensor.yaml", "[0.0, -1.0, 0.0,", "[0.0, 0.0, 0.0,");
+  ExpectFailure(3, "cam1/sensor.yaml:3: 'T_BS' is singular");
+}
+
+TEST_F(BadInputTest, MissingCalibration) {
+  std::filesystem::remove(Mav0() / "cam0" / "sensor.yaml");
+  ExpectFailure(3, "--calibration FILE");
+}
+
+TEST_F(BadInputTest, NoTextureCannotStart) {
+  const std::string grey = "P5\n160 120\n255\n" + std::string(160 * 120, 'x');
+  for (const char* camera : {"cam0", "cam1"}) {
+    for (const auto& image : std::filesystem::directory_iterator(Mav0() / camera / "data")) {
+      WriteText(image, grey);
+    }
+  }
+  const ProgramRun run = Run();
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_THAT(run.err, HasSubstr("could not start"));
+  EXPECT_TRUE(std::filesystem::exists(Out() / "summary.json"));
+}
+
+TEST_F(BadInputTest, UnknownKey) {
+  WriteText(Sequence() / "my.yaml", "frontend:\n  max_feature: 100\n");
+  ExpectFailure(
+      2,
+      "my.yaml:2: unknown key 'frontend.max_feature'; did you mean 'frontend.max_features'?",
+      "--config " + (Sequence() / "my.yaml").string());
+  ExpectFailure(2, "--set: unknown key 'nonsense'", "--set nonsense=1");
+}
+
+TEST_F(BadInputTest, ValueOutOfRange) {
+  ExpectFailure(2,
+                "frontend.max_features = '-3' is out of range, allowed: ",
+                "--set frontend.max_features=-3");
+  ExpectFailure(2, "must be an integer", "--set frontend.max_features=many");
+  ExpectFailure(2, "key.path=value is expected", "--set frontend.max_features");
+}
+
+TEST_F(BadInputTest, WrongUsage) {
+  ExpectFailure(2, "--start", "--start yesterday");
+  ExpectFailure(2, "the sequence lasts 0.6 s", "--start 100");
+  ExpectFailure(2, "--duration", "--duration 0");
+  ExpectFailure(2, "--nonsense", "--nonsense");
+  EXPECT_EQ(RunFacet("").exit_code, 2);
+  EXPECT_EQ(RunFacet("run").exit_code, 2);
+  const ProgramRun unknown = RunFacet("fly there");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("unknown command 'fly'"));
+}
+
+TEST_F(BadInputTest, UnwritableOutput) {
+  const ProgramRun in_proc =
+      RunFacet("run " + Sequence().string() + " --quiet --out /proc/nowhere/run");
+  EXPECT_EQ(in_proc.exit_code, 2);
+  EXPECT_THAT(in_proc.err, HasSubstr("--out /proc/nowhere/run: cannot be created"));
+  const ProgramRun occupied =
+      RunFacet("run " + Sequence().string() + " --quiet --out " + Mav0().string());
+  EXPECT_EQ(occupied.exit_code, 2);
+  EXPECT_THAT(occupied.err, HasSubstr("is not a result of Facet"));
+  EXPECT_TRUE(std::filesystem::exists(Csv("cam0")));
+}
+
+TEST_F(BadInputTest, FullDisk) {
+  // No file may grow beyond 4 KiB: what a full disk looks like to the program.
+  const ProgramRun run = RunShell("(ulimit -f 4; trap '' XFSZ; " + std::string(kProgram) + " run " +
+                                  Sequence().string() + " --quiet --out " + Out().string() + ")");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("cannot be written (disk full"));
+  EXPECT_FALSE(std::filesystem::exists(Out()));
+}
+
+TEST_F(BadInputTest, SmallDamageIsSurvivedAndReported) {
+  EditLines(Csv("imu0"), [](std::vector<std::string>& lines) {
+    lines[50] = lines[50].substr(0, 19) + ",nan,0,0,0,0,0";
+  });
+  Truncate(Mav0() / "cam0" / "data" / (std::to_string(FrameStamp({}, 5)) + ".pgm"), 500);
+  Truncate(Mav0() / "cam1" / "data" / (std::to_string(FrameStamp({}, 7)) + ".pgm"), 500);
+  const ProgramRun run = Run();
+  EXPECT_THAT(run.exit_code, testing::AnyOf(0, 4)) << run.err;
+  const std::string summary = ReadText(Out() / "summary.json");
+  EXPECT_THAT(summary,
+              AllOf(HasSubstr("not finite"),
+                    HasSubstr("the frame was skipped"),
+                    HasSubstr("left image only")));
+  EXPECT_THAT(summary, HasSubstr("\"damaged_frames\": 1"));
+}
+
+TEST(ProgramTest, HelpAndVersion) {
+  const ProgramRun version = RunFacet("--version");
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_THAT(version.out, testing::MatchesRegex("facet [0-9.]+\n"));
+  const ProgramRun help = RunFacet("--help");
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_THAT(help.out, AllOf(HasSubstr("run"), HasSubstr("evaluate"), HasSubstr("config")));
+  EXPECT_THAT(RunFacet("run --help").out, HasSubstr("--imu-history"));
+}
+
+TEST(ProgramTest, ConfigFileHoldsTheBuiltInValues) {
+  EXPECT_EQ(RunFacet("config").out, ReadText(FACET_SOURCE_DIR "/config/euroc.yaml"))
+      << "write it again: build/facet config > config/euroc.yaml";
+  const std::string file = FACET_SOURCE_DIR "/config/euroc.yaml";
+  const ProgramRun again = RunFacet("config --config " + file);
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(again.out, ReadText(file));
+}
+
+TEST(ProgramTest, DoesNotLinkTheWorld) {
+  const ProgramRun run = RunShell(std::string("ldd ") + kProgram);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("libopencv_core"),
+                    Not(HasSubstr("gdal")),
+                    Not(HasSubstr("poppler")),
+                    Not(HasSubstr("imgcodecs"))));
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The run loop with a stand-in for the estimator.
+#include "run_sequence.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "facet/io/errors.h"
+#include "facet/io/test_sequence.h"
+
+namespace facet {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+/// Remembers what it was fed; poses begin with the third frame.
+struct FakeVio {
+  std::vector<Timestamp> imu, frames, mono;
+  std::vector<Timestamp> newest_imu;  // at each frame
+  int first_pose = 2, lost_from = 1000;
+  std::chrono::milliseconds busy{0};
+
+  VioOutput Process(const StereoFrame& frame) {
+    std::this_thread::sleep_for(busy);
+    const int i = static_cast<int>(frames.size());
+    frames.push_back(frame.t);
+    newest_imu.push_back(imu.empty() ? Timestamp{} : imu.back());
+    if (frame.right.empty()) mono.push_back(frame.t);
+    VioOutput output;
+    output.t = frame.t;
+    output.has_pose = i >= first_pose && i < lost_from;
+    output.status = output.has_pose  ? TrackingStatus::kOk
+                    : i < first_pose ? TrackingStatus::kInitialising
+                                     : TrackingStatus::kLost;
+    output.reason = output.has_pose ? "" : "too few tracks";
+    output.is_keyframe = i % 4 == 0;
+    // Each keyframe leaves the window one keyframe later.
+    if (output.is_keyframe && i >= 4) {
+      output.finished_keyframes.push_back(
+          {FrameId{i - 4}, frames[static_cast<std::size_t>(i - 4)], {}});
+    }
+    return output;
+  }
+
+  VioFunctions Functions() {
+    return {[this](const ImuSample& s) { imu.push_back(s.t); },
+            [this](const StereoFrame& f) { return Process(f); },
+            [this] {
+              return std::vector<KeyframePose>{
+                  {FrameId{8}, frames[std::min<std::size_t>(8, frames.size() - 1)], {}}};
+            }};
+  }
+};
+
+class RunSequenceTest : public testing::Test {
+ protected:
+  SequenceRun Run(const RunRange& range = {}) {
+    AslDataset dataset(Sequence());
+    return RunSequence(
+        dataset, vio_.Functions(), range, [&](int done, int total, const VioOutput&) {
+          EXPECT_LE(done, total);
+          return done < stop_after_;
+        });
+  }
+  std::filesystem::path Sequence() const { return folder_ / "seq"; }
+  std::filesystem::path Image(int camera, int i) const {
+    return Sequence() / "mav0" / ("cam" + std::to_string(camera)) / "data" /
+           (std::to_string(FrameStamp(options_, i)) + ".pgm");
+  }
+  void Write() { WriteTestSequence(Sequence(), options_); }
+
+  TempFolder folder_;
+  TestSequenceOptions options_;
+  FakeVio vio_;
+  int stop_after_ = 1 << 30;
+};
+
+TEST_F(RunSequenceTest, FeedsEverythingInOrder) {
+  Write();
+  const SequenceRun run = Run();
+  EXPECT_EQ(run.end, RunEnd::kComplete);
+  EXPECT_EQ(run.message, "");
+  ASSERT_EQ(vio_.frames.size(), 12u);
+  // From the sample at the first frame to one beyond the last.
+  EXPECT_EQ(vio_.imu.front(), vio_.frames.front());
+  for (std::size_t i = 0; i < vio_.frames.size(); ++i) {
+    EXPECT_EQ((vio_.newest_imu[i] - vio_.frames[i]).ns, options_.imu_interval_ns);
+  }
+  EXPECT_TRUE(std::is_sorted(vio_.imu.begin(), vio_.imu.end()));
+  EXPECT_EQ(run.record.num_frames, 12);
+  EXPECT_EQ(run.record.frames.size(), 12u);
+  EXPECT_EQ(run.record.CausalTrajectory().size(), 10u);
+  EXPECT_NEAR(*run.record.InitSeconds(), 0.1, 1e-12);
+  EXPECT_NEAR(run.record.duration_s, 0.55, 1e-12);
+  EXPECT_EQ(run.record.keyframes.size(), 3u);
+  EXPECT_GT(run.record.peak_rss_mb, 1);
+  EXPECT_EQ(run.record.frames[2].status, "ok");
+}
+
+TEST_F(RunSequenceTest, TimeOffsetMovesTheImu) {
+  Write();
+  for (int i = 0; i < 2; ++i) {
+    const auto yaml = Sequence() / "mav0" / ("cam" + std::to_string(i)) / "sensor.yaml";
+    ReplaceInFile(yaml, "rate_hz: 20", "timeshift_cam_imu: 0.0125");
+  }
+  Run();
+  // 12.5 ms lies between two samples: the one before the first frame is fed, too.
+  EXPECT_EQ((vio_.imu.front() - vio_.frames.front()).ns, 10000000);
+  EXPECT_EQ((vio_.newest_imu[3] - vio_.frames[3]).ns, 15000000);
+}
+
+TEST_F(RunSequenceTest, StartDurationAndImuHistory) {
+  Write();
+  RunRange range;
+  range.start_s = 0.2;
+  range.duration_s = 0.15;
+  range.imu_history_s = 0.05;
+  const SequenceRun run = Run(range);
+  ASSERT_EQ(vio_.frames.size(), 4u);
+  EXPECT_EQ(vio_.frames.front().ns, FrameStamp(options_, 4));
+  EXPECT_EQ((vio_.frames.front() - vio_.imu.front()).ns, 50000000);
+  EXPECT_EQ(run.record.first_pair.ns, FrameStamp(options_, 4));
+  EXPECT_EQ(run.record.num_frames, 4);
+  range.start_s = 7;
+  EXPECT_THROW(Run(range), ConfigError);
+}
+
+TEST_F(RunSequenceTest, DamagedImagesAreSkippedAndReported) {
+  Write();
+  Truncate(Image(0, 5), 500);
+  Truncate(Image(1, 7), 500);
+  const SequenceRun run = Run();
+  EXPECT_EQ(run.end, RunEnd::kComplete);
+  EXPECT_EQ(vio_.frames.size(), 11u);
+  EXPECT_EQ(run.record.num_damaged, 1);
+  ASSERT_EQ(vio_.mono.size(), 1u);
+  EXPECT_EQ(vio_.mono[0].ns, FrameStamp(options_, 7));
+  EXPECT_THAT(run.record.warnings, Contains(HasSubstr("(the frame was skipped)")));
+  EXPECT_THAT(run.record.warnings, Contains(HasSubstr("left image only")));
+}
+
+TEST_F(RunSequenceTest, ManyDamagedImagesInARowEndTheRun) {
+  options_.num_frames = 40;
+  Write();
+  for (int i = 10; i < 35; ++i)
+    Truncate(Image(0, i), 500);
+  const SequenceRun run = Run();
+  EXPECT_EQ(run.end, RunEnd::kDamaged);
+  EXPECT_THAT(run.message, HasSubstr("truncated PGM"));
+  EXPECT_EQ(run.record.frames.size(), 10u);
+}
+
+TEST_F(RunSequenceTest, NeverStarted) {
+  Write();
+  vio_.first_pose = 1000;
+  const SequenceRun run = Run();
+  EXPECT_EQ(run.end, RunEnd::kNotStarted);
+  EXPECT_THAT(run.message, HasSubstr("could not start: too few tracks"));
+  EXPECT_FALSE(run.record.InitSeconds());
+}
+
+TEST_F(RunSequenceTest, LostForGoodOrOnlyAtTheVeryEnd) {
+  options_.num_frames = 40;
+  Write();
+  vio_.lost_from = 15;
+  EXPECT_EQ(Run().end, RunEnd::kLost);
+  vio_ = FakeVio();
+  vio_.lost_from = 35;
+  EXPECT_EQ(Run().end, RunEnd::kComplete);
+}
+
+TEST_F(RunSequenceTest, StopsWhenAskedTo) {
+  Write();
+  stop_after_ = 6;
+  const SequenceRun run = Run();
+  EXPECT_EQ(run.end, RunEnd::kStopped);
+  EXPECT_EQ(run.record.frames.size(), 6u);
+  EXPECT_THAT(run.message, HasSubstr("after 6 of 12 frames"));
+}
+
+TEST_F(RunSequenceTest, RealTimeDropsWhatArrivesWhileBusy) {
+  Write();
+  vio_.busy = std::chrono::milliseconds(120);
+  RunRange range;
+  range.realtime = true;
+  const SequenceRun run = Run(range);
+  EXPECT_GE(run.record.num_dropped, 5);
+  EXPECT_EQ(run.record.num_dropped + static_cast<int>(vio_.frames.size()), 12);
+  EXPECT_TRUE(std::is_sorted(vio_.frames.begin(), vio_.frames.end()));
+  EXPECT_GE(run.record.wall_s, 0.55);
+  EXPECT_GE(run.record.frames[0].latency_ms, 119);
+}
+
+}  // namespace
+}  // namespace facet

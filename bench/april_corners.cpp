@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// april_corners [--set key=value]... [--window-table]
+// The back end alone on EuRoC's calibration recording: trajectory, landmarks and cost.
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "april_corners_study.h"
+#include <CLI/CLI.hpp>
+
+#include "facet/io/config_file.h"
+#include "facet/io/errors.h"
+#include "facet/testing/data_dir.h"
+
+namespace facet {
+namespace {
+
+struct WindowSetting {
+  int full, pose;
+};
+constexpr WindowSetting kWindowSettings[] = {{3, 7}, {3, 12}, {5, 10}, {8, 7}, {25, 0}};
+
+void PrintCost(const char* name, const CostSummary& cost) {
+  std::printf("CPU per %-9s       mean %.3f, median %.3f, p99 %.3f ms\n",
+              name,
+              cost.mean_ms,
+              cost.median_ms,
+              cost.p99_ms);
+}
+
+void PrintRun(const AprilRun& run, const AprilFigures& figures) {
+  const ErrorStatistics& ate = figures.trajectory.ate_m;
+  const ErrorStatistics& rotation = figures.rotation_deg;
+  std::printf("frames                  %d\n", run.num_frames);
+  std::printf("resets                  %d\n", run.num_resets);
+  std::printf("coverage                %.1f %%\n", 100 * figures.coverage);
+  std::printf("ATE                     rmse %.4f, median %.4f, max %.4f m\n",
+              ate.rmse,
+              ate.median,
+              ate.max);
+  std::printf("scale error             %+.3f %%\n",
+              figures.trajectory.scale_error_percent.value_or(0));
+  std::printf(
+      "rotation error          rmse %.3f, median %.3f deg\n", rotation.rmse, rotation.median);
+  std::printf("landmarks from corners  %.2f mm rms (median of %zu snapshots)\n",
+              1000 * figures.landmark_rms_m,
+              run.fits.size());
+  std::printf("landmarks from a plane  %.2f mm rms (median)\n", 1000 * figures.flatness_m);
+  PrintCost("frame", run.cost.all);
+  PrintCost("keyframe", run.cost.keyframes);
+}
+
+void PrintWindowTable(const AprilRecording& recording, AprilOptions options) {
+  std::printf(
+      "| full + pose keyframes | ATE rmse / median [mm] | landmarks [mm] | back end per frame "
+      "[ms] | per keyframe [ms] | resets |\n|---|---|---|---|---|---|\n");
+  for (const WindowSetting& setting : kWindowSettings) {
+    options.estimator.window.max_full_keyframes = setting.full;
+    options.estimator.window.max_pose_keyframes = setting.pose;
+    const AprilRun run = RunAprilCorners(recording, options);
+    const AprilFigures figures = EvaluateAprilCorners(recording, run);
+    std::printf("| %d + %d | %.1f / %.1f | %.2f | %.2f | %.2f | %d |\n",
+                setting.full,
+                setting.pose,
+                1000 * figures.trajectory.ate_m.rmse,
+                1000 * figures.trajectory.ate_m.median,
+                1000 * figures.landmark_rms_m,
+                run.cost.all.mean_ms,
+                run.cost.keyframes.mean_ms,
+                run.num_resets);
+    std::fflush(stdout);
+  }
+}
+
+std::filesystem::path Find(const std::string& name) {
+  const auto folder = testing::DataDir(name);
+  if (!folder) throw InputError(testing::MissingData(name));
+  return *folder;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("The back end alone on EuRoC's calibration recording");
+  AprilOptions options;
+  std::vector<std::string> overrides;
+  bool window_table = false;
+  std::string output;
+  app.add_option("--set", overrides, "option of the estimator, key=value");
+  app.add_option("--keyframe-every", options.keyframe_every, "frames per keyframe")
+      ->check(CLI::Range(1, 100));
+  app.add_option("--pixel-sigma", options.pixel_sigma, "1-sigma of the corners [px]")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--window-table", window_table, "compare window sizes (markdown)");
+  app.add_option("--output", output, "file for the causal trajectory (TUM)");
+  CLI11_PARSE(app, argc, argv);
+
+  std::vector<ConfigEntry> entries;
+  for (const std::string& text : overrides)
+    entries.push_back(ParseOverride(text));
+  ApplyConfig(entries, ListFields(options.estimator));
+  const AprilRecording recording =
+      LoadAprilRecording(Find("euroc_april_corners"), Find("euroc_mh01_handheld/mav0"));
+  if (window_table) {
+    PrintWindowTable(recording, options);
+    return 0;
+  }
+  const AprilRun run = RunAprilCorners(recording, options);
+  PrintRun(run, EvaluateAprilCorners(recording, run));
+  if (!output.empty()) WriteTum(output, run.poses);
+  return 0;
+}
+
+}  // namespace
+}  // namespace facet
+
+int main(int argc, char** argv) {
+  try {
+    return facet::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "april_corners: %s\n", error.what());
+    return 1;
+  }
+}

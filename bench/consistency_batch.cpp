@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "consistency_batch.h"
+
+#include <Eigen/LU>
+
+#include "facet/estimator/landmark_depth.h"
+
+namespace facet {
+
+namespace {
+
+// Squares of normal equations as large as these lose digits; the defaults would stop far too early.
+constexpr double kRelativeDecrease = 1e-8;
+constexpr int kRounds = 2;  // solve, integrate the IMU again about the new biases, solve
+
+std::optional<WindowObservation> Prepare(const FeatureObservation& feature,
+                                         const StereoRig& rig,
+                                         double sigma_scale) {
+  const auto left = rig.cameras[0].Undistort(feature.px_left);
+  if (!left) return std::nullopt;
+  WindowObservation out;
+  out.xy[0] = left->xy;
+  out.sqrt_info[0] = left->J_xy_px.inverse() / (sigma_scale * feature.sigma_left_px);
+  if (!feature.px_right) return out;
+  if (const auto right = rig.cameras[1].Undistort(*feature.px_right)) {
+    out.has_right = true;
+    out.xy[1] = right->xy;
+    out.sqrt_info[1] = right->J_xy_px.inverse() / (sigma_scale * feature.sigma_right_px);
+  }
+  return out;
+}
+
+}  // namespace
+
+BatchProblem::BatchProblem(const StereoRig& rig,
+                           const ImuNoise& noise,
+                           const EstimatorOptions& options)
+    : rig_(rig), options_(options) {
+  imu_noise_.gyro = noise.gyro_noise * options.imu.gyro_noise_scale;
+  imu_noise_.accel = noise.accel_noise * options.imu.accel_noise_scale;
+  bias_walk_.gyro = noise.gyro_walk * options.imu.gyro_walk_scale;
+  bias_walk_.accel = noise.accel_walk * options.imu.accel_walk_scale;
+}
+
+void BatchProblem::Begin(const SlidingWindow& window) {
+  window_ = window;
+  imu_ = ImuPreintegration(window_.frames.back().x.bias, imu_noise_);
+}
+
+void BatchProblem::AddFrame(const FrameObservations& observations,
+                            const ImuInterval& imu,
+                            const NavState& estimate) {
+  imu_.Integrate(imu.samples);
+  if (!observations.is_keyframe) return;
+  WindowFrame frame;
+  frame.id = observations.frame;
+  frame.is_keyframe = true;
+  frame.x = frame.lin = estimate;
+  frame.imu = std::move(imu_);
+  frame.has_imu_link = true;
+  window_.frames.push_back(std::move(frame));
+  imu_ = ImuPreintegration(estimate.bias, imu_noise_);
+  AddObservations(observations);
+}
+
+void BatchProblem::AddObservations(const FrameObservations& observations) {
+  const int newest = static_cast<int>(window_.frames.size()) - 1;
+  for (const FeatureObservation& feature : observations.features) {
+    auto observation = Prepare(feature, rig_, options_.solver.pixel_sigma_scale);
+    if (!observation) continue;
+    observation->frame = newest;
+    WindowLandmark* landmark = window_.Find(feature.landmark);
+    if (landmark == nullptr) landmark = &window_.AddLandmark(feature.landmark, newest);
+    landmark->observations.push_back(*observation);
+  }
+}
+
+void BatchProblem::RelinearizeImu() {
+  for (std::size_t j = 1; j < window_.frames.size(); ++j) {
+    WindowFrame& frame = window_.frames[j];
+    frame.imu.Reintegrate(window_.frames[j - 1].x.bias);
+    frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, bias_walk_);
+  }
+}
+
+BatchSolution BatchProblem::Solve(int max_iterations) {
+  FrameGeometry geometry(rig_);
+  geometry.Update(window_.frames);
+  for (WindowLandmark& landmark : window_.landmarks()) {
+    if (!landmark.has_depth) InitializeDepth(geometry, landmark);
+  }
+  SolverOptions solver_options = options_.solver;
+  solver_options.relative_decrease = kRelativeDecrease;
+  WindowSolver solver(rig_, solver_options);
+  for (int round = 0; round < kRounds; ++round) {
+    RelinearizeImu();
+    solver.Solve(window_, max_iterations);
+  }
+  BatchSolution solution;
+  for (const WindowFrame& frame : window_.frames)
+    solution.states.push_back(frame.x);
+  solution.last_frame = window_.frames.back().id;
+  solution.last_covariance =
+      solver.system().FrameCovariance(static_cast<int>(window_.frames.size()) - 1);
+  return solution;
+}
+
+}  // namespace facet

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One simulated flight through the fixed-lag estimator, and optionally the same measurements as one
+// batch problem.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "consistency_scenario.h"
+
+#include "facet/estimator/vio_estimator.h"
+#include "facet/io/trajectory_file.h"
+
+namespace facet {
+
+/// Estimate against truth at one frame; the truth was moved into the estimator's world by position
+/// and heading at the start.
+struct FrameError {
+  double elapsed_s = 0;  ///< since the first output
+  bool is_keyframe = false;
+  Matrix3d R_WB = Matrix3d::Identity();
+  Vector<15> error = Vector<15>::Zero();  ///< truth (-) estimate: theta p v b_g b_a
+  Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
+};
+
+/// Keyframe poses of the same run and the truth at the same stamps.
+struct KeyframeTrajectories {
+  std::vector<StampedPose> causal;  ///< when the keyframe came in
+  std::vector<StampedPose> final;   ///< when it left the window
+  std::vector<StampedPose> batch;   ///< empty without a batch solution
+  std::vector<StampedPose> truth;
+};
+
+struct ConsistencyRun {
+  int num_resets = 0;
+  std::vector<FrameError> frames;
+  KeyframeTrajectories keyframes;
+  std::optional<FrameError> batch_last;  ///< newest frame of the batch solution
+};
+
+ConsistencyRun RunConsistency(const SimulatedRun& run,
+                              const ConsistencyOptions& options,
+                              bool with_batch);
+
+}  // namespace facet

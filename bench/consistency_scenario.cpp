@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "consistency_scenario.h"
+
+#include "facet/sim/euroc_csv.h"
+#include "facet/sim/euroc_rig.h"
+
+namespace facet {
+
+namespace {
+
+struct Stretch {
+  const char* flight;
+  double start_s;  // after take-off, at the flight's usual speed
+};
+constexpr Stretch kStretches[] = {
+    {"V1_01_easy", 40.0}, {"V1_02_medium", 20.0}, {"MH_05_difficult", 22.0}};
+
+// The ground truth is known to about this; a wide prior would count the gauge as uncertain.
+constexpr double kOriginSigma = 1e-4;
+
+}  // namespace
+
+ConsistencyOptions::ConsistencyOptions() {
+  estimator.imu.gyro_noise_scale = estimator.imu.accel_noise_scale = 1.0;
+  estimator.imu.gyro_walk_scale = estimator.imu.accel_walk_scale = 1.0;
+  estimator.start.sigma_position = estimator.start.sigma_yaw = kOriginSigma;
+  // The runner hides right observations as a front end does: after the start, keyframes only.
+  simulator.right_on_every_frame = true;
+}
+
+std::vector<Scenario> RecordedScenarios(const std::filesystem::path& folder, double duration_s) {
+  std::vector<Scenario> scenarios;
+  for (const Stretch& stretch : kStretches) {
+    const std::vector<NavState> truth =
+        LoadGroundTruthCsv(folder / stretch.flight / "groundtruth.csv");
+    scenarios.push_back(
+        {stretch.flight, SplineTrajectory::Fit(truth), stretch.start_s, duration_s});
+  }
+  return scenarios;
+}
+
+std::vector<Scenario> MadeUpScenarios(double duration_s) {
+  constexpr double kMargin = 1.0;
+  std::vector<Scenario> scenarios;
+  for (const int seed : {1, 2, 3}) {
+    const std::vector<NavState> poses = MakeFlight(duration_s + kMargin, seed);
+    scenarios.push_back(
+        {"made-up " + std::to_string(seed), SplineTrajectory::Fit(poses), 0, duration_s});
+  }
+  return scenarios;
+}
+
+SimulatedRun Simulate(const Scenario& scenario,
+                      const ConsistencyOptions& options,
+                      std::uint64_t seed) {
+  FeatureSimulatorOptions simulator = options.simulator;
+  simulator.start_s = scenario.start_s;
+  simulator.duration_s = scenario.duration_s;
+  return SimulateFeatures(scenario.trajectory, EurocRig(), simulator, seed);
+}
+
+}  // namespace facet

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/ceres_window.h"
+
+#include <ceres/autodiff_manifold.h>
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include <Eigen/Cholesky>
+
+#include "facet/base/check.h"
+
+namespace facet::testing {
+
+namespace {
+
+template <class T>
+using Vec3 = Eigen::Matrix<T, 3, 1>;
+template <class T>
+using Quat = Eigen::Quaternion<T>;
+
+// Log of a rotation by way of Ceres' angle-axis functions (w first).
+template <class T>
+Vec3<T> Log(const Quat<T>& q) {
+  const T wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
+  Vec3<T> out;
+  ceres::QuaternionToAngleAxis(wxyz, out.data());
+  return out;
+}
+
+template <class T>
+Quat<T> Exp(const Vec3<T>& theta) {
+  T wxyz[4];
+  ceres::AngleAxisToQuaternion(theta.data(), wxyz);
+  return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
+}
+
+// q Exp(theta) on x y z w.
+struct RightRotation {
+  template <class T>
+  bool Plus(const T* x, const T* delta, T* x_plus_delta) const {
+    Eigen::Map<Quat<T>> out(x_plus_delta);
+    out = Eigen::Map<const Quat<T>>(x) * Exp<T>(Eigen::Map<const Vec3<T>>(delta));
+    return true;
+  }
+  template <class T>
+  bool Minus(const T* y, const T* x, T* y_minus_x) const {
+    Eigen::Map<Vec3<T>> out(y_minus_x);
+    out = Log<T>(Eigen::Map<const Quat<T>>(x).conjugate() * Eigen::Map<const Quat<T>>(y));
+    return true;
+  }
+};
+
+// Reprojection of a point of the world.
+struct ReprojectionCost {
+  SE3 T_BC;
+  Vector2d xy;
+  Matrix2d sqrt_info;
+
+  template <class T>
+  bool operator()(const T* q, const T* p, const T* point, T* residual) const {
+    const Eigen::Map<const Quat<T>> q_WB(q);
+    const Eigen::Map<const Vec3<T>> p_WB(p), p_W(point);
+    const Vec3<T> p_B = q_WB.conjugate() * (p_W - p_WB);
+    const Vec3<T> p_C = T_BC.q.conjugate().cast<T>() * (p_B - T_BC.p.cast<T>());
+    const Eigen::Matrix<T, 2, 1> error(p_C.x() / p_C.z() - xy.x(), p_C.y() / p_C.z() - xy.y());
+    Eigen::Map<Eigen::Matrix<T, 2, 1>> whitened(residual);
+    whitened = sqrt_info.cast<T>() * error;
+    return true;
+  }
+};
+
+// Equations (2.11) to (2.15) of docs/math.md. A motion is v b_g b_a.
+struct ImuCost {
+  const ImuPreintegration& imu;
+  Matrix<15, 15> sqrt_info;
+
+  template <class T>
+  bool operator()(const T* q_i, const T* p_i, const T* m_i, const T* q_j, const T* p_j, const T* m_j, T* residual) const {
+    const Eigen::Map<const Quat<T>> R_i(q_i), R_j(q_j);
+    const Eigen::Map<const Vec3<T>> x_i(p_i), x_j(p_j), v_i(m_i), v_j(m_j);
+    const Eigen::Map<const Eigen::Matrix<T, 6, 1>> bias_i(m_i + 3), bias_j(m_j + 3);
+    Vector<6> lin_bias;
+    lin_bias << imu.bias().b_g, imu.bias().b_a;
+    const Eigen::Matrix<T, 9, 1> shift = imu.BiasJacobian().cast<T>() * (bias_i - lin_bias.cast<T>());
+    const Quat<T> dR = imu.dR().cast<T>() * Exp<T>(shift.template head<3>());
+    const T dt(imu.dt());
+    const Vec3<T> g(T(0), T(0), T(-9.81));
+    Eigen::Matrix<T, 15, 1> r;
+    r.template segment<3>(0) = Log<T>(dR.conjugate() * (R_i.conjugate() * R_j));
+    r.template segment<3>(3) = R_i.conjugate() * Vec3<T>(x_j - x_i - dt * v_i - T(0.5) * dt * dt * g) -
+                               imu.dp().cast<T>() - shift.template segment<3>(3);
+    r.template segment<3>(6) = R_i.conjugate() * Vec3<T>(v_j - v_i - dt * g) - imu.dv().cast<T>() -
+                               shift.template segment<3>(6);
+    r.template tail<6>() = bias_j - bias_i;
+    Eigen::Map<Eigen::Matrix<T, 15, 1>> whitened(residual);
+    whitened = sqrt_info.cast<T>() * r;
+    return true;
+  }
+};
+
+struct StartCost {
+  StartPrior prior;
+
+  template <class T>
+  bool operator()(const T* q, const T* p, const T* m, T* residual) const {
+    const Quat<T> turn = Eigen::Map<const Quat<T>>(q) * prior.T_WB.q.conjugate().cast<T>();
+    for (int k = 0; k < 3; ++k) {
+      residual[k] = (p[k] - prior.T_WB.p(k)) / prior.sigma_position;
+      residual[4 + k] = m[k] / prior.sigma_velocity;
+      residual[7 + k] = m[3 + k] / prior.sigma_gyro_bias;
+      residual[10 + k] = m[6 + k] / prior.sigma_accel_bias;
+    }
+    residual[3] = Log<T>(turn).z() / prior.sigma_yaw;
+    return true;
+  }
+};
+
+// 1/2 d^T H d + b^T d as 1/2 |L^T d + L^-1 b|^2 up to a constant, H = L L^T. Blocks of three.
+class QuadraticCost {
+ public:
+  struct Part {
+    bool is_rotation = false;
+    Quaterniond q0 = Quaterniond::Identity();
+    Vector3d x0 = Vector3d::Zero();
+    int parameter = 0, offset_in_parameter = 0;
+  };
+  QuadraticCost(const MatrixXd& H, const VectorXd& b, std::vector<Part> parts)
+      : root_(H.llt().matrixU()), shift_(H.llt().matrixL().solve(b)), parts_(std::move(parts)) {}
+
+  double constant() const { return 0.5 * shift_.squaredNorm(); }
+
+  template <class T>
+  bool operator()(T const* const* parameters, T* residual) const {
+    Eigen::Matrix<T, Eigen::Dynamic, 1> d(shift_.size());
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      const Part& part = parts_[k];
+      const T* x = parameters[part.parameter] + part.offset_in_parameter;
+      const auto out = static_cast<Eigen::Index>(3 * k);
+      if (part.is_rotation) {
+        d.template segment<3>(out) = Log<T>(part.q0.conjugate().cast<T>() * Eigen::Map<const Quat<T>>(x));
+      } else {
+        d.template segment<3>(out) = Eigen::Map<const Vec3<T>>(x) - part.x0.cast<T>();
+      }
+    }
+    Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, 1>> whitened(residual, d.size());
+    whitened = root_.cast<T>() * d + shift_.cast<T>();
+    return true;
+  }
+
+ private:
+  MatrixXd root_;
+  VectorXd shift_;
+  std::vector<Part> parts_;
+};
+
+class CeresWindow {
+ public:
+  CeresWindow(const SlidingWindow& window, const StereoRig& rig, const CeresOptions& options)
+      : window_(window), rig_(rig), options_(options), blocks_(window.frames.size()), points_(window.landmarks().size()) {
+    AddFrames();
+    AddLandmarks();
+    AddImu();
+    if (window_.prior.dim() > 0) AddPrior();
+  }
+
+  CeresResult Solve() {
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::DENSE_SCHUR;
+    solver.max_num_iterations = 200;
+    solver.function_tolerance = 1e-18;
+    solver.gradient_tolerance = 1e-12;
+    solver.parameter_tolerance = 1e-14;
+    solver.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem_, &summary);
+    FACET_CHECK(summary.IsSolutionUsable()) << summary.BriefReport();
+
+    CeresResult result;
+    result.cost = summary.final_cost - constant_;
+    result.points = points_;
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      NavState x = window_.frames[i].x;
+      x.T_WB.q = Eigen::Map<const Quaterniond>(blocks_[i].q.data());
+      x.T_WB.p = Eigen::Map<const Vector3d>(blocks_[i].p.data());
+      x.v_WB = Eigen::Map<const Vector3d>(blocks_[i].m.data());
+      x.bias.b_g = Eigen::Map<const Vector3d>(blocks_[i].m.data() + 3);
+      x.bias.b_a = Eigen::Map<const Vector3d>(blocks_[i].m.data() + 6);
+      result.states.push_back(x);
+    }
+    if (options_.hold_prior_variables) result.prior_gradient = PriorGradient();
+    return result;
+  }
+
+ private:
+  struct FrameBlock {
+    std::array<double, 4> q;
+    std::array<double, 3> p;
+    std::array<double, 9> m;
+  };
+
+  void AddFrames() {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const NavState& x = window_.frames[i].x;
+      FrameBlock& block = blocks_[i];
+      Eigen::Map<Quaterniond>(block.q.data()) = x.T_WB.q;
+      Eigen::Map<Vector3d>(block.p.data()) = x.T_WB.p;
+      Eigen::Map<Vector<9>>(block.m.data()) << x.v_WB, x.bias.b_g, x.bias.b_a;
+      problem_.AddParameterBlock(block.q.data(), 4, new ceres::AutoDiffManifold<RightRotation, 4, 3>);
+      problem_.AddParameterBlock(block.p.data(), 3);
+      if (window_.frames[i].has_motion) problem_.AddParameterBlock(block.m.data(), 9);
+    }
+  }
+
+  void AddLandmarks() {
+    for (std::size_t l = 0; l < points_.size(); ++l) {
+      const WindowLandmark& landmark = window_.landmarks()[l];
+      points_[l] = PointOf(window_, landmark);
+      if (landmark.observations.size() < 2) continue;
+      for (const WindowObservation& o : landmark.observations) {
+        for (int c = 0; c < (o.has_right ? 2 : 1); ++c) {
+          auto* cost = new ReprojectionCost{rig_.T_BC[c], o.xy[c], o.sqrt_info[c]};
+          problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ReprojectionCost, 2, 4, 3, 3>(cost),
+                                    new ceres::HuberLoss(options_.huber_sigma),
+                                    blocks_[o.frame].q.data(),
+                                    blocks_[o.frame].p.data(),
+                                    points_[l].data());
+        }
+      }
+    }
+  }
+
+  void AddImu() {
+    for (std::size_t j = 1; j < blocks_.size(); ++j) {
+      const WindowFrame& frame = window_.frames[j];
+      if (!frame.has_imu_link) continue;
+      const BiasWalk walk;
+      Matrix<15, 15> sqrt_info = Matrix<15, 15>::Zero();
+      const Matrix<9, 9> information = frame.imu.Covariance().inverse();
+      sqrt_info.topLeftCorner<9, 9>() = information.llt().matrixU();
+      sqrt_info.diagonal().segment<3>(9).setConstant(1 / (walk.gyro * std::sqrt(frame.imu.dt())));
+      sqrt_info.diagonal().segment<3>(12).setConstant(1 / (walk.accel * std::sqrt(frame.imu.dt())));
+      FrameBlock& a = blocks_[j - 1];
+      FrameBlock& b = blocks_[j];
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<ImuCost, 15, 4, 3, 9, 4, 3, 9>(new ImuCost{frame.imu, sqrt_info}),
+          nullptr,
+          std::vector<double*>{a.q.data(), a.p.data(), a.m.data(), b.q.data(), b.p.data(), b.m.data()});
+    }
+    if (!window_.start_prior.active) return;
+    FrameBlock& first = blocks_[window_.IndexOf(window_.start_prior.frame)];
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<StartCost, 13, 4, 3, 9>(new StartCost{window_.start_prior}),
+        nullptr,
+        std::vector<double*>{first.q.data(), first.p.data(), first.m.data()});
+  }
+
+  void AddPrior() {
+    std::vector<QuadraticCost::Part> parts;
+    std::vector<int> sizes;
+    const auto add = [&](double* block, int size) {
+      prior_parameters_.push_back(block);
+      sizes.push_back(size);
+      if (options_.hold_prior_variables) problem_.SetParameterBlockConstant(block);
+      return static_cast<int>(sizes.size()) - 1;
+    };
+    for (const MarginalPrior::Block& block : window_.prior.blocks) {
+      const int frame = window_.IndexOf(block.frame);
+      const NavState& lin = window_.frames[frame].lin;
+      if (block.is_motion) {
+        const int parameter = add(blocks_[frame].m.data(), 9);
+        parts.push_back({false, Quaterniond::Identity(), lin.v_WB, parameter, 0});
+        parts.push_back({false, Quaterniond::Identity(), lin.bias.b_g, parameter, 3});
+        parts.push_back({false, Quaterniond::Identity(), lin.bias.b_a, parameter, 6});
+      } else {
+        parts.push_back({true, lin.T_WB.q, Vector3d::Zero(), add(blocks_[frame].q.data(), 4), 0});
+        parts.push_back({false, Quaterniond::Identity(), lin.T_WB.p, add(blocks_[frame].p.data(), 3), 0});
+      }
+    }
+    if (options_.hold_prior_variables) return;
+    auto* quadratic = new QuadraticCost(window_.prior.H, window_.prior.b, std::move(parts));
+    constant_ = quadratic->constant();
+    auto* cost = new ceres::DynamicAutoDiffCostFunction<QuadraticCost>(quadratic);
+    for (int size : sizes) cost->AddParameterBlock(size);
+    cost->SetNumResiduals(window_.prior.dim());
+    problem_.AddResidualBlock(cost, nullptr, prior_parameters_);
+  }
+
+  VectorXd PriorGradient() {
+    for (double* block : prior_parameters_) problem_.SetParameterBlockVariable(block);
+    ceres::Problem::EvaluateOptions evaluate;
+    evaluate.parameter_blocks = prior_parameters_;
+    std::vector<double> gradient;
+    problem_.Evaluate(evaluate, nullptr, nullptr, &gradient, nullptr);
+    return Eigen::Map<const VectorXd>(gradient.data(), static_cast<Eigen::Index>(gradient.size()));
+  }
+
+  const SlidingWindow& window_;
+  const StereoRig& rig_;
+  CeresOptions options_;
+  std::vector<FrameBlock> blocks_;
+  std::vector<Vector3d> points_;
+  std::vector<double*> prior_parameters_;
+  double constant_ = 0;  // what Ceres' form of the prior adds
+  ceres::Problem problem_;
+};
+
+}  // namespace
+
+CeresResult SolveWithCeres(const SlidingWindow& window, const StereoRig& rig, const CeresOptions& options) {
+  return CeresWindow(window, rig, options).Solve();
+}
+
+}  // namespace facet::testing

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The optimum of random windows against Ceres. With first-estimate Jacobians the stationary point moves
+// when frozen variables leave their linearisation point; so the windows with a prior are made such that the
+// optimum lies there (delta = 0), with a gradient of the prior that balances all other cost. Both solvers
+// start elsewhere.
+#include "facet/estimator/window_solver.h"
+
+#include <iostream>
+
+#include <gtest/gtest.h>
+
+#include "facet/estimator/ceres_window.h"
+#include "facet/testing/numeric_jacobian.h"
+
+namespace facet {
+namespace {
+
+constexpr double kHuber = 2.0;
+
+using testing::TestWindow;
+
+SolverOptions ExactOptions() {
+  SolverOptions options;
+  options.huber_sigma = kHuber;
+  options.relative_decrease = 0;
+  return options;
+}
+
+TestWindow MakeWindow(std::uint64_t seed, int num_pose_frames) {
+  Rng rng(seed);
+  testing::TestWindowOptions options;
+  options.num_frames = 5 + rng.Index(3);
+  options.num_pose_frames = num_pose_frames;
+  options.num_landmarks = 30;
+  options.right_share = rng.Uniform(0.2, 0.8);
+  options.outlier_share = 0.02;
+  TestWindow test = testing::MakeTestWindow(options, rng);
+  // A landmark that is seen once must not matter to anyone.
+  test.window.landmarks().back().observations.resize(1);
+  return test;
+}
+
+struct Deviation {
+  double cost = 0, state = 0, point = 0;
+};
+
+Deviation Compare(const SlidingWindow& window, double cost, const testing::CeresResult& expected) {
+  Deviation d;
+  d.cost = std::abs(cost - expected.cost) / std::max(1.0, std::abs(expected.cost));
+  for (std::size_t i = 0; i < window.frames.size(); ++i) {
+    const Vector<15> difference = testing::Difference(window.frames[i].x, expected.states[i]);
+    const int dim = window.frames[i].has_motion ? 15 : 6;
+    d.state = std::max(d.state, difference.head(dim).cwiseAbs().maxCoeff());
+  }
+  for (std::size_t l = 0; l < expected.points.size(); ++l) {
+    const WindowLandmark& landmark = window.landmarks()[l];
+    if (!IsConstraining(landmark)) continue;
+    const double error = (testing::PointOf(window, landmark) - expected.points[l]).norm();
+    d.point = std::max(d.point, error / expected.points[l].norm());
+  }
+  return d;
+}
+
+void ExpectSmall(const Deviation& d, Deviation& worst) {
+  EXPECT_LT(d.cost, 1e-6);
+  EXPECT_LT(d.state, 1e-6);
+  EXPECT_LT(d.point, 1e-5);
+  worst = {std::max(worst.cost, d.cost), std::max(worst.state, d.state), std::max(worst.point, d.point)};
+}
+
+void Print(const char* name, const Deviation& d) {
+  std::cout << name << ": cost " << d.cost << ", states " << d.state << ", points " << d.point << '\n';
+}
+
+TEST(WindowSolverTest, OptimumEqualsCeres) {
+  Deviation worst;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    TestWindow test = MakeWindow(seed, 0);
+    test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
+    test.window.start_prior.T_WB.p += Vector3d(0.1, -0.2, 0.3);
+    Rng rng(seed);
+    testing::Disturb(test.window, {}, rng);
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {kHuber});
+    WindowSolver solver(test.rig, ExactOptions());
+    const SolveSummary summary = solver.Solve(test.window, 100);
+    EXPECT_TRUE(summary.ok);
+    EXPECT_LT(summary.final_cost, summary.initial_cost);
+    ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
+  }
+  Print("without prior", worst);
+}
+
+// Freezes the two oldest frames where they are and gives them a random prior of full rank whose gradient
+// balances that of everything else at the optimum given the frozen frames.
+void AddBalancedPrior(TestWindow& test, Rng& rng) {
+  MarginalPrior& prior = test.window.prior;
+  int dim = 0;
+  for (int i = 0; i < 2; ++i) {
+    WindowFrame& frame = test.window.frames[i];
+    frame.pose_frozen = true;
+    prior.blocks.push_back({frame.id, false, dim});
+    dim += 6;
+    if (!frame.has_motion) continue;
+    frame.motion_frozen = true;
+    prior.blocks.push_back({frame.id, true, dim});
+    dim += 9;
+  }
+  MatrixXd A(dim, dim);
+  for (int r = 0; r < dim; ++r) {
+    for (int c = 0; c < dim; ++c) A(r, c) = rng.Normal();
+  }
+  prior.H = 1e5 * (A * A.transpose() + MatrixXd::Identity(dim, dim));
+  prior.b = VectorXd::Zero(dim);
+  prior.b = -testing::SolveWithCeres(test.window, test.rig, {kHuber, true}).prior_gradient;
+}
+
+TEST(WindowSolverTest, OptimumWithPriorEqualsCeres) {
+  Deviation worst;
+  for (std::uint64_t seed = 21; seed <= 40; ++seed) {
+    // Every other window has two frames without velocity and biases.
+    TestWindow test = MakeWindow(seed, seed % 2 == 0 ? 2 : 0);
+    Rng rng(seed);
+    AddBalancedPrior(test, rng);
+    EXPECT_GT(test.window.prior.b.norm(), 1);
+    testing::Disturb(test.window, {3e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
+    EXPECT_GT(PriorDelta(test.window).norm(), 1e-3);
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {kHuber});
+    WindowSolver solver(test.rig, ExactOptions());
+    const SolveSummary summary = solver.Solve(test.window, 100);
+    EXPECT_TRUE(summary.ok);
+    EXPECT_LT(PriorDelta(test.window).norm(), 1e-5);
+    ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
+  }
+  Print("with prior", worst);
+}
+
+// Far from the linearisation point first-estimate Jacobians cost accuracy; how much is bounded here.
+TEST(WindowSolverTest, AnUnbalancedPriorMovesTheOptimumOnlyToSecondOrder) {
+  double worst = 0;
+  for (std::uint64_t seed = 41; seed <= 45; ++seed) {
+    TestWindow test = MakeWindow(seed, 0);
+    Rng rng(seed);
+    testing::Disturb(test.window, {5e-4, 2e-3, 2e-3, 1e-4, 1e-3}, rng);
+    AddBalancedPrior(test, rng);
+    test.window.prior.b.setZero();
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {kHuber});
+    WindowSolver solver(test.rig, SolverOptions{});
+    const SolveSummary summary = solver.Solve(test.window, 20);
+    const Deviation d = Compare(test.window, summary.final_cost, expected);
+    worst = std::max(worst, d.cost);
+    EXPECT_LT(d.cost, 1e-2);
+    EXPECT_GE(summary.final_cost, expected.cost * (1 - 1e-9));
+  }
+  std::cout << "cost above the optimum, relative: " << worst << '\n';
+}
+
+TEST(WindowSystemTest, StartPriorGradientMatchesItsCost) {
+  TestWindow test = MakeWindow(50, 0);
+  Rng rng(50);
+  test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
+  test.window.start_prior.sigma_position = test.window.start_prior.sigma_yaw = 0.1;
+  testing::Disturb(test.window, {0.4, 0.2, 0.2, 0.01, 0.1}, rng);
+  const StateLayout layout = MakeLayout(test.window.frames);
+  MatrixXd H = MatrixXd::Zero(layout.dim, layout.dim);
+  VectorXd b = VectorXd::Zero(layout.dim);
+  AddStartPrior(test.window, layout, &H, &b);
+  Matrix<1, 15> gradient;
+  gradient << b.segment<6>(layout.pose_column[0]).transpose(),
+      b.segment<9>(layout.motion_column[0]).transpose();
+  const auto cost = [&](const Vector<15>& d) {
+    SlidingWindow moved = test.window;
+    moved.frames[0].x = testing::Retract(moved.frames[0].x, d);
+    return Vector<1>(AddStartPrior(moved, layout, nullptr, nullptr));
+  };
+  testing::ExpectJacobian<1, 15>(gradient, cost, 1e-7);
+}
+
+// The system in which motions and landmarks are eliminated against the dense one.
+TEST(WindowSystemTest, StepAndCovarianceEqualTheDenseSystem) {
+  for (std::uint64_t seed = 51; seed < 56; ++seed) {
+    TestWindow test = MakeWindow(seed, seed % 2 == 0 ? 2 : 0);
+    Rng rng(seed);
+    if (seed % 2 == 0) {
+      AddBalancedPrior(test, rng);
+    } else {
+      test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
+    }
+    testing::Disturb(test.window, {1e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
+    const testing::DenseSystem dense = testing::Assemble(test.window, test.rig, kHuber);
+    const VectorXd s = dense.H.diagonal().cwiseSqrt().cwiseInverse();
+    const MatrixXd scaled = s.asDiagonal() * dense.H * s.asDiagonal();
+    const MatrixXd inverse = s.asDiagonal() * scaled.inverse() * s.asDiagonal();
+    WindowSystem system(test.rig);
+    system.Linearize(test.window, RobustOptions{kHuber});
+    ASSERT_TRUE(system.Solve(test.window, 0.0));
+    const VectorXd step = -inverse * dense.b;
+    EXPECT_LT((system.step() - step).norm(), 1e-6 * step.norm());
+    const std::size_t newest = test.window.frames.size() - 1;
+    std::vector<int> columns;
+    for (int k = 0; k < 6; ++k) columns.push_back(dense.layout.pose_column[newest] + k);
+    for (int k = 0; k < 9; ++k) columns.push_back(dense.layout.motion_column[newest] + k);
+    const Matrix<15, 15> expected = inverse(columns, columns);
+    const Vector<15> scale = expected.diagonal().cwiseSqrt().cwiseInverse();
+    const Matrix<15, 15> error = system.NewestFrameCovariance() - expected;
+    EXPECT_LT((scale.asDiagonal() * error * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-6);
+  }
+}
+
+TEST(WindowSystemTest, CostIsTheSameWithAndWithoutLinearizing) {
+  TestWindow test = MakeWindow(52, 0);
+  Rng rng(52);
+  AddBalancedPrior(test, rng);
+  testing::Disturb(test.window, {}, rng);
+  WindowSystem system(test.rig);
+  system.Linearize(test.window, RobustOptions{kHuber});
+  EXPECT_NEAR(system.Cost(test.window, RobustOptions{kHuber}), system.cost(), 1e-9 * system.cost());
+}
+
+TEST(WindowSolverTest, NeverRaisesTheCost) {
+  for (std::uint64_t seed = 60; seed < 70; ++seed) {
+    TestWindow test = MakeWindow(seed, 0);
+    test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
+    Rng rng(seed);
+    testing::Disturb(test.window, {0.1, 0.3, 1.0, 0.05, 0.5}, rng);
+    WindowSolver solver(test.rig, SolverOptions{});
+    const SolveSummary summary = solver.Solve(test.window, 10);
+    EXPECT_TRUE(summary.ok);
+    EXPECT_LE(summary.final_cost, summary.initial_cost);
+    WindowSystem system(test.rig);
+    system.Linearize(test.window, RobustOptions{SolverOptions{}.huber_sigma});
+    EXPECT_NEAR(system.cost(), summary.final_cost, 1e-9 * summary.final_cost);
+  }
+}
+
+}  // namespace
+}  // namespace facet

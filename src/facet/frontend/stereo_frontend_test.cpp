@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The whole front end and the stereo matcher on a rendered textured wall with known geometry.
+#include "facet/frontend/stereo_frontend.h"
+
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "facet/frontend/stereo_matcher.h"
+#include "facet/frontend/synthetic_image.h"
+#include "facet/frontend/temporal_tracker.h"
+
+namespace facet {
+namespace {
+
+using testing::Render;
+using testing::WaveTexture;
+
+constexpr int kWidth = 376, kHeight = 240;
+constexpr double kFrameInterval = 0.05;
+
+StereoRig MakeRig() {
+  CameraIntrinsics k;
+  k.width = kWidth;
+  k.height = kHeight;
+  k.fx = k.fy = 230;
+  k.cx = 184;
+  k.cy = 121;
+  k.distortion = DistortionModel::kRadialTangential;
+  k.coefficients = {-0.28, 0.07, 2e-4, 2e-5};
+  StereoRig rig;
+  rig.cameras = {CameraModel(k), CameraModel(k)};
+  const Quaterniond q = ExpSO3(Vector3d(0.01, -0.02, 1.5));
+  rig.T_BC[0] = SE3(q, Vector3d(0.02, -0.05, 0.01));
+  // 0.11 m along x of the left camera, slightly turned.
+  rig.T_BC[1] = rig.T_BC[0] * SE3(ExpSO3(Vector3d(0.003, 0.01, -0.012)), Vector3d(0.11, 0.001, 0));
+  return rig;
+}
+
+// A textured wall through (0, 0, depth) of the world; the world is the first left camera.
+struct Wall {
+  WaveTexture texture{8, 0.55};
+  Vector3d normal = Vector3d(0.15, -0.1, 1).normalized();
+  double depth = 2;
+
+  double InverseDepth(const SE3& T_WC, const Vector3d& ray) const {
+    const double distance = normal.z() * depth - normal.dot(T_WC.p);
+    return normal.dot(T_WC.q * ray) / distance;
+  }
+
+  cv::Mat See(const CameraModel& camera, const SE3& T_WC, double gain = 1, double noise = 1.5) const {
+    const double texels_per_m = camera.mean_focal_px() / depth;
+    const auto map = [&](double x, double y) -> Vector2d {
+      const auto point = camera.Undistort({x, y});
+      if (!point) return {0, 0};
+      const Vector3d ray(point->xy.x(), point->xy.y(), 1);
+      const Vector3d p_W = T_WC * (ray / InverseDepth(T_WC, ray));
+      return texels_per_m * p_W.head<2>();
+    };
+    return Render(texture, kWidth, kHeight, map, gain, 0, noise);
+  }
+};
+
+class FrontendTest : public ::testing::Test {
+ protected:
+  static SE3 PoseAt(int i) {
+    const double t = kFrameInterval * i;
+    return {ExpSO3(Vector3d(0.05 * std::sin(2 * t), 0.06 * std::sin(1.5 * t), 0.1 * t)),
+            Vector3d(0.3 * t, 0.1 * std::sin(3 * t), 0.15 * t)};
+  }
+
+  // Body pose in the world of the wall.
+  SE3 BodyAt(int i) const { return PoseAt(i) * rig_.T_BC[0].Inverse(); }
+
+  // Rendered once for all tests.
+  StereoFrame FrameAt(int i) const {
+    static std::map<int, StereoFrame> rendered;
+    StereoFrame& frame = rendered[i];
+    if (!frame.left.empty()) return frame;
+    frame.t = Timestamp{1'000'000'000} + FromSeconds(kFrameInterval * i);
+    frame.left = wall_.See(rig_.cameras[0], BodyAt(i) * rig_.T_BC[0]);
+    frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * rig_.T_BC[1], 0.85);
+    return frame;
+  }
+
+  FrontendHint HintAt(int i) const {
+    FrontendHint hint;
+    if (i > 0) hint.R_prev_now = (BodyAt(i - 1).Inverse() * BodyAt(i)).q;
+    return hint;
+  }
+
+  static FrontendOptions Options() {
+    FrontendOptions options;
+    options.max_features = 80;
+    options.detector.cell_px = 30;
+    options.keyframe.every_frame_until_s = 0;
+    return options;
+  }
+
+  std::vector<FrontendResult> Run(const FrontendOptions& options, int num_frames) const {
+    StereoFrontend frontend(rig_, options);
+    std::vector<FrontendResult> results;
+    StageTimes times;
+    for (int i = 0; i < num_frames; ++i) {
+      results.push_back(frontend.Process(FrameAt(i), HintAt(i), times));
+    }
+    return results;
+  }
+
+  // Where the point of the wall that was first seen at `px` in frame `first` is in frame i.
+  Vector2d Truth(int first, const Vector2d& px, int i, int camera) const {
+    const SE3 T_WC = BodyAt(first) * rig_.T_BC[0];
+    const auto point = rig_.cameras[0].Undistort(px);
+    const Vector3d ray(point->xy.x(), point->xy.y(), 1);
+    const Vector3d p_W = T_WC * (ray / wall_.InverseDepth(T_WC, ray));
+    const auto c = static_cast<std::size_t>(camera);
+    return *rig_.cameras[c].Project((BodyAt(i) * rig_.T_BC[c]).Inverse() * p_W);
+  }
+
+  StereoRig rig_ = MakeRig();
+  Wall wall_;
+};
+
+TEST_F(FrontendTest, TracksAndMatchesStayOnTheWall) {
+  constexpr int kFrames = 21;
+  const std::vector<FrontendResult> results = Run(Options(), kFrames);
+  std::map<LandmarkId, std::pair<int, Vector2d>> born;
+  double left2 = 0, right2 = 0;
+  int num_left = 0, num_right = 0, num_bad = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    const FrontendResult& result = results[static_cast<std::size_t>(i)];
+    EXPECT_EQ(result.observations.frame.value, i);
+    EXPECT_EQ(result.observations.is_keyframe, i % 4 == 0);
+    EXPECT_GT(result.observations.features.size(), 40U) << "frame " << i;
+    for (const FeatureObservation& o : result.observations.features) {
+      const auto [entry, is_new] = born.try_emplace(o.landmark, i, o.px_left);
+      const auto& [first, px] = entry->second;
+      EXPECT_TRUE(rig_.cameras[0].IsInside(o.px_left, Options().border_px));
+      const Vector2d left = o.px_left - Truth(first, px, i, 0);
+      num_bad += left.norm() > 1 ? 1 : 0;
+      if (left.norm() > 1) continue;
+      if (!is_new) left2 += left.squaredNorm() / 2, ++num_left;
+      if (!o.px_right) continue;
+      right2 += (*o.px_right - Truth(first, px, i, 1)).squaredNorm() / 2;
+      ++num_right;
+    }
+  }
+  EXPECT_GT(num_left, 800);
+  EXPECT_GT(num_right, 250);
+  EXPECT_LE(num_bad, num_left / 100);
+  EXPECT_LT(std::sqrt(left2 / num_left), 0.1);
+  EXPECT_LT(std::sqrt(right2 / num_right), 0.12);
+}
+
+TEST_F(FrontendTest, OnlyKeyframesBeginTracksAndHaveRightPixels) {
+  const std::vector<FrontendResult> results = Run(Options(), 9);
+  for (const FrontendResult& result : results) {
+    if (result.observations.is_keyframe) {
+      EXPECT_GT(result.num_stereo, 40);
+      continue;
+    }
+    EXPECT_EQ(result.num_stereo, 0);
+    EXPECT_EQ(result.num_new, 0);
+  }
+}
+
+void ExpectSame(const std::vector<FrontendResult>& a, const std::vector<FrontendResult>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto &x = a[i].observations.features, &y = b[i].observations.features;
+    ASSERT_EQ(x.size(), y.size());
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      EXPECT_EQ(x[k].landmark, y[k].landmark);
+      EXPECT_EQ(x[k].px_left, y[k].px_left);
+      EXPECT_EQ(x[k].px_right.has_value(), y[k].px_right.has_value());
+      EXPECT_EQ(x[k].px_right.value_or(Vector2d::Zero()), y[k].px_right.value_or(Vector2d::Zero()));
+      EXPECT_EQ(x[k].sigma_left_px, y[k].sigma_left_px);
+    }
+  }
+}
+
+TEST_F(FrontendTest, RepeatsItselfExactlyWithEveryInstructionSet) {
+  FrontendOptions options = Options();
+  options.klt.simd = "scalar";
+  const std::vector<FrontendResult> reference = Run(options, 9);
+  for (const char* simd : {"scalar", "sse2", "avx2"}) {
+    if (FindPatchKernels(simd) == nullptr) continue;
+    SCOPED_TRACE(simd);
+    options.klt.simd = simd;
+    ExpectSame(reference, Run(options, 9));
+  }
+}
+
+TEST_F(FrontendTest, SurvivesUnusableImages) {
+  StereoFrontend frontend(rig_, Options());
+  StageTimes times;
+  std::vector<LandmarkId> before;
+  for (int i = 0; i < 12; ++i) {
+    StereoFrame frame = FrameAt(i);
+    if (i == 4) frame.right = cv::Mat();
+    if (i == 5) frame.left = cv::Mat();
+    if (i == 6) frame.left = cv::Mat(100, 100, CV_8UC1, cv::Scalar(0));
+    if (i == 7) frame.left = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(0));
+    const FrontendResult result = frontend.Process(frame, HintAt(i), times);
+    EXPECT_EQ(result.image_ok, i < 5 || i > 7);
+    if (i == 4) {
+      EXPECT_TRUE(result.observations.is_keyframe);
+      EXPECT_EQ(result.num_stereo, 0);
+      for (const FeatureObservation& o : result.observations.features) before.push_back(o.landmark);
+    }
+    if (!result.image_ok) {
+      EXPECT_TRUE(result.observations.features.empty());
+    }
+    if (i == 8) {
+      EXPECT_GT(result.tracking.num_tracked, static_cast<int>(before.size()) / 2)
+          << "the tracks are found again after the gap";
+    }
+  }
+}
+
+TEST_F(FrontendTest, ABlackOrWhiteImageLosesEverythingQuietly) {
+  StereoFrontend frontend(rig_, Options());
+  StageTimes times;
+  StereoFrame frame = FrameAt(0);
+  EXPECT_GT(frontend.Process(frame, {}, times).observations.features.size(), 40U);
+  for (const double grey : {0.0, 255.0}) {
+    frame.t = frame.t + FromSeconds(kFrameInterval);
+    frame.left = cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(grey));
+    frame.right = frame.left;
+    const FrontendResult result = frontend.Process(frame, {}, times);
+    EXPECT_TRUE(result.image_ok);
+    EXPECT_TRUE(result.observations.features.empty());
+  }
+  frame = FrameAt(1);
+  const FrontendResult result = frontend.Process(frame, {}, times);
+  EXPECT_TRUE(result.observations.is_keyframe) << "nothing is tracked any more";
+  EXPECT_GT(result.observations.features.size(), 40U);
+}
+
+TEST_F(FrontendTest, FindsTracksInSpiteOfAWrongRotationHint) {
+  StereoFrontend frontend(rig_, Options());
+  StageTimes times;
+  FrontendResult result;
+  for (int i = 0; i < 9; ++i) {
+    FrontendHint hint = HintAt(i);
+    hint.R_prev_now = hint.R_prev_now * ExpSO3(Vector3d(0.02, -0.02, 0.03));
+    result = frontend.Process(FrameAt(i), hint, times);
+    EXPECT_TRUE(i == 0 || result.tracking.num_tracked > 40) << i;
+  }
+}
+
+class MatcherTest : public FrontendTest {
+ protected:
+  // Inverse depth errors of matches without any earlier depth, at a grid of points.
+  void ExpectDepths(double depth) {
+    wall_.depth = depth;
+    const SE3 T_WC = PoseAt(0);
+    const cv::Mat left = wall_.See(rig_.cameras[0], T_WC);
+    const cv::Mat right = wall_.See(rig_.cameras[1], BodyAt(0) * rig_.T_BC[1]);
+    ImagePyramid left_pyramid, right_pyramid;
+    left_pyramid.Build(left, 4);
+    right_pyramid.Build(right, 4);
+    const FrontendOptions options = Options();
+    StereoMatcher matcher(rig_, options);
+    TemporalTracker tracker(rig_.cameras[0], options);
+    int tried = 0, wrong = 0, matched = 0;
+    for (int y = 40; y < kHeight - 40; y += 16) {
+      for (int x = 40; x < kWidth - 40; x += 16) {
+        Track track;
+        if (!tracker.Begin(left_pyramid, Vector2d(x, y), track)) continue;
+        const Vector2d truth = Truth(0, Vector2d(x, y), 0, 1);
+        if (!rig_.cameras[1].IsInside(truth, 12)) continue;
+        ++tried;
+        const auto match = matcher.Match(track, left_pyramid, right_pyramid);
+        if (!match) continue;
+        ++matched;
+        wrong += (match->px - truth).norm() > 0.5 ? 1 : 0;
+      }
+    }
+    EXPECT_GT(matched, tried * 3 / 4) << "depth " << depth;
+    EXPECT_LE(wrong, 1 + matched / 50) << "depth " << depth;
+  }
+};
+
+TEST_F(MatcherTest, FindsNearAndFarPointsWithoutAnyHint) {
+  for (const double depth : {0.5, 1.0, 3.0, 20.0, 1000.0}) ExpectDepths(depth);
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/io/result_writer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "facet/io/errors.h"
+#include "facet/io/result_folder.h"
+#include "facet/io/test_sequence.h"
+
+namespace facet {
+namespace {
+
+using testing::HasSubstr;
+
+RunRecord SmallRun() {
+  RunRecord run;
+  run.version = "0.1.0";
+  run.sequence = "flight";
+  run.pipeline = "S";
+  run.first_pair = {1000000000};
+  run.num_frames = 5;
+  run.duration_s = 0.2;
+  run.wall_s = 0.1;
+  run.warnings = {"something, \"odd\" \xFF"};
+  for (int i = 0; i < 4; ++i) {
+    FrameRecord f;
+    f.t = {1000000000 + i * 50000000};
+    f.has_pose = i > 0;
+    f.is_keyframe = i % 2 == 0;
+    f.status = f.has_pose ? "ok" : "initialising";
+    f.reason = f.has_pose ? "" : "waiting, 3 of 7 frames";
+    f.state.T_WB.p = Vector3d(i, 0, 0);
+    f.times[Stage::kDecode] = 2;
+    f.times[Stage::kTrack] = i + 1;
+    f.num_landmarks = 100 + i;
+    run.frames.push_back(f);
+  }
+  run.keyframes = {{{1100000000}, {}}};
+  run.landmarks = {{1, 2, 3}, {4, 5, 6}};
+  run.config = "a: 1\n";
+  return run;
+}
+
+TEST(ResultWriterTest, WritesEveryFile) {
+  TempFolder folder;
+  WriteResult(folder.path(), SmallRun());
+  EXPECT_EQ(ReadTrajectory(folder / "trajectory.tum").poses.size(), 3u);
+  EXPECT_EQ(ReadTrajectory(folder / "keyframes.tum").poses.size(), 1u);
+  EXPECT_EQ(ReadText(folder / "config.yaml"), "a: 1\n");
+
+  const auto states = Lines(ReadText(folder / "states.csv"));
+  ASSERT_EQ(states.size(), 5u);
+  EXPECT_THAT(states[1], testing::StartsWith("1000000000,,,"));
+  EXPECT_THAT(states[1], testing::EndsWith(",initialising,\"waiting, 3 of 7 frames\""));
+  EXPECT_THAT(states[2], testing::StartsWith("1050000000,1,0,0,1,0,0,0,"));
+  EXPECT_EQ(std::count(states[0].begin(), states[0].end(), ','), 27);
+  EXPECT_EQ(std::count(states[1].begin(), states[1].end(), ','), 28);  // one within the quotes
+  EXPECT_EQ(std::count(states[2].begin(), states[2].end(), ','), 27);
+
+  const auto timing = Lines(ReadText(folder / "timing.csv"));
+  EXPECT_THAT(timing[0], testing::StartsWith("timestamp_ns,is_keyframe,decode,track,stereo,"));
+  EXPECT_EQ(timing[2],
+            "1050000000,0,2.0000,2.0000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,"
+            "2.0000,4.0000,0.0000,0.0000,101,0,0");
+
+  const std::string ply = ReadText(folder / "landmarks.ply");
+  EXPECT_THAT(ply, testing::StartsWith("ply\nformat binary_little_endian 1.0\nelement vertex 2\n"));
+  const std::size_t body = ply.find("end_header\n") + 11;
+  EXPECT_EQ(ply.size() - body, 24u);
+}
+
+TEST(ResultWriterTest, Summary) {
+  TempFolder folder;
+  WriteResult(folder.path(), SmallRun());
+  const auto summary = nlohmann::json::parse(ReadText(folder / "summary.json"));
+  EXPECT_EQ(summary["frames"], 5);
+  EXPECT_EQ(summary["frames_with_pose"], 3);
+  EXPECT_EQ(summary["keyframes"], 1);
+  EXPECT_EQ(summary["realtime_factor"], 2.0);
+  EXPECT_EQ(summary["init_s"], 0.05);
+  EXPECT_EQ(summary["landmarks_median"], 102);
+  const auto& track = summary["stages"]["track"];
+  EXPECT_EQ(track["mean_ms"], 2.5);
+  EXPECT_EQ(track["median_ms"], 2.5);
+  EXPECT_EQ(track["p99_ms"], 4);
+  EXPECT_EQ(track["max_ms"], 4);
+  EXPECT_EQ(track["keyframe_median_ms"], 2);
+  EXPECT_EQ(summary["stages"]["total_without_decode"]["max_ms"], 4);
+  EXPECT_FALSE(summary["stages"].contains("mesh"));
+  EXPECT_FALSE(summary.contains("mesh_faces"));
+  EXPECT_EQ(summary["warnings"].size(), 1u);
+}
+
+TEST(ResultWriterTest, RunWithoutAnyPose) {
+  TempFolder folder;
+  RunRecord run = SmallRun();
+  run.frames.clear();
+  run.keyframes.clear();
+  WriteResult(folder.path(), run);
+  const auto summary = nlohmann::json::parse(ReadText(folder / "summary.json"));
+  EXPECT_FALSE(summary.contains("init_s"));
+  EXPECT_EQ(summary["frames_with_pose"], 0);
+}
+
+TEST(ResultWriterTest, UnwritableFileIsNamed) {
+  TempFolder folder;
+  std::filesystem::create_directory(folder / "states.csv");
+  try {
+    WriteResult(folder.path(), SmallRun());
+    FAIL() << "no exception";
+  } catch (const OutputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("states.csv"));
+  }
+}
+
+std::vector<std::string> NamesIn(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST(ResultFolderTest, AppearsOnlyWhenCommitted) {
+  TempFolder folder;
+  {
+    ResultFolder result(folder / "deep/er/run");
+    WriteText(result.staging() / "summary.json", "{}");
+    EXPECT_FALSE(std::filesystem::exists(folder / "deep/er/run"));
+  }
+  EXPECT_TRUE(NamesIn(folder / "deep/er").empty());
+  ResultFolder result(folder / "deep/er/run/");
+  WriteText(result.staging() / "summary.json", "{}");
+  result.Commit();
+  EXPECT_EQ(NamesIn(folder / "deep/er"), std::vector<std::string>{"run"});
+}
+
+TEST(ResultFolderTest, ReplacesAnEarlierResultAsAWhole) {
+  TempFolder folder;
+  WriteText(folder / "run/summary.json", "old");
+  WriteText(folder / "run/meshes/1.ply", "old");
+  {
+    ResultFolder result(folder / "run");
+    WriteText(result.staging() / "summary.json", "new");
+    EXPECT_EQ(ReadText(folder / "run/summary.json"), "old");
+    result.Commit();
+  }
+  EXPECT_EQ(NamesIn(folder.path()), std::vector<std::string>{"run"});
+  EXPECT_EQ(NamesIn(folder / "run"), std::vector<std::string>{"summary.json"});
+  EXPECT_EQ(ReadText(folder / "run/summary.json"), "new");
+}
+
+TEST(ResultFolderTest, RelativeNames) {
+  TempFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  for (const char* name : {"run", "./other", "deep/run"}) {
+    ResultFolder result(name);
+    WriteText(result.staging() / "summary.json", "{}");
+    result.Commit();
+    EXPECT_TRUE(std::filesystem::exists((folder / name) / "summary.json"));
+  }
+  std::filesystem::current_path(before);
+}
+
+TEST(ResultFolderTest, NeverReplacesWhatIsNoResult) {
+  TempFolder folder;
+  WriteText(folder / "home/thesis.tex", "years of work");
+  WriteText(folder / "file", "text");
+  EXPECT_THROW(ResultFolder(folder / "home"), ConfigError);
+  EXPECT_THROW(ResultFolder(folder / "file"), ConfigError);
+  EXPECT_THROW(ResultFolder(folder / "file/run"), ConfigError);
+  EXPECT_THROW(ResultFolder("/proc/nothing/run"), ConfigError);
+  std::filesystem::create_directory(folder / "empty");
+  ResultFolder result(folder / "empty");
+  WriteText(result.staging() / "summary.json", "{}");
+  result.Commit();
+  EXPECT_EQ(NamesIn(folder / "empty"), std::vector<std::string>{"summary.json"});
+  EXPECT_EQ(NamesIn(folder.path()), (std::vector<std::string>{"empty", "file", "home"}));
+}
+
+}  // namespace
+}  // namespace facet
