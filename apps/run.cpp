@@ -20,6 +20,7 @@
 #include "facet/io/errors.h"
 #include "facet/io/result_folder.h"
 #include "facet/io/result_writer.h"
+#include "facet/pipeline/threaded_vio.h"
 #include "facet/pipeline/vio_pipeline.h"
 
 namespace facet {
@@ -58,10 +59,6 @@ void CheckAvailable(const RunArguments& arguments) {
     throw ConfigError("--pipeline " + arguments.pipeline +
                       ": is not built yet, only S is; leave the option out");
   }
-  if (arguments.threads != 1) {
-    throw ConfigError("--threads " + std::to_string(arguments.threads) +
-                      ": is not built yet, only 1 is; leave the option out");
-  }
 }
 
 void LogFrame(spdlog::logger& log, const VioOutput& output) {
@@ -76,14 +73,15 @@ void LogFrame(spdlog::logger& log, const VioOutput& output) {
             output.reason);
 }
 
-SequenceRun RunPipeline(AslDataset& dataset,
-                        const VioOptions& options,
-                        const RunArguments& arguments,
-                        spdlog::logger& log) {
-  VioPipeline pipeline(dataset.rig(), dataset.imu_noise(), options);
-  const VioFunctions vio = {[&](const ImuSample& sample) { pipeline.AddImu(sample); },
-                            [&](const StereoFrame& frame) { return pipeline.AddStereo(frame); },
-                            [&] { return pipeline.WindowKeyframes(); }};
+/// Runs the sequence with VioPipeline or ThreadedVio.
+template <class Vio>
+SequenceRun RunWith(Vio& vio,
+                    VioFunctions functions,
+                    AslDataset& dataset,
+                    const RunArguments& arguments,
+                    spdlog::logger& log) {
+  functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
+  functions.window_keyframes = [&] { return vio.WindowKeyframes(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
   const auto observer = [&](int done, int total, const VioOutput& output) {
@@ -91,12 +89,29 @@ SequenceRun RunPipeline(AslDataset& dataset,
     bar.Update(done, total, ToString(output.status));
     return interrupted == 0;
   };
-  SequenceRun run = RunSequence(dataset, vio, arguments.range, observer);
-  if (pipeline.num_refused_imu() > 0) {
-    run.record.warnings.push_back(std::to_string(pipeline.num_refused_imu()) +
+  SequenceRun run = RunSequence(dataset, functions, arguments.range, observer);
+  if (vio.num_refused_imu() > 0) {
+    run.record.warnings.push_back(std::to_string(vio.num_refused_imu()) +
                                   " IMU samples were refused (not finite or not in order)");
   }
   return run;
+}
+
+SequenceRun RunPipeline(AslDataset& dataset,
+                        const VioOptions& options,
+                        const RunArguments& arguments,
+                        spdlog::logger& log) {
+  VioFunctions functions;
+  if (arguments.threads == 1) {
+    VioPipeline vio(dataset.rig(), dataset.imu_noise(), options);
+    functions.add_stereo = [&](const StereoFrame& f) { return std::vector{vio.AddStereo(f)}; };
+    functions.finish = [] { return std::vector<VioOutput>(); };
+    return RunWith(vio, functions, dataset, arguments, log);
+  }
+  ThreadedVio vio(dataset.rig(), dataset.imu_noise(), options);
+  functions.add_stereo = [&](const StereoFrame& f) { return vio.AddStereo(f); };
+  functions.finish = [&] { return vio.Finish(); };
+  return RunWith(vio, functions, dataset, arguments, log);
 }
 
 void PrintOutcome(const RunRecord& record, const std::string& folder) {
@@ -157,7 +172,10 @@ void AddOptions(CLI::App& command, RunArguments& a) {
   command.add_option("--start", a.range.start_s, "seconds after the first stereo pair")
       ->check(CLI::NonNegativeNumber);
   command.add_option("--duration", a.range.duration_s, "seconds")->check(CLI::PositiveNumber);
-  command.add_option("--threads", a.threads, "1: everything on one thread")
+  command
+      .add_option("--threads",
+                  a.threads,
+                  "1: one thread; 2 and more: front end and back end overlap, same results")
       ->check(CLI::Range(1, 64));
   command.add_flag("--realtime", a.range.realtime, "recorded speed; drop what arrives while busy");
   command

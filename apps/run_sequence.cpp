@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <optional>
+#include <deque>
 #include <thread>
 
+#include "run_recorder.h"
 #include <sys/resource.h>
 
+#include "facet/base/check.h"
 #include "facet/io/errors.h"
 
 namespace facet {
@@ -74,9 +76,13 @@ FrameInterval SelectFrames(const std::vector<FrameEntry>& frames, const RunRange
 
 class SequenceRunner {
  public:
-  SequenceRunner(AslDataset& dataset, const VioFunctions& vio, const RunRange& range)
+  SequenceRunner(AslDataset& dataset,
+                 const VioFunctions& vio,
+                 const RunRange& range,
+                 const RunObserver& observer)
       : dataset_(dataset),
         vio_(vio),
+        observer_(observer),
         range_(range),
         part_(SelectFrames(dataset.frames(), range)),
         start_(Clock::now()) {
@@ -89,18 +95,22 @@ class SequenceRunner {
     record.duration_s = ToSeconds(Stamp(part_.end - 1) - Stamp(part_.begin));
   }
 
-  SequenceRun Run(const RunObserver& observer) {
+  SequenceRun Run() {
     const double cpu_start_s = ProcessCpuSeconds();
     SkipEarlyImu();
     for (std::size_t i = part_.begin; i < part_.end && run_.end == RunEnd::kComplete; ++i) {
       if (range_.realtime) i = DropLateFrames(i);
-      const auto output = ProcessFrame(i);
-      const int done = static_cast<int>(i + 1 - part_.begin);
-      if (output && !observer(done, run_.record.num_frames, *output)) StopAt(i);
+      if (!ProcessFrame(i)) StopAt(i);
     }
+    Deliver(vio_.finish(), run_.record.num_frames);
     run_.record.wall_s = 1e-3 * MsSince(start_);
     run_.record.cpu_s = ProcessCpuSeconds() - cpu_start_s;
-    Finish();
+    run_.record.peak_rss_mb = PeakRssMb();
+    recorder_.Finish(vio_.window_keyframes());
+    SummarizeProblems();
+    if (run_.end == RunEnd::kComplete) JudgeTracking();
+    if (!run_.message.empty()) run_.record.warnings.push_back(run_.message);
+    recorder_.MoveInto(run_.record);
     return std::move(run_);
   }
 
@@ -137,23 +147,40 @@ class SequenceRunner {
     return i;
   }
 
-  /// Empty when the left image is unusable.
-  std::optional<VioOutput> ProcessFrame(std::size_t i) {
+  /// False when the observer wants to stop. A frame with an unusable left image is passed over.
+  bool ProcessFrame(std::size_t i) {
     const auto wall_start = Clock::now();
     const double decode_start_ms = ThreadCpuMs();
-    if (!Decode(i)) return std::nullopt;
-    const double decode_ms = ThreadCpuMs() - decode_start_ms;
+    if (!Decode(i)) return true;
+    PendingFrame frame{wall_start, {}};
+    frame.cost.decode_ms = ThreadCpuMs() - decode_start_ms;
     const double decode_wall_ms = MsSince(wall_start);
-    if (range_.realtime) std::this_thread::sleep_until(ArrivalOf(i));
+    if (range_.realtime) {
+      frame.arrival = ArrivalOf(i);
+      std::this_thread::sleep_until(frame.arrival);
+    }
 
     const auto vio_start = Clock::now();
     FeedImu(Stamp(i));
     images_.t = Stamp(i);
-    VioOutput output = vio_.add_stereo(images_);
-    output.times[Stage::kDecode] += decode_ms;
-    const double wall_ms = decode_wall_ms + MsSince(vio_start);
-    Record(output, wall_ms, range_.realtime ? MsSince(ArrivalOf(i)) : wall_ms);
-    return output;
+    const std::vector<VioOutput> outputs = vio_.add_stereo(images_);
+    frame.cost.wall_ms = decode_wall_ms + MsSince(vio_start);
+    pending_.push_back(frame);
+    return Deliver(outputs, static_cast<int>(i + 1 - part_.begin));
+  }
+
+  /// Records the outputs of the longest pending frames; false when the observer wants to stop.
+  bool Deliver(const std::vector<VioOutput>& outputs, int num_fed) {
+    bool goes_on = true;
+    for (const VioOutput& output : outputs) {
+      FACET_CHECK(!pending_.empty()) << "more outputs than frames";
+      PendingFrame frame = pending_.front();
+      pending_.pop_front();
+      frame.cost.latency_ms = MsSince(frame.arrival);
+      recorder_.Add(output, frame.cost);
+      goes_on = observer_(num_fed, run_.record.num_frames, output) && goes_on;
+    }
+    return goes_on;
   }
 
   /// False when the left image is unusable.
@@ -180,59 +207,12 @@ class SequenceRunner {
     if (num_before < kMaxDamagedReported) run_.record.warnings.push_back(warning);
   }
 
-  void Record(const VioOutput& output, double wall_ms, double latency_ms) {
-    FrameRecord f;
-    f.t = output.t;
-    f.is_keyframe = output.is_keyframe;
-    f.has_pose = output.has_pose;
-    f.state = output.state;
-    f.sigma_p = output.sigma_p;
-    f.sigma_theta = output.sigma_theta;
-    f.sigma_v = output.sigma_v;
-    f.status = ToString(output.status);
-    f.reason = output.reason;
-    f.times = output.times;
-    f.wall_ms = wall_ms;
-    f.latency_ms = latency_ms;
-    f.num_landmarks = output.num_landmarks;
-    RunRecord& record = run_.record;
-    record.frames.push_back(f);
-    record.num_resets += output.was_reset ? 1 : 0;
-    record.num_imu_gaps += output.imu_gaps;
-    AddKeyframes(output.finished_keyframes);
-    if (output.snapshot) last_snapshot_ = output.snapshot;
-    if (output.has_pose && output.status != TrackingStatus::kLost) last_good_ = output.t;
-  }
-
-  void AddKeyframes(const std::vector<KeyframePose>& keyframes) {
-    for (const KeyframePose& k : keyframes)
-      run_.record.keyframes.push_back({k.t, k.T_WB});
-  }
-
   void StopAt(std::size_t i) {
     run_.end = RunEnd::kStopped;
     run_.message = "stopped after " + std::to_string(i + 1 - part_.begin) + " of " +
                    std::to_string(run_.record.num_frames) + " frames";
     run_.record.num_frames = static_cast<int>(i + 1 - part_.begin);
     run_.record.duration_s = ToSeconds(Stamp(i) - Stamp(part_.begin));
-  }
-
-  void Finish() {
-    RunRecord& record = run_.record;
-    AddKeyframes(vio_.window_keyframes());
-    auto& keyframes = record.keyframes;
-    const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.t < b.t; };
-    const auto same = [](const StampedPose& a, const StampedPose& b) { return a.t == b.t; };
-    std::stable_sort(keyframes.begin(), keyframes.end(), earlier);
-    keyframes.erase(std::unique(keyframes.begin(), keyframes.end(), same), keyframes.end());
-    if (last_snapshot_) {
-      for (const LandmarkEstimate& l : last_snapshot_->landmarks)
-        record.landmarks.push_back(l.p_W);
-    }
-    record.peak_rss_mb = PeakRssMb();
-    SummarizeProblems();
-    if (run_.end == RunEnd::kComplete) JudgeTracking();
-    if (!run_.message.empty()) record.warnings.push_back(run_.message);
   }
 
   void SummarizeProblems() {
@@ -250,31 +230,38 @@ class SequenceRunner {
   }
 
   void JudgeTracking() {
-    const std::vector<FrameRecord>& frames = run_.record.frames;
+    const std::vector<FrameRecord>& frames = recorder_.frames();
     const std::string reason = frames.empty() ? "no image could be read" : frames.back().reason;
-    if (!last_good_) {
+    if (!recorder_.last_good()) {
       run_.end = RunEnd::kNotStarted;
       run_.message = "the estimator could not start: " + reason +
                      "; try another --start, and `facet check` on the sequence";
-    } else if (ToSeconds(frames.back().t - *last_good_) >= kLostForGoodS) {
+    } else if (ToSeconds(frames.back().t - *recorder_.last_good()) >= kLostForGoodS) {
       run_.end = RunEnd::kLost;
-      run_.message = "the estimator was lost at " + FormatSeconds(*last_good_) +
+      run_.message = "the estimator was lost at " + FormatSeconds(*recorder_.last_good()) +
                      " s and did not recover: " + reason + "; the results up to there were written";
     }
   }
 
+  /// Fed, its output not seen yet.
+  struct PendingFrame {
+    Clock::time_point arrival;
+    FrameCost cost;
+  };
+
   AslDataset& dataset_;
   const VioFunctions& vio_;
+  const RunObserver& observer_;
   const RunRange range_;
   const FrameInterval part_;
   const Clock::time_point start_;
   SequenceRun run_;
+  RunRecorder recorder_;
   StereoFrame images_;
+  std::deque<PendingFrame> pending_;
   std::size_t next_imu_ = 0;
   int num_mono_ = 0;
   int damaged_in_a_row_ = 0;
-  std::optional<Timestamp> last_good_;
-  std::shared_ptr<const MapSnapshot> last_snapshot_;
 };
 
 }  // namespace
@@ -283,7 +270,7 @@ SequenceRun RunSequence(AslDataset& dataset,
                         const VioFunctions& vio,
                         const RunRange& range,
                         const RunObserver& observer) {
-  return SequenceRunner(dataset, vio, range).Run(observer);
+  return SequenceRunner(dataset, vio, range, observer).Run();
 }
 
 }  // namespace facet

@@ -14,10 +14,12 @@
 
 namespace facet {
 
-/// The estimator as the loop sees it: VioPipeline, or a stand-in for tests.
+/// The estimator as the loop sees it: VioPipeline, ThreadedVio, or a stand-in for tests. There is
+/// one output for each frame, in order; it may come with a later call.
 struct VioFunctions {
   std::function<void(const ImuSample&)> add_imu;
-  std::function<VioOutput(const StereoFrame&)> add_stereo;
+  std::function<std::vector<VioOutput>(const StereoFrame&)> add_stereo;
+  std::function<std::vector<VioOutput>()> finish;
   std::function<std::vector<KeyframePose>()> window_keyframes;
 };
 

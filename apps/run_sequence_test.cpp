@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -24,6 +25,8 @@ struct FakeVio {
   std::vector<Timestamp> newest_imu;  // at each frame
   int first_pose = 2, lost_from = 1000;
   std::chrono::milliseconds busy{0};
+  bool is_late = false;
+  std::optional<VioOutput> late;
 
   VioOutput Process(const StereoFrame& frame) {
     std::this_thread::sleep_for(busy);
@@ -47,12 +50,21 @@ struct FakeVio {
     return output;
   }
 
+  /// With `is_late` each output comes with the next call, as from ThreadedVio.
+  std::vector<VioOutput> Deliver(const StereoFrame& frame) {
+    std::vector<VioOutput> outputs;
+    if (is_late && late) outputs.push_back(*late);
+    late = Process(frame);
+    return is_late ? outputs : std::vector{*late};
+  }
+
   VioFunctions Functions() {
     return {[this](const ImuSample& s) { imu.push_back(s.t); },
-            [this](const StereoFrame& f) { return Process(f); },
+            [this](const StereoFrame& f) { return Deliver(f); },
+            [this] { return is_late && late ? std::vector{*late} : std::vector<VioOutput>(); },
             [this] {
-              return std::vector<KeyframePose>{
-                  {FrameId{8}, frames[std::min<std::size_t>(8, frames.size() - 1)], {}}};
+              const std::size_t last = std::min<std::size_t>(8, frames.size() - 1);
+              return std::vector<KeyframePose>{{FrameId{8}, frames[last], {}}};
             }};
   }
 };
@@ -100,6 +112,18 @@ TEST_F(RunSequenceTest, FeedsEverythingInOrder) {
   EXPECT_EQ(run.record.keyframes.size(), 3u);
   EXPECT_GT(run.record.peak_rss_mb, 1);
   EXPECT_EQ(run.record.frames[2].status, "ok");
+}
+
+TEST_F(RunSequenceTest, LateOutputsGiveTheSameRecord) {
+  Write();
+  vio_.is_late = true;
+  const SequenceRun run = Run();
+  EXPECT_EQ(run.end, RunEnd::kComplete);
+  ASSERT_EQ(run.record.frames.size(), 12u);
+  for (int i = 0; i < 12; ++i)
+    EXPECT_EQ(run.record.frames[i].t.ns, FrameStamp(options_, i));
+  EXPECT_EQ(run.record.CausalTrajectory().size(), 10u);
+  EXPECT_EQ(run.record.keyframes.size(), 3u);
 }
 
 TEST_F(RunSequenceTest, TimeOffsetMovesTheImu) {

@@ -4,7 +4,7 @@
 add_library(facet_warnings INTERFACE)
 target_compile_options(facet_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wold-style-cast
-  -Woverloaded-virtual $<$<BOOL:${FACET_WERROR}>:-Werror>)
+  -Woverloaded-virtual -Wno-restrict $<$<BOOL:${FACET_WERROR}>:-Werror>)
 
 # Results must not depend on whether the compiler fuses a multiplication with an addition.
 add_compile_options(-ffp-contract=off)

@@ -213,17 +213,18 @@ TEST(GaugeTest, ThePriorGainsNothingOver500Marginalizations) {
   const double yaw = 1 / (start.sigma_yaw * start.sigma_yaw);
   const Vector4d given(position, position, position, yaw);
   for (int k = 0; k < 4; ++k) {
-    // Drift uses the information up; what comes in against that is the ridge on eliminated landmarks.
-    EXPECT_LT(fixed.largest(k), given(k) * (1 + 1e-4)) << k;
+    // Drift uses the information up, and nothing but rounding comes in against that.
+    EXPECT_LT(fixed.largest(k), given(k) * (1 + 1e-6)) << k;
     EXPECT_LT(fixed.last(k), 0.2 * given(k)) << k;
-    EXPECT_LT(fixed.gained(k), 1e-3 * fixed.last(k)) << k;
+    EXPECT_LT(fixed.gained(k), 1e-8 * given(k)) << k;
   }
-  EXPECT_LT(fixed.largest_window_energy, 20);
+  // Neither do the factors that are still in the window know anything.
+  EXPECT_LT(fixed.largest_window_energy, 1e-3);
 
-  // The counter-test: without first estimates the heading gains thirty times as much.
+  // The counter-test: without first estimates the heading gains.
   const GaugeHistory following = RunSmoother(run, false, 500);
   Print("Jacobians at the estimate", following);
-  EXPECT_GT(following.gained(3), 10 * fixed.gained(3));
+  EXPECT_GT(following.gained(3), 1.0);
 }
 
 }  // namespace

@@ -3,12 +3,9 @@
 // linear algebra: what the remaining variables know, and where they would go, must not change.
 #include "facet/estimator/marginalization.h"
 
-#include <numeric>
-
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "facet/base/check.h"
 #include "facet/estimator/test_window.h"
 
 namespace facet {
@@ -55,14 +52,13 @@ SlidingWindow WithoutLostObservations(SlidingWindow window, const Marginalizatio
 
 // Columns of the variables of `window` that `after` still has, in the order of `after`.
 std::vector<int> CommonColumns(const SlidingWindow& window, const SlidingWindow& after) {
-  const StateLayout layout = MakeLayout(window.frames);
-  std::vector<int> columns;
-  const auto add = [&](int begin, int size) {
-    for (int k = 0; k < size; ++k) columns.push_back(begin + k);
-  };
-  for (const WindowFrame& frame : after.frames) add(layout.pose_column[window.IndexOf(frame.id)], 6);
-  for (const WindowFrame& frame : after.frames) {
-    if (frame.has_motion) add(layout.motion_column[window.IndexOf(frame.id)], 9);
+  const StateLayout layout = MakeLayout(window.frames), new_layout = MakeLayout(after.frames);
+  std::vector<int> columns(new_layout.dim);
+  for (std::size_t i = 0; i < after.frames.size(); ++i) {
+    const int old = window.IndexOf(after.frames[i].id);
+    for (int k = 0; k < 6; ++k) columns[new_layout.pose_column[i] + k] = layout.pose_column[old] + k;
+    if (!after.frames[i].has_motion) continue;
+    for (int k = 0; k < 9; ++k) columns[new_layout.motion_column[i] + k] = layout.motion_column[old] + k;
   }
   return columns;
 }

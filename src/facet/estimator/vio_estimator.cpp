@@ -23,9 +23,12 @@ constexpr double kNoImuNoiseScale = 300.0;
 constexpr double kRelinearizeGyro = 2e-3;   // rad/s
 constexpr double kRelinearizeAccel = 2e-2;  // m/s^2
 constexpr int kStartIterations = 25;
+// Duplicates are kept up to this many frames: they average the pixel noise.
+constexpr int kMinStartFrames = 8;
 constexpr int kMinLandmarksOk = 8;
 // Beyond these the state is of no use to anybody: start again.
 constexpr double kLostVelocitySigma = 5.0;  // m/s
+constexpr double kMaxDeadReckoning_s = 1.0;
 constexpr double kLostSpeed = 100.0;        // m/s
 // A landmark nearer than this is a mismatch.
 constexpr double kMaxInverseDistance = 15.0;
@@ -34,11 +37,22 @@ PreintegrationNoise Scaled(const PreintegrationNoise& noise, double scale) {
   return {noise.gyro * scale, noise.accel * scale, noise.integration * scale};
 }
 
-// What an IMU would have seen at constant velocity; for intervals without any sample.
-std::vector<ImuSample> ConstantVelocity(const NavState& x, Timestamp t1) {
-  ImuSample sample{x.t, x.bias.b_g, x.bias.b_a - x.T_WB.q.conjugate() * GravityInWorld()};
+// Whether the samples can be integrated: finite, in order of time, from t0 to t1 or nearly so.
+bool IsUsable(const std::vector<ImuSample>& samples, Timestamp t0, Timestamp t1) {
+  constexpr Duration kMaxEndError{10'000'000};
+  if (samples.size() < 2 || samples.front().t != t0) return false;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!samples[i].gyro.allFinite() || !samples[i].accel.allFinite()) return false;
+    if (i > 0 && samples[i].t < samples[i - 1].t) return false;
+  }
+  return std::max(samples.back().t - t1, t1 - samples.back().t) <= kMaxEndError;
+}
+
+// What an IMU would have seen at constant velocity; for intervals without usable samples.
+std::vector<ImuSample> ConstantVelocity(const NavState& x, Timestamp t0, Timestamp t1) {
+  ImuSample sample{t0, x.bias.b_g, x.bias.b_a - x.T_WB.q.conjugate() * GravityInWorld()};
   std::vector<ImuSample> samples = {sample, sample};
-  samples.back().t = t1;
+  samples.back().t = std::max(t0, t1);
   return samples;
 }
 
@@ -61,6 +75,12 @@ VioEstimator::VioEstimator(const StereoRig& rig, const ImuNoise& noise, const Es
 EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
                                        const ImuInterval& imu,
                                        StageTimes& times) {
+  if (!window_.frames.empty() && observations.t <= (passing_ ? *passing_ : window_.frames.back()).x.t) {
+    EstimatorResult result;
+    result.status = initialised_ ? TrackingStatus::kDegraded : TrackingStatus::kInitialising;
+    result.reason = "stamp is not after the previous frame's";
+    return result;
+  }
   {
     ScopedStage stage(times, Stage::kImu);
     AppendFrame(observations, imu);
@@ -128,6 +148,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     result.was_reset = true;
     return result;
   }
+  last_good_ = result.state;
   ScopedStage stage(times, Stage::kMarginalize);
   updater_.SetReference(window_, newest_covariance_);
   Shrink(result.finished_keyframes);
@@ -176,8 +197,11 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   }
 
   const WindowFrame& last = passing_ ? *passing_ : window_.frames.back();
-  const bool no_imu = imu.samples.size() < 2;
-  const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(last.x, observations.t) : imu.samples;
+  // Intervals follow each other without a hole, in the clock of the IMU.
+  const Timestamp t0 = last.imu.samples().empty() ? last.x.t + rig_.time_offset : last.imu.samples().back().t;
+  const Timestamp t1 = observations.t + rig_.time_offset;
+  const bool no_imu = !IsUsable(imu.samples, t0, t1);
+  const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(last.x, t0, t1) : imu.samples;
   const double scale = no_imu ? kNoImuNoiseScale : imu.gaps > 0 ? kGapNoiseScale : 1.0;
   ImuPreintegration step(last.x.bias, Scaled(imu_noise_, scale));
   step.Integrate(samples);
@@ -298,16 +322,16 @@ int VioEstimator::RemoveOutliers() {
   return removed;
 }
 
-bool VioEstimator::StartIsOver() {
+bool VioEstimator::UpdateStart() {
   const double elapsed_s = ToSeconds(window_.frames.back().x.t - first_t_);
   if (elapsed_s < options_.window.start_s) return false;
   if (TiltSigma() < options_.window.start_tilt_deg * kDegree) return true;
   const int num_frames = static_cast<int>(window_.frames.size());
-  if (num_frames <= options_.window.max_start_keyframes) return false;
+  if (num_frames <= kMinStartFrames) return false;
   // At rest the tilt stays uncertain, but the frames are duplicates: one of them goes without a trace but
   // for its IMU, which joins the next interval. In motion there is none, and the start has to end.
   const int victim = MostRedundantFrame(window_, 1, num_frames - 3, options_.window.covisible_share);
-  if (!IsDuplicate(window_, victim)) return true;
+  if (!IsDuplicate(window_, victim)) return num_frames > options_.window.max_start_keyframes;
   WindowFrame& next = window_.frames[victim + 1];
   ImuPreintegration joined = window_.frames[victim].imu;
   joined.Integrate(next.imu.samples());
@@ -319,7 +343,7 @@ bool VioEstimator::StartIsOver() {
 
 void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
   if (!start_is_over_) {
-    if (!StartIsOver()) return;
+    if (!UpdateStart()) return;
     start_is_over_ = true;
     RelinearizeImu();
     solver_.Solve(window_, kStartIterations);
@@ -336,12 +360,22 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
   }
 }
 
-void VioEstimator::MoveOriginToNewestFrame() {
+SE3 VioEstimator::StartPose() const {
   const SE3& newest = window_.frames.back().x.T_WB;
-  const Vector3d up_B = newest.q.conjugate() * Vector3d::UnitZ();
-  const Quaterniond wanted = RotationBetween(up_B, Vector3d::UnitZ());
-  const Quaterniond turn = wanted * newest.q.conjugate();  // about z only
-  const SE3 T_new_old(turn.normalized(), -(turn * newest.p));
+  if (!last_good_) {
+    const Vector3d up_B = newest.q.conjugate() * Vector3d::UnitZ();
+    return {RotationBetween(up_B, Vector3d::UnitZ()), Vector3d::Zero()};
+  }
+  // After a reset: go on from the last pose, with its heading and for a moment with its velocity.
+  const double elapsed_s = ToSeconds(window_.frames.back().x.t - last_good_->t);
+  const Quaterniond difference = last_good_->T_WB.q * newest.q.conjugate();
+  const double yaw = 2 * std::atan2(difference.z(), difference.w());
+  return {ExpSO3({0, 0, yaw}) * newest.q,
+          last_good_->T_WB.p + std::min(elapsed_s, kMaxDeadReckoning_s) * last_good_->v_WB};
+}
+
+void VioEstimator::MoveOriginToNewestFrame() {
+  const SE3 T_new_old = StartPose() * window_.frames.back().x.T_WB.Inverse();  // turns about z only
   for (WindowFrame& frame : window_.frames) {
     frame.x.T_WB = T_new_old * frame.x.T_WB;
     frame.x.T_WB.q.normalize();

@@ -3,6 +3,7 @@
 // keyframes (paper section II-B, pipeline S; docs/math.md, sections 3 to 6).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,7 +62,10 @@ class VioEstimator {
   int RemoveOutliers();
   void Shrink(std::vector<KeyframePose>& finished);
   void MoveOriginToNewestFrame();
-  bool StartIsOver();
+  /// Whether the start is over. If it is not but the window is full, drops a duplicate frame.
+  bool UpdateStart();
+  /// Where the newest frame is put in the world when the start succeeds.
+  SE3 StartPose() const;
   double TiltSigma() const;
   void FillResult(const WindowFrame& frame, int num_used, EstimatorResult& result) const;
   int NumSeenInNewest() const;
@@ -80,6 +84,7 @@ class VioEstimator {
   bool initialised_ = false;
   bool start_is_over_ = false;
   Timestamp first_t_;
+  std::optional<NavState> last_good_;  ///< newest keyframe that was not lost; survives a reset
   Matrix<15, 15> newest_covariance_ = Matrix<15, 15>::Zero();
 };
 

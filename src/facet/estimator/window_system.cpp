@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "facet/base/check.h"
+#include "facet/estimator/schur_kernel.h"
 
 namespace facet {
 
@@ -127,8 +128,7 @@ void SubtractSchur(const LandmarkBlock& block, const std::vector<int>& pose_colu
     b.segment<6>(row).noalias() -= view_i.Y * block.y;
     for (int j = 0; j <= i; ++j) {
       const LandmarkBlock::View& view_j = block.views[j];
-      H.block<6, 6>(row, pose_column[view_j.frame]).noalias() -=
-          view_i.Y.lazyProduct(view_j.Y.transpose());
+      SubtractOuterProduct(view_i.Y.data(), view_j.Y.data(), &H(row, pose_column[view_j.frame]), H.outerStride());
     }
   }
 }
