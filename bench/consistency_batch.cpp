@@ -100,8 +100,7 @@ BatchSolution BatchProblem::Solve(int max_iterations) {
   for (const WindowFrame& frame : window_.frames)
     solution.states.push_back(frame.x);
   solution.last_frame = window_.frames.back().id;
-  solution.last_covariance =
-      solver.system().FrameCovariance(static_cast<int>(window_.frames.size()) - 1);
+  solution.last_covariance = solver.system().NewestFrameCovariance();
   return solution;
 }
 

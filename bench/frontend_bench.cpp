@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Kernels of the front end on a synthetic textured image of EuRoC's size.
 #include <benchmark/benchmark.h>
+#include <opencv2/core/utility.hpp>
 
 #include "facet/base/random.h"
 #include "facet/frontend/feature_detector.h"
 #include "facet/frontend/image_pyramid.h"
 #include "facet/frontend/patch_tracker.h"
-#include "facet/frontend/stereo_frontend.h"
+#include "facet/frontend/stereo_matcher.h"
+#include "facet/frontend/temporal_tracker.h"
 
 namespace facet {
 namespace {
@@ -37,7 +39,8 @@ cv::Mat MakeImage(double shift) {
 std::vector<Vector2d> MakePoints() {
   Rng rng(5);
   std::vector<Vector2d> points;
-  for (int i = 0; i < kPoints; ++i) points.emplace_back(rng.Uniform(60, 690), rng.Uniform(60, 420));
+  for (int i = 0; i < kPoints; ++i)
+    points.emplace_back(rng.Uniform(60, 690), rng.Uniform(60, 420));
   return points;
 }
 
@@ -59,7 +62,8 @@ PatchTracker MakeTracker(benchmark::State& state) {
 void BM_Pyramid(benchmark::State& state) {
   const cv::Mat image = MakeImage(0);
   ImagePyramid pyramid;
-  for (auto _ : state) pyramid.Build(image, kLevels);
+  for (auto _ : state)
+    pyramid.Build(image, kLevels);
 }
 BENCHMARK(BM_Pyramid)->Unit(benchmark::kMicrosecond);
 
@@ -122,7 +126,42 @@ void BM_Track(benchmark::State& state) {
 }
 BENCHMARK(BM_Track)->DenseRange(0, 2)->Unit(benchmark::kMicrosecond);
 
+// Search and refinement of new points; the right image is the left one shifted by 1.3 pixels.
+void BM_Match(benchmark::State& state) {
+  CameraIntrinsics k;
+  k.width = kWidth, k.height = kHeight;
+  k.fx = k.fy = 458, k.cx = 370, k.cy = 240;
+  StereoRig rig;
+  rig.cameras = {CameraModel(k), CameraModel(k)};
+  rig.T_BC[1].p.x() = 0.11;
+  FrontendOptions options;
+  options.klt.simd = Variant(state);
+  if (FindPatchKernels(options.klt.simd) == nullptr) options.klt.simd = "auto";
+  const cv::Mat left_image = MakeImage(0), right_image = MakeImage(-1.3);
+  ImagePyramid left, right;
+  left.Build(left_image, kLevels);
+  right.Build(right_image, kLevels);
+  StereoMatcher matcher(rig, options);
+  const TemporalTracker tracker(rig.cameras[0], options);
+  std::vector<Track> tracks(kPoints);
+  const std::vector<Vector2d> points = MakePoints();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    tracker.Begin(left, points[i], tracks[i]);
+  int found = 0;
+  for (auto _ : state) {
+    for (const Track& track : tracks)
+      found += matcher.Match(track, left, right) ? 1 : 0;
+  }
+  state.counters["found"] = static_cast<double>(found) / static_cast<double>(state.iterations());
+}
+BENCHMARK(BM_Match)->DenseRange(0, 2)->Unit(benchmark::kMicrosecond);
+
 }  // namespace
 }  // namespace facet
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  cv::setNumThreads(1);  // otherwise OpenCV hides cost in other threads
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

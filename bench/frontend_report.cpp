@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "track_residuals.h"
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
@@ -17,7 +18,6 @@
 #include "facet/io/asl_dataset.h"
 #include "facet/io/config_file.h"
 #include "facet/io/trajectory_file.h"
-#include "track_residuals.h"
 
 namespace facet {
 namespace {
@@ -33,16 +33,16 @@ struct Run {
 };
 
 std::optional<SE3> TruthAt(const Trajectory& truth, Timestamp t) {
-  const auto after = std::lower_bound(truth.poses.begin(), truth.poses.end(), t, [](const StampedPose& p, Timestamp s) {
-    return p.t < s;
-  });
+  const auto after = std::lower_bound(
+      truth.poses.begin(), truth.poses.end(), t, [](const StampedPose& p, Timestamp s) {
+        return p.t < s;
+      });
   if (after == truth.poses.end()) return std::nullopt;
   if (after->t == t) return after->T_WB;
   if (after == truth.poses.begin()) return std::nullopt;
   const auto before = after - 1;
   const double s = ToSeconds(t - before->t) / ToSeconds(after->t - before->t);
-  return SE3(before->T_WB.q.slerp(s, after->T_WB.q),
-             (1 - s) * before->T_WB.p + s * after->T_WB.p);
+  return SE3(before->T_WB.q.slerp(s, after->T_WB.q), (1 - s) * before->T_WB.p + s * after->T_WB.p);
 }
 
 struct HintOptions {
@@ -51,7 +51,10 @@ struct HintOptions {
   double gyro_bias = 0;  // rad/s about each axis, added to the true rotation
 };
 
-Run Process(AslDataset& dataset, const Trajectory& truth, const FrontendOptions& options, const HintOptions& hints) {
+Run Process(AslDataset& dataset,
+            const Trajectory& truth,
+            const FrontendOptions& options,
+            const HintOptions& hints) {
   Run run;
   StereoFrontend frontend(dataset.rig(), options);
   std::optional<SE3> T_WB_previous;
@@ -84,7 +87,8 @@ Run Process(AslDataset& dataset, const Trajectory& truth, const FrontendOptions&
 
 double Mean(const std::vector<double>& v) {
   double sum = 0;
-  for (const double x : v) sum += x;
+  for (const double x : v)
+    sum += x;
   return v.empty() ? 0 : sum / static_cast<double>(v.size());
 }
 
@@ -96,11 +100,19 @@ double Quantile(std::vector<double> v, double q) {
 }
 
 void PrintRow(const char* name, const std::vector<double>& v) {
-  std::printf("  %-22s %6zu %8.2f %8.2f %8.2f %8.2f %8.2f\n", name, v.size(), Mean(v), Quantile(v, 0.1), Quantile(v, 0.5), Quantile(v, 0.95), Quantile(v, 1));
+  std::printf("  %-22s %6zu %8.2f %8.2f %8.2f %8.2f %8.2f\n",
+              name,
+              v.size(),
+              Mean(v),
+              Quantile(v, 0.1),
+              Quantile(v, 0.5),
+              Quantile(v, 0.95),
+              Quantile(v, 1));
 }
 
 void PrintFrames(const Run& run) {
-  std::vector<double> out_of_view, not_found, not_returned, tracked, lost, outliers, refreshed, fresh, observed, ratio, all;
+  std::vector<double> out_of_view, not_found, not_returned, tracked, lost, outliers, refreshed,
+      fresh, observed, ratio, all;
   std::vector<double> ordinary_ms, keyframe_ms, track_ms, detect_ms, stereo_ms;
   for (const FrameRecord& frame : run.frames) {
     const FrontendResult& r = frame.result;
@@ -146,22 +158,30 @@ void PrintFrames(const Run& run) {
 
 void PrintLife(const Run& run) {
   std::vector<double> life;
-  for (const auto& [id, samples] : run.tracks) life.push_back(static_cast<double>(samples.size()));
+  for (const auto& [id, samples] : run.tracks)
+    life.push_back(static_cast<double>(samples.size()));
   PrintRow("track life, frames", life);
   double weighted = 0, sum = 0;
-  for (const double l : life) weighted += l * l, sum += l;
-  std::printf("  life of the track that an observation belongs to: mean %.1f frames\n", weighted / std::max(1.0, sum));
+  for (const double l : life)
+    weighted += l * l, sum += l;
+  std::printf("  life of the track that an observation belongs to: mean %.1f frames\n",
+              weighted / std::max(1.0, sum));
 }
 
 void PrintSpread(const char* name, const std::vector<double>& v) {
   constexpr double kOutlierPx = 2;
   const Spread s = ComputeSpread(v, kOutlierPx);
-  std::printf("  %-22s %7zu %8.3f %8.3f %8.3f %8.2f\n", name, s.count, s.mean, s.robust_sigma, s.rms, 100 * s.outliers);
+  std::printf("  %-22s %7zu %8.3f %8.3f %8.3f %8.2f\n",
+              name,
+              s.count,
+              s.mean,
+              s.robust_sigma,
+              s.rms,
+              100 * s.outliers);
 }
 
 void PrintErrors(const std::vector<FittedTrack>& tracks) {
-  std::vector<double> lx, ly, rx, ry, by_level[3], right_by_level[3];
-  std::vector<double> chi_left, chi_right;
+  std::vector<double> lx, ly, rx, ry;
   for (const FittedTrack& track : tracks) {
     for (const TrackResidual& r : track.residuals) {
       lx.push_back(r.left_px.x());
@@ -179,7 +199,8 @@ void PrintErrors(const std::vector<FittedTrack>& tracks) {
   std::size_t bad = 0;
   for (const FittedTrack& track : tracks) {
     std::vector<double> norms;
-    for (const TrackResidual& r : track.residuals) norms.push_back(r.left_px.norm());
+    for (const TrackResidual& r : track.residuals)
+      norms.push_back(r.left_px.norm());
     bad += Quantile(norms, 0.5) > 1.5 ? 1 : 0;
   }
   std::printf("  bad tracks (median residual > 1.5 px): %zu of %zu\n", bad, tracks.size());
@@ -192,13 +213,16 @@ void PrintClaims(const std::vector<FittedTrack>& tracks) {
     for (const TrackResidual& r : track.residuals) {
       for (int k = 0; k < 2; ++k) {
         left[static_cast<int>(std::lround(20 * r.sigma_left_px))].push_back(r.left_px[k]);
-        if (r.right_px) right[static_cast<int>(std::lround(20 * r.sigma_right_px))].push_back((*r.right_px)[k]);
+        if (r.right_px)
+          right[static_cast<int>(std::lround(20 * r.sigma_right_px))].push_back((*r.right_px)[k]);
       }
     }
   }
   std::printf("by claimed sigma         count     mean  rob.sig  rms(<2)  >2px,%%\n");
-  for (const auto& [k, v] : left) PrintSpread(("left " + std::to_string(0.05 * k).substr(0, 4)).c_str(), v);
-  for (const auto& [k, v] : right) PrintSpread(("right " + std::to_string(0.05 * k).substr(0, 4)).c_str(), v);
+  for (const auto& [k, v] : left)
+    PrintSpread(("left " + std::to_string(0.05 * k).substr(0, 4)).c_str(), v);
+  for (const auto& [k, v] : right)
+    PrintSpread(("right " + std::to_string(0.05 * k).substr(0, 4)).c_str(), v);
 }
 
 void PrintGrowth(const std::vector<FittedTrack>& tracks) {
@@ -232,7 +256,9 @@ void PrintAutocorrelation(const std::vector<FittedTrack>& tracks) {
     for (std::size_t i = 0; i < track.residuals.size(); ++i) {
       for (std::size_t k = 0; k <= kMaxLag && i + k < track.residuals.size(); ++k) {
         const TrackResidual &a = track.residuals[i], &b = track.residuals[i + k];
-        if (b.frame - a.frame != k || a.left_px.norm() > kOutlierPx || b.left_px.norm() > kOutlierPx) continue;
+        if (b.frame - a.frame != k || a.left_px.norm() > kOutlierPx ||
+            b.left_px.norm() > kOutlierPx)
+          continue;
         covariance[k] += a.left_px.dot(b.left_px);
         variance[k] += 0.5 * (a.left_px.squaredNorm() + b.left_px.squaredNorm());
         step[k] += 0.5 * (a.left_px - b.left_px).squaredNorm();
@@ -241,11 +267,15 @@ void PrintAutocorrelation(const std::vector<FittedTrack>& tracks) {
     }
   }
   std::printf("autocorrelation of the left error (tracks of 20 frames or more)\n  lag ");
-  for (int k = 1; k <= kMaxLag; ++k) std::printf("%7d", k);
+  for (int k = 1; k <= kMaxLag; ++k)
+    std::printf("%7d", k);
   std::printf("\n  rho ");
-  for (int k = 1; k <= kMaxLag; ++k) std::printf("%7.2f", covariance[k] / std::max(1e-12, variance[k]));
+  for (int k = 1; k <= kMaxLag; ++k)
+    std::printf("%7.2f", covariance[k] / std::max(1e-12, variance[k]));
   std::printf("\n  rms step per axis, px ");
-  for (int k = 1; k <= kMaxLag; ++k) std::printf("%7.3f", std::sqrt(step[k] / static_cast<double>(std::max<std::size_t>(1, count[k]))));
+  for (int k = 1; k <= kMaxLag; ++k)
+    std::printf("%7.3f",
+                std::sqrt(step[k] / static_cast<double>(std::max<std::size_t>(1, count[k]))));
   std::printf("\n");
 }
 
@@ -256,7 +286,8 @@ void Dump(const Run& run, const std::string& file) {
     const FrameObservations& frame = run.frames[i].result.observations;
     for (const FeatureObservation& o : frame.features) {
       const Vector2d right = o.px_right.value_or(Vector2d(-1, -1));
-      out << i << ',' << o.landmark.value << ',' << o.px_left.x() << ',' << o.px_left.y() << ',' << right.x() << ',' << right.y() << ',' << frame.is_keyframe << '\n';
+      out << i << ',' << o.landmark.value << ',' << o.px_left.x() << ',' << o.px_left.y() << ','
+          << right.x() << ',' << right.y() << ',' << frame.is_keyframe << '\n';
     }
   }
 }
@@ -272,13 +303,15 @@ int Main(int argc, char** argv) {
   app.add_option("--dump", dump, "file for all observations (csv)");
   app.add_option("--gyro-bias", hints.gyro_bias, "error of the rotation hint, rad/s on each axis");
   app.add_option("--translation-hint", hints.translation, "0: rotation hint only");
-  app.add_option("--refine-poses", refinements, "rounds that fit the poses too, for noisy ground truth");
+  app.add_option(
+      "--refine-poses", refinements, "rounds that fit the poses too, for noisy ground truth");
   CLI11_PARSE(app, argc, argv);
 
   cv::setNumThreads(1);  // otherwise OpenCV hides cost in other threads
   FrontendOptions options;
   std::vector<ConfigEntry> entries;
-  for (const std::string& text : overrides) entries.push_back(ParseOverride(text));
+  for (const std::string& text : overrides)
+    entries.push_back(ParseOverride(text));
   ApplyConfig(entries, ListFields(options));
   AslDataset dataset(sequence);
   const Trajectory truth = ReadTrajectory(FindTruth(sequence));

@@ -15,7 +15,10 @@ struct Projection {
   Matrix<2, 3> J;
 };
 
-std::optional<Projection> Project(const StereoRig& rig, int camera, const SE3& T_Bi_C, const Vector3d& point) {
+std::optional<Projection> Project(const StereoRig& rig,
+                                  int camera,
+                                  const SE3& T_Bi_C,
+                                  const Vector3d& point) {
   const auto c = static_cast<std::size_t>(camera);
   const SE3 T = rig.T_BC[c].Inverse() * T_Bi_C;
   const Vector3d p = T.q * Vector3d(point.x(), point.y(), 1) + point.z() * T.p;
@@ -44,7 +47,9 @@ struct NormalEquations {
   }
 };
 
-NormalEquations Linearize(const StereoRig& rig, const std::vector<TrackSample>& samples, const Vector3d& point) {
+NormalEquations Linearize(const StereoRig& rig,
+                          const std::vector<TrackSample>& samples,
+                          const Vector3d& point) {
   NormalEquations equations;
   const SE3 T_WC = samples.front().T_WB * rig.T_BC[0];
   for (const TrackSample& sample : samples) {
@@ -92,7 +97,11 @@ struct PoseEquations {
   Matrix<6, 6> H = Matrix<6, 6>::Identity() * 1e-6;
   Vector<6> b = Vector<6>::Zero();
 
-  void Add(const StereoRig& rig, std::size_t camera, const SE3& T_WB, const Vector4d& p_W, const Vector2d& measured) {
+  void Add(const StereoRig& rig,
+           std::size_t camera,
+           const SE3& T_WB,
+           const Vector4d& p_W,
+           const Vector2d& measured) {
     constexpr double kCauchyPx = 0.5;
     const SE3 T_CB = rig.T_BC[camera].Inverse();
     const Vector3d p_B = T_WB.q.conjugate() * (p_W.head<3>() - p_W.w() * T_WB.p);
@@ -115,12 +124,14 @@ void FitPose(const StereoRig& rig, std::vector<Sighting>& sightings) {
     PoseEquations equations;
     for (const Sighting& s : sightings) {
       equations.Add(rig, 0, T_WB, s.p_W, s.sample->observation.px_left);
-      if (s.sample->observation.px_right) equations.Add(rig, 1, T_WB, s.p_W, *s.sample->observation.px_right);
+      if (s.sample->observation.px_right)
+        equations.Add(rig, 1, T_WB, s.p_W, *s.sample->observation.px_right);
     }
     const Vector<6> d = equations.H.ldlt().solve(equations.b);
     T_WB = T_WB.Retract(d.head<3>(), d.tail<3>());
   }
-  for (Sighting& s : sightings) s.sample->T_WB = T_WB;
+  for (Sighting& s : sightings)
+    s.sample->T_WB = T_WB;
 }
 
 }  // namespace
@@ -135,7 +146,8 @@ void RefinePoses(const StereoRig& rig, int rounds, TrackSamples& tracks) {
       const SE3 T_WC = samples.front().T_WB * rig.T_BC[0];
       Vector4d p_W;
       p_W << T_WC.q * Vector3d(point.x(), point.y(), 1) + point.z() * T_WC.p, point.z();
-      for (TrackSample& sample : samples) frames[sample.frame].push_back({p_W, &sample});
+      for (TrackSample& sample : samples)
+        frames[sample.frame].push_back({p_W, &sample});
     }
     for (auto& [frame, sightings] : frames) {
       if (sightings.size() >= kMinSightings) FitPose(rig, sightings);
@@ -143,7 +155,9 @@ void RefinePoses(const StereoRig& rig, int rounds, TrackSamples& tracks) {
   }
 }
 
-std::vector<FittedTrack> FitTracks(const StereoRig& rig, const TrackSamples& tracks, int min_length) {
+std::vector<FittedTrack> FitTracks(const StereoRig& rig,
+                                   const TrackSamples& tracks,
+                                   int min_length) {
   std::vector<FittedTrack> fitted;
   for (const auto& [id, samples] : tracks) {
     if (static_cast<int>(samples.size()) < min_length) continue;
@@ -161,7 +175,8 @@ std::vector<FittedTrack> FitTracks(const StereoRig& rig, const TrackSamples& tra
       residual.sigma_left_px = sample.observation.sigma_left_px;
       residual.sigma_right_px = sample.observation.sigma_right_px;
       const auto right = Project(rig, 1, T_Bi_C, point);
-      if (sample.observation.px_right && right) residual.right_px = right->px - *sample.observation.px_right;
+      if (sample.observation.px_right && right)
+        residual.right_px = right->px - *sample.observation.px_right;
       track.residuals.push_back(residual);
     }
     fitted.push_back(std::move(track));
@@ -190,7 +205,8 @@ Spread ComputeSpread(std::vector<double> values, double limit) {
   spread.rms = std::sqrt(spread.rms / n);
   spread.outliers = 1 - static_cast<double>(inside) / static_cast<double>(values.size());
   const double centre = median(values);
-  for (double& v : values) v = std::abs(v - centre);
+  for (double& v : values)
+    v = std::abs(v - centre);
   spread.robust_sigma = 1.4826 * median(values);
   return spread;
 }

@@ -36,7 +36,9 @@ struct FittedTrack {
 };
 
 /// Fits each track of at least min_length samples.
-std::vector<FittedTrack> FitTracks(const StereoRig& rig, const TrackSamples& tracks, int min_length);
+std::vector<FittedTrack> FitTracks(const StereoRig& rig,
+                                   const TrackSamples& tracks,
+                                   int min_length);
 
 /// Alternates fits of the landmarks and of the pose of each frame, to take the noise of a recorded
 /// ground truth out of the residuals. The poses of `tracks` are replaced.

@@ -6,8 +6,8 @@
 //     v.Field("max_features", max_features, {1, 5000}, "tracks kept per frame; more cost time");
 //     v.Group("klt", klt);
 //   }
-// with its defaults at the declaration. Field types: bool, int, double, std::string. Whoever reads a
-// file, prints the values in force or checks ranges supplies a Visitor (see io/config_file).
+// with its defaults at the declaration. Field types: bool, int, double, std::string. Whoever reads
+// a file, prints the values in force or checks ranges supplies a Visitor (see io/config_file).
 #pragma once
 
 #include <limits>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Random numbers that are the same on every machine and standard library (std::normal_distribution is not).
+// Random numbers that are the same on every machine and standard library (std::normal_distribution
+// is not).
 #pragma once
 
 #include <cmath>

@@ -44,7 +44,8 @@ struct StageTimes {
   double operator[](Stage s) const { return ms[static_cast<std::size_t>(s)]; }
   double Total() const {
     double sum = 0;
-    for (double m : ms) sum += m;
+    for (double m : ms)
+      sum += m;
     return sum;
   }
 };

@@ -39,14 +39,26 @@ struct Timestamp {
   auto operator<=>(const Timestamp&) const = default;
 };
 
-inline Duration operator-(Timestamp a, Timestamp b) { return {a.ns - b.ns}; }
-inline Timestamp operator+(Timestamp t, Duration d) { return {t.ns + d.ns}; }
-inline Timestamp operator-(Timestamp t, Duration d) { return {t.ns - d.ns}; }
-inline Duration operator+(Duration a, Duration b) { return {a.ns + b.ns}; }
+inline Duration operator-(Timestamp a, Timestamp b) {
+  return {a.ns - b.ns};
+}
+inline Timestamp operator+(Timestamp t, Duration d) {
+  return {t.ns + d.ns};
+}
+inline Timestamp operator-(Timestamp t, Duration d) {
+  return {t.ns - d.ns};
+}
+inline Duration operator+(Duration a, Duration b) {
+  return {a.ns + b.ns};
+}
 
 /// Only spans of time become floating point; an absolute stamp would lose digits.
-inline double ToSeconds(Duration d) { return static_cast<double>(d.ns) * 1e-9; }
-inline Duration FromSeconds(double s) { return {std::llround(s * 1e9)}; }
+inline double ToSeconds(Duration d) {
+  return static_cast<double>(d.ns) * 1e-9;
+}
+inline Duration FromSeconds(double s) {
+  return {std::llround(s * 1e9)};
+}
 
 /// An integer that cannot be mixed up with another kind of id; negative means "none".
 template <class Tag>

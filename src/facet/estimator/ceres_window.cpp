@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/ceres_window.h"
 
+#include <Eigen/Cholesky>
 #include <ceres/autodiff_manifold.h>
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
-
-#include <Eigen/Cholesky>
 
 #include "facet/base/check.h"
 
@@ -75,20 +74,28 @@ struct ImuCost {
   Matrix<15, 15> sqrt_info;
 
   template <class T>
-  bool operator()(const T* q_i, const T* p_i, const T* m_i, const T* q_j, const T* p_j, const T* m_j, T* residual) const {
+  bool operator()(const T* q_i,
+                  const T* p_i,
+                  const T* m_i,
+                  const T* q_j,
+                  const T* p_j,
+                  const T* m_j,
+                  T* residual) const {
     const Eigen::Map<const Quat<T>> R_i(q_i), R_j(q_j);
     const Eigen::Map<const Vec3<T>> x_i(p_i), x_j(p_j), v_i(m_i), v_j(m_j);
     const Eigen::Map<const Eigen::Matrix<T, 6, 1>> bias_i(m_i + 3), bias_j(m_j + 3);
     Vector<6> lin_bias;
     lin_bias << imu.bias().b_g, imu.bias().b_a;
-    const Eigen::Matrix<T, 9, 1> shift = imu.BiasJacobian().cast<T>() * (bias_i - lin_bias.cast<T>());
+    const Eigen::Matrix<T, 9, 1> shift =
+        imu.BiasJacobian().cast<T>() * (bias_i - lin_bias.cast<T>());
     const Quat<T> dR = imu.dR().cast<T>() * Exp<T>(shift.template head<3>());
     const T dt(imu.dt());
     const Vec3<T> g(T(0), T(0), T(-9.81));
     Eigen::Matrix<T, 15, 1> r;
     r.template segment<3>(0) = Log<T>(dR.conjugate() * (R_i.conjugate() * R_j));
-    r.template segment<3>(3) = R_i.conjugate() * Vec3<T>(x_j - x_i - dt * v_i - T(0.5) * dt * dt * g) -
-                               imu.dp().cast<T>() - shift.template segment<3>(3);
+    r.template segment<3>(3) =
+        R_i.conjugate() * Vec3<T>(x_j - x_i - dt * v_i - T(0.5) * dt * dt * g) -
+        imu.dp().cast<T>() - shift.template segment<3>(3);
     r.template segment<3>(6) = R_i.conjugate() * Vec3<T>(v_j - v_i - dt * g) - imu.dv().cast<T>() -
                                shift.template segment<3>(6);
     r.template tail<6>() = bias_j - bias_i;
@@ -137,7 +144,8 @@ class QuadraticCost {
       const T* x = parameters[part.parameter] + part.offset_in_parameter;
       const auto out = static_cast<Eigen::Index>(3 * k);
       if (part.is_rotation) {
-        d.template segment<3>(out) = Log<T>(part.q0.conjugate().cast<T>() * Eigen::Map<const Quat<T>>(x));
+        d.template segment<3>(out) =
+            Log<T>(part.q0.conjugate().cast<T>() * Eigen::Map<const Quat<T>>(x));
       } else {
         d.template segment<3>(out) = Eigen::Map<const Vec3<T>>(x) - part.x0.cast<T>();
       }
@@ -156,7 +164,11 @@ class QuadraticCost {
 class CeresWindow {
  public:
   CeresWindow(const SlidingWindow& window, const StereoRig& rig, const CeresOptions& options)
-      : window_(window), rig_(rig), options_(options), blocks_(window.frames.size()), points_(window.landmarks().size()) {
+      : window_(window),
+        rig_(rig),
+        options_(options),
+        blocks_(window.frames.size()),
+        points_(window.landmarks().size()) {
     AddFrames();
     AddLandmarks();
     AddImu();
@@ -205,7 +217,8 @@ class CeresWindow {
       Eigen::Map<Quaterniond>(block.q.data()) = x.T_WB.q;
       Eigen::Map<Vector3d>(block.p.data()) = x.T_WB.p;
       Eigen::Map<Vector<9>>(block.m.data()) << x.v_WB, x.bias.b_g, x.bias.b_a;
-      problem_.AddParameterBlock(block.q.data(), 4, new ceres::AutoDiffManifold<RightRotation, 4, 3>);
+      problem_.AddParameterBlock(
+          block.q.data(), 4, new ceres::AutoDiffManifold<RightRotation, 4, 3>);
       problem_.AddParameterBlock(block.p.data(), 3);
       if (window_.frames[i].has_motion) problem_.AddParameterBlock(block.m.data(), 9);
     }
@@ -219,11 +232,12 @@ class CeresWindow {
       for (const WindowObservation& o : landmark.observations) {
         for (int c = 0; c < (o.has_right ? 2 : 1); ++c) {
           auto* cost = new ReprojectionCost{rig_.T_BC[c], o.xy[c], o.sqrt_info[c]};
-          problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ReprojectionCost, 2, 4, 3, 3>(cost),
-                                    new ceres::HuberLoss(options_.huber_sigma),
-                                    blocks_[o.frame].q.data(),
-                                    blocks_[o.frame].p.data(),
-                                    points_[l].data());
+          problem_.AddResidualBlock(
+              new ceres::AutoDiffCostFunction<ReprojectionCost, 2, 4, 3, 3>(cost),
+              new ceres::HuberLoss(options_.huber_sigma),
+              blocks_[o.frame].q.data(),
+              blocks_[o.frame].p.data(),
+              points_[l].data());
         }
       }
     }
@@ -242,9 +256,11 @@ class CeresWindow {
       FrameBlock& a = blocks_[j - 1];
       FrameBlock& b = blocks_[j];
       problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<ImuCost, 15, 4, 3, 9, 4, 3, 9>(new ImuCost{frame.imu, sqrt_info}),
+          new ceres::AutoDiffCostFunction<ImuCost, 15, 4, 3, 9, 4, 3, 9>(
+              new ImuCost{frame.imu, sqrt_info}),
           nullptr,
-          std::vector<double*>{a.q.data(), a.p.data(), a.m.data(), b.q.data(), b.p.data(), b.m.data()});
+          std::vector<double*>{
+              a.q.data(), a.p.data(), a.m.data(), b.q.data(), b.p.data(), b.m.data()});
     }
     if (!window_.start_prior.active) return;
     FrameBlock& first = blocks_[window_.IndexOf(window_.start_prior.frame)];
@@ -273,20 +289,23 @@ class CeresWindow {
         parts.push_back({false, Quaterniond::Identity(), lin.bias.b_a, parameter, 6});
       } else {
         parts.push_back({true, lin.T_WB.q, Vector3d::Zero(), add(blocks_[frame].q.data(), 4), 0});
-        parts.push_back({false, Quaterniond::Identity(), lin.T_WB.p, add(blocks_[frame].p.data(), 3), 0});
+        parts.push_back(
+            {false, Quaterniond::Identity(), lin.T_WB.p, add(blocks_[frame].p.data(), 3), 0});
       }
     }
     if (options_.hold_prior_variables) return;
     auto* quadratic = new QuadraticCost(window_.prior.H, window_.prior.b, std::move(parts));
     constant_ = quadratic->constant();
     auto* cost = new ceres::DynamicAutoDiffCostFunction<QuadraticCost>(quadratic);
-    for (int size : sizes) cost->AddParameterBlock(size);
+    for (int size : sizes)
+      cost->AddParameterBlock(size);
     cost->SetNumResiduals(window_.prior.dim());
     problem_.AddResidualBlock(cost, nullptr, prior_parameters_);
   }
 
   VectorXd PriorGradient() {
-    for (double* block : prior_parameters_) problem_.SetParameterBlockVariable(block);
+    for (double* block : prior_parameters_)
+      problem_.SetParameterBlockVariable(block);
     ceres::Problem::EvaluateOptions evaluate;
     evaluate.parameter_blocks = prior_parameters_;
     std::vector<double> gradient;
@@ -306,7 +325,9 @@ class CeresWindow {
 
 }  // namespace
 
-CeresResult SolveWithCeres(const SlidingWindow& window, const StereoRig& rig, const CeresOptions& options) {
+CeresResult SolveWithCeres(const SlidingWindow& window,
+                           const StereoRig& rig,
+                           const CeresOptions& options) {
   return CeresWindow(window, rig, options).Solve();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The cost of a sliding window once more, for Ceres: written from the formulas, without the code under
-// test. Landmarks are points of the world, derivatives automatic.
+// The cost of a sliding window once more, for Ceres: written from the formulas, without the code
+// under test. Landmarks are points of the world, derivatives automatic.
 #pragma once
 
 #include <array>
@@ -23,7 +23,10 @@ struct CeresResult {
   VectorXd prior_gradient;       ///< of all cost but the prior, on the variables of the prior
 };
 
-/// Minimises from the present estimate to convergence. All landmarks must have inverse distance > 0.
-CeresResult SolveWithCeres(const SlidingWindow& window, const StereoRig& rig, const CeresOptions& options);
+/// Minimises from the present estimate to convergence. All landmarks must have inverse distance >
+/// 0.
+CeresResult SolveWithCeres(const SlidingWindow& window,
+                           const StereoRig& rig,
+                           const CeresOptions& options);
 
 }  // namespace facet::testing

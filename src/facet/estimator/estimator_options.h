@@ -12,15 +12,29 @@ struct ImuOptions {
   double accel_noise_scale = 8.0;  ///< (!) times the calibration's accelerometer noise density
   double gyro_walk_scale = 1.0;    ///< times the gyro bias walk density
   double accel_walk_scale = 1.0;   ///< times the accelerometer bias walk density
-  double max_gap_s = 0.02;         ///< a longer hole between samples is counted and makes the interval less certain
+  double max_gap_s =
+      0.02;  ///< a longer hole between samples is counted and makes the interval less certain
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("gyro_noise_scale", gyro_noise_scale, Range{0.1, 100}, "times the calibration's gyro noise density");
-    v.Field("accel_noise_scale", accel_noise_scale, Range{0.1, 100}, "times the calibration's accelerometer noise density");
-    v.Field("gyro_walk_scale", gyro_walk_scale, Range{0.01, 100}, "times the gyro bias walk density");
-    v.Field("accel_walk_scale", accel_walk_scale, Range{0.01, 100}, "times the accelerometer bias walk density");
-    v.Field("max_gap_s", max_gap_s, Range{0.001, 1}, "a longer hole between IMU samples is counted as a gap [s]");
+    v.Field("gyro_noise_scale",
+            gyro_noise_scale,
+            Range{0.1, 100},
+            "times the calibration's gyro noise density");
+    v.Field("accel_noise_scale",
+            accel_noise_scale,
+            Range{0.1, 100},
+            "times the calibration's accelerometer noise density");
+    v.Field(
+        "gyro_walk_scale", gyro_walk_scale, Range{0.01, 100}, "times the gyro bias walk density");
+    v.Field("accel_walk_scale",
+            accel_walk_scale,
+            Range{0.01, 100},
+            "times the accelerometer bias walk density");
+    v.Field("max_gap_s",
+            max_gap_s,
+            Range{0.001, 1},
+            "a longer hole between IMU samples is counted as a gap [s]");
   }
 };
 
@@ -28,63 +42,109 @@ struct ImuOptions {
 struct WindowOptions {
   int max_full_keyframes = 5;   ///< (!) newest keyframes that keep velocity and biases
   int max_pose_keyframes = 10;  ///< (!) older keyframes that keep only their pose
-  int max_start_keyframes = 16; ///< nothing is marginalised before the start is over or this many keyframes exist
+  int max_start_keyframes =
+      16;  ///< nothing is marginalised before the start is over or this many keyframes exist
   double start_s = 2.0;         ///< shortest start: nothing is marginalised or frozen before
   double start_tilt_deg = 0.3;  ///< the start lasts until the 1-sigma tilt is below this
-  double covisible_share = 0.05; ///< a pose keyframe that shares less of its landmarks with the newest one goes first
+  double covisible_share =
+      0.05;  ///< a pose keyframe that shares less of its landmarks with the newest one goes first
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("max_full_keyframes", max_full_keyframes, Range{2, 60}, "newest keyframes that keep velocity and biases");
-    v.Field("max_pose_keyframes", max_pose_keyframes, Range{0, 60}, "older keyframes that keep only their pose");
-    v.Field("max_start_keyframes", max_start_keyframes, Range{5, 100}, "the start ends at the latest with this many keyframes");
+    v.Field("max_full_keyframes",
+            max_full_keyframes,
+            Range{2, 60},
+            "newest keyframes that keep velocity and biases");
+    v.Field("max_pose_keyframes",
+            max_pose_keyframes,
+            Range{0, 60},
+            "older keyframes that keep only their pose");
+    v.Field("max_start_keyframes",
+            max_start_keyframes,
+            Range{5, 100},
+            "the start ends at the latest with this many keyframes");
     v.Field("start_s", start_s, Range{0, 30}, "nothing is marginalised before this much data [s]");
-    v.Field("start_tilt_deg", start_tilt_deg, Range{0.01, 90}, "the start lasts until the 1-sigma tilt is below this [deg]");
-    v.Field("covisible_share", covisible_share, Range{0, 1}, "a pose keyframe sharing less of its landmarks with the newest goes first");
+    v.Field("start_tilt_deg",
+            start_tilt_deg,
+            Range{0.01, 90},
+            "the start lasts until the 1-sigma tilt is below this [deg]");
+    v.Field("covisible_share",
+            covisible_share,
+            Range{0, 1},
+            "a pose keyframe sharing less of its landmarks with the newest goes first");
   }
 };
 
 /// How the window is solved.
 struct SolverOptions {
-  int keyframe_iterations = 4;      ///< (!) Levenberg-Marquardt iterations on keyframes, at most
-  int frame_iterations = 2;         ///< iterations on the frames in between, at most
-  double huber_sigma = 2.0;         ///< residuals beyond this many sigma grow linearly
-  double outlier_sigma = 5.0;       ///< observations beyond this many sigma are removed after the solve
+  int keyframe_iterations = 4;  ///< (!) Levenberg-Marquardt iterations on keyframes, at most
+  int frame_iterations = 2;     ///< iterations on the frames in between, at most
+  double huber_sigma = 2.0;     ///< residuals beyond this many sigma grow linearly
+  double outlier_sigma = 5.0;   ///< observations beyond this many sigma are removed after the solve
   double pixel_sigma_scale = 1.0;   ///< times the front end's pixel sigmas
   double relative_decrease = 1e-4;  ///< stop when the cost falls by less than this share
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("keyframe_iterations", keyframe_iterations, Range{1, 100}, "iterations on keyframes, at most");
-    v.Field("frame_iterations", frame_iterations, Range{1, 100}, "iterations on the frames in between, at most");
-    v.Field("huber_sigma", huber_sigma, Range{0.1, 100}, "residuals beyond this many sigma grow linearly");
-    v.Field("outlier_sigma", outlier_sigma, Range{1, 1000}, "observations beyond this many sigma are removed");
-    v.Field("pixel_sigma_scale", pixel_sigma_scale, Range{0.05, 20}, "times the front end's pixel sigmas");
-    v.Field("relative_decrease", relative_decrease, Range{0, 0.5}, "stop when the cost falls by less than this share");
+    v.Field("keyframe_iterations",
+            keyframe_iterations,
+            Range{1, 100},
+            "iterations on keyframes, at most");
+    v.Field("frame_iterations",
+            frame_iterations,
+            Range{1, 100},
+            "iterations on the frames in between, at most");
+    v.Field("huber_sigma",
+            huber_sigma,
+            Range{0.1, 100},
+            "residuals beyond this many sigma grow linearly");
+    v.Field("outlier_sigma",
+            outlier_sigma,
+            Range{1, 1000},
+            "observations beyond this many sigma are removed");
+    v.Field("pixel_sigma_scale",
+            pixel_sigma_scale,
+            Range{0.05, 20},
+            "times the front end's pixel sigmas");
+    v.Field("relative_decrease",
+            relative_decrease,
+            Range{0, 0.5},
+            "stop when the cost falls by less than this share");
   }
 };
 
 /// What is assumed before anything was measured: wide, so that the data decide.
 struct StartOptions {
-  int min_frames = 7;               ///< stereo frames before the first pose
-  double max_wait_s = 0.45;         ///< IMU gravity fit with larger uncertainty is accepted from here on
-  double max_tilt_deg = 2.0;        ///< 1-sigma tilt that is good enough for the first pose before max_wait_s
-  int min_landmarks = 12;           ///< stereo landmarks needed for a start
-  double sigma_velocity = 3.0;      ///< m/s
-  double sigma_gyro_bias = 0.2;     ///< rad/s
-  double sigma_accel_bias = 0.2;    ///< m/s^2
-  double sigma_position = 1e-3;     ///< fixes the origin [m]
-  double sigma_yaw = 1e-3;          ///< fixes the heading [rad]
+  int min_frames = 7;        ///< stereo frames before the first pose
+  double max_wait_s = 0.45;  ///< IMU gravity fit with larger uncertainty is accepted from here on
+  double max_tilt_deg =
+      2.0;  ///< 1-sigma tilt that is good enough for the first pose before max_wait_s
+  int min_landmarks = 12;         ///< stereo landmarks needed for a start
+  double sigma_velocity = 3.0;    ///< m/s
+  double sigma_gyro_bias = 0.2;   ///< rad/s
+  double sigma_accel_bias = 0.2;  ///< m/s^2
+  double sigma_position = 1e-3;   ///< fixes the origin [m]
+  double sigma_yaw = 1e-3;        ///< fixes the heading [rad]
 
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Field("min_frames", min_frames, Range{3, 60}, "stereo frames before the first pose");
-    v.Field("max_wait_s", max_wait_s, Range{0.1, 10}, "a larger tilt uncertainty is accepted from here on [s]");
-    v.Field("max_tilt_deg", max_tilt_deg, Range{0.05, 45}, "tilt uncertainty that is good enough before max_wait_s [deg]");
+    v.Field("max_wait_s",
+            max_wait_s,
+            Range{0.1, 10},
+            "a larger tilt uncertainty is accepted from here on [s]");
+    v.Field("max_tilt_deg",
+            max_tilt_deg,
+            Range{0.05, 45},
+            "tilt uncertainty that is good enough before max_wait_s [deg]");
     v.Field("min_landmarks", min_landmarks, Range{4, 500}, "stereo landmarks needed for a start");
-    v.Field("sigma_velocity", sigma_velocity, Range{0.01, 100}, "prior of the first velocity [m/s]");
+    v.Field(
+        "sigma_velocity", sigma_velocity, Range{0.01, 100}, "prior of the first velocity [m/s]");
     v.Field("sigma_gyro_bias", sigma_gyro_bias, Range{1e-4, 10}, "prior of the gyro bias [rad/s]");
-    v.Field("sigma_accel_bias", sigma_accel_bias, Range{1e-3, 10}, "prior of the accelerometer bias [m/s^2]");
+    v.Field("sigma_accel_bias",
+            sigma_accel_bias,
+            Range{1e-3, 10},
+            "prior of the accelerometer bias [m/s^2]");
     v.Field("sigma_position", sigma_position, Range{1e-6, 1}, "fixes the origin [m]");
     v.Field("sigma_yaw", sigma_yaw, Range{1e-6, 1}, "fixes the heading [rad]");
   }

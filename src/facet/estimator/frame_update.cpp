@@ -14,20 +14,35 @@ namespace {
 constexpr double kMinDepth = 0.05;
 constexpr double kConverged = 1e-6;  // rad, m, m/s
 
-// Columns: 0..8 motion of the reference, 9..23 the frame.
-constexpr int kFrame = 9;
+// Columns: 0..14 the reference, 15..29 the frame.
+constexpr int kFrame = 15;
+
+// Inverse of a covariance whose variances span ten orders of magnitude.
+Matrix<15, 15> Information(const Matrix<15, 15>& covariance) {
+  const Vector<15> inv_sigma = covariance.diagonal().cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
+  const Matrix<15, 15> correlation = inv_sigma.asDiagonal() * covariance * inv_sigma.asDiagonal();
+  const Matrix<15, 15> inverse =
+      (correlation + 1e-10 * Matrix<15, 15>::Identity()).llt().solve(Matrix<15, 15>::Identity());
+  return inv_sigma.asDiagonal() * inverse * inv_sigma.asDiagonal();
+}
+
+// How the frame moves (theta p) when the reference and all that is held to it moves rigidly.
+Matrix<6, 6> RigidMotion(const SE3& reference, const SE3& frame) {
+  Matrix<6, 6> G = Matrix<6, 6>::Zero();
+  const Matrix3d R_ref = reference.R();
+  G.block<3, 3>(0, 0) = frame.R().transpose() * R_ref;
+  G.block<3, 3>(3, 0) = -Hat(frame.p - reference.p) * R_ref;
+  G.block<3, 3>(3, 3) = Matrix3d::Identity();
+  return G;
+}
 
 }  // namespace
 
 void FrameUpdater::SetReference(const SlidingWindow& window, const Matrix<15, 15>& covariance) {
   const int newest = static_cast<int>(window.frames.size()) - 1;
   reference_ = window.frames.back();
-  reference_covariance_ = covariance;
-  const Matrix<9, 6> P_mp = covariance.bottomLeftCorner<9, 6>();
-  const Matrix<6, 6> P_pp = covariance.topLeftCorner<6, 6>();
-  const Matrix<9, 9> given_pose =
-      covariance.bottomRightCorner<9, 9>() - P_mp * P_pp.ldlt().solve(P_mp.transpose());
-  motion_information_ = (given_pose + 1e-14 * Matrix<9, 9>::Identity()).inverse();
+  reference_.pose_frozen = reference_.motion_frozen = false;
+  reference_information_ = Information(covariance);
 
   geometry_.Update(window.frames);
   landmarks_.clear();
@@ -47,12 +62,19 @@ void FrameUpdater::SetReference(const SlidingWindow& window, const Matrix<15, 15
   }
 }
 
-void FrameUpdater::AddVision(const std::vector<Match>& matches, const WindowFrame& frame, System& system) const {
-  auto& [H, b] = system;
+void FrameUpdater::AddVision(const std::vector<Match>& matches,
+                             const WindowFrame& reference,
+                             const WindowFrame& frame,
+                             System& system) const {
+  // The landmarks are held to the reference: they see the frame from where it was first estimated.
+  const SE3 T_HB = reference_.x.T_WB * (reference.x.T_WB.Inverse() * frame.x.T_WB);
+  const Matrix3d R_BH = T_HB.R().transpose();
   const Matrix3d R_BW = frame.x.T_WB.R().transpose();
+  Matrix<6, 6> H = Matrix<6, 6>::Zero();
+  Vector<6> b = Vector<6>::Zero();
   for (const auto& [landmark, observation] : matches) {
-    const Vector3d l_B = R_BW * (landmark->d_W + landmark->rho * (landmark->p_WH - frame.x.T_WB.p));
-    const Vector3d baseline_B = R_BW * (landmark->p_WH - frame.x.T_WB.p);
+    const Vector3d baseline_B = R_BH * (landmark->p_WH - T_HB.p);
+    const Vector3d l_B = R_BH * landmark->d_W + landmark->rho * baseline_B;
     for (int c = 0; c < (observation->has_right ? 2 : 1); ++c) {
       const Vector3d h = geometry_.R_CB[c] * (l_B - landmark->rho * geometry_.p_BC[c]);
       if (h.z() < kMinDepth) continue;
@@ -61,7 +83,7 @@ void FrameUpdater::AddVision(const std::vector<Match>& matches, const WindowFram
       J_h << 1, 0, -h.x() / h.z(), 0, 1, -h.y() / h.z();
       const Matrix<2, 3> A = (1.0 / h.z()) * (observation->sqrt_info[c] * J_h) * geometry_.R_CB[c];
       Matrix<2, 3> Jl;
-      Jl.leftCols<2>() = A * (R_BW * landmark->B_W);
+      Jl.leftCols<2>() = A * (R_BH * landmark->B_W);
       Jl.col(2) = A * (baseline_B - geometry_.p_BC[c]);
       Matrix<2, 6> Jp;
       Jp.leftCols<3>() = A * Hat(l_B);
@@ -73,23 +95,34 @@ void FrameUpdater::AddVision(const std::vector<Match>& matches, const WindowFram
       if (s > options_.outlier_sigma) continue;
       const double weight = s <= options_.huber_sigma ? 1.0 : options_.huber_sigma / s;
       const Matrix<6, 2> JtS = weight * Jp.transpose() * S_inv;
-      H.block<6, 6>(kFrame, kFrame).noalias() += JtS * Jp;
-      b.segment<6>(kFrame).noalias() += JtS * r;
+      H.noalias() += JtS * Jp;
+      b.noalias() += JtS * r;
     }
   }
+  // Only the motion between the two counts: J_reference = -J_frame G.
+  const Matrix<6, 6> G = RigidMotion(reference.x.T_WB, frame.x.T_WB);
+  const Matrix<6, 6> HG = H * G;
+  system.first.block<6, 6>(kFrame, kFrame) += H;
+  system.first.block<6, 6>(kFrame, 0) -= HG;
+  system.first.block<6, 6>(0, kFrame) -= HG.transpose();
+  system.first.block<6, 6>(0, 0) += G.transpose() * HG;
+  system.second.segment<6>(kFrame) += b;
+  system.second.head<6>() -= G.transpose() * b;
 }
 
-void FrameUpdater::AddImu(const WindowFrame& reference, const WindowFrame& frame, System& system) const {
-  auto& [H, b] = system;
+void FrameUpdater::AddImu(const WindowFrame& reference,
+                          const WindowFrame& frame,
+                          System& system) const {
   const ImuResidual linear = LinearizeImu(frame.imu, reference.x, frame.x);
-  Matrix<15, 24> J;
-  J.leftCols<9>() = frame.imu_sqrt_info * linear.J_i.rightCols<9>();
-  J.rightCols<15>() = frame.imu_sqrt_info * linear.J_j;
-  H.noalias() += J.transpose() * J;
-  b.noalias() += J.transpose() * (frame.imu_sqrt_info * linear.r);
+  Matrix<15, 30> J;
+  J.leftCols<15>().noalias() = frame.imu_sqrt_info * linear.J_i;
+  J.rightCols<15>().noalias() = frame.imu_sqrt_info * linear.J_j;
+  system.first.noalias() += J.transpose() * J;
+  system.second.noalias() += J.transpose() * (frame.imu_sqrt_info * linear.r);
 }
 
-FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& observations, WindowFrame& frame) const {
+FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& observations,
+                                       WindowFrame& frame) const {
   FrameUpdateResult result;
   std::vector<Match> matches;
   matches.reserve(observations.size());
@@ -100,46 +133,32 @@ FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& o
   result.num_used = static_cast<int>(matches.size());
 
   WindowFrame reference = reference_;
-  Vector<9> motion_step = Vector<9>::Zero();
+  Vector<15> reference_step = Vector<15>::Zero();
   System system;
+  Eigen::LLT<Matrix<30, 30>> factor;
   for (int iteration = 0; iteration < options_.frame_iterations; ++iteration) {
     auto& [H, b] = system;
     H.setZero();
     b.setZero();
-    H.topLeftCorner<9, 9>() = motion_information_;
-    b.head<9>() = motion_information_ * motion_step;
+    H.topLeftCorner<15, 15>() = reference_information_;
+    b.head<15>() = reference_information_ * reference_step;
     AddImu(reference, frame, system);
-    AddVision(matches, frame, system);
-    const Eigen::LLT<Matrix<24, 24>> factor(H);
+    AddVision(matches, reference, frame, system);
+    factor.compute(H);
     if (factor.info() != Eigen::Success) return result;
-    const Vector<24> step = -factor.solve(b);
+    const Vector<30> step = -factor.solve(b);
     if (!step.allFinite()) return result;
-    motion_step += step.head<9>();
-    reference.x.v_WB += step.segment<3>(0);
-    reference.x.bias.b_g += step.segment<3>(3);
-    reference.x.bias.b_a += step.segment<3>(6);
+    reference_step += step.head<15>();
+    reference.ApplyStep(step.head<15>());
     frame.ApplyStep(step.tail<15>());
     if (step.segment<9>(kFrame).cwiseAbs().maxCoeff() < kConverged) break;
   }
-  result.covariance = Covariance(system, frame);
+  Matrix<30, 15> columns = Matrix<30, 15>::Zero();
+  columns.bottomRows<15>().setIdentity();
+  factor.matrixL().solveInPlace(columns);
+  result.covariance = columns.transpose() * columns;
   result.ok = true;
   return result;
-}
-
-Matrix<15, 15> FrameUpdater::Covariance(const System& system, const WindowFrame& frame) const {
-  const Matrix<24, 24> inverse = system.first.llt().solve(Matrix<24, 24>::Identity());
-  // The held pose moves everything with it: rotated about the reference, and shifted.
-  const Matrix3d R_ref = reference_.x.T_WB.R();
-  const Matrix3d R = frame.x.T_WB.R();
-  Matrix<15, 6> G = Matrix<15, 6>::Zero();
-  G.block<3, 3>(0, 0) = R.transpose() * R_ref;
-  G.block<3, 3>(3, 0) = -R_ref * Hat(R_ref.transpose() * (frame.x.T_WB.p - reference_.x.T_WB.p));
-  G.block<3, 3>(3, 3) = Matrix3d::Identity();
-  G.block<3, 3>(6, 0) = -R_ref * Hat(R_ref.transpose() * frame.x.v_WB);
-  const Matrix<6, 6> P_pp = reference_covariance_.topLeftCorner<6, 6>();
-  // Biases go with the pose as they do in the reference.
-  G.bottomRows<6>() = P_pp.ldlt().solve(reference_covariance_.block<6, 6>(0, 9)).transpose();
-  return inverse.bottomRightCorner<15, 15>() + G * P_pp * G.transpose();
 }
 
 }  // namespace facet

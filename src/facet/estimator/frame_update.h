@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Full state of a frame between keyframes, at a fraction of the cost of the window: the last keyframe's
-// pose and the landmarks are held, its velocity and biases are free within their covariance, the frame is
-// tied to it by the IMU and to the landmarks by its observations (docs/math.md, section 4.4).
+// Full state of a frame between keyframes, at a fraction of the cost of the window: the last
+// keyframe (the reference) is free within its covariance, the landmarks are held to its pose, the
+// frame is tied to the reference by the IMU and to the landmarks by its observations (docs/math.md,
+// section 4.4).
 #pragma once
 
 #include <unordered_map>
@@ -27,14 +28,17 @@ struct FrameUpdateResult {
 /// Not thread-safe.
 class FrameUpdater {
  public:
-  FrameUpdater(const StereoRig& rig, const SolverOptions& options) : geometry_(rig), options_(options) {}
+  FrameUpdater(const StereoRig& rig, const SolverOptions& options)
+      : geometry_(rig), options_(options) {}
 
-  /// Takes the newest frame of the window as reference, with its marginal covariance, and the landmarks
-  /// that it sees.
+  /// Takes the newest frame of the window as reference, with its marginal covariance, and the
+  /// landmarks that it sees.
   void SetReference(const SlidingWindow& window, const Matrix<15, 15>& covariance);
 
-  /// `frame` holds the predicted state and the IMU interval since the reference; its state is updated.
-  FrameUpdateResult Update(const std::vector<PreparedObservation>& observations, WindowFrame& frame) const;
+  /// `frame` holds the predicted state and the IMU interval since the reference; its state is
+  /// updated.
+  FrameUpdateResult Update(const std::vector<PreparedObservation>& observations,
+                           WindowFrame& frame) const;
 
   const WindowFrame& reference() const { return reference_; }
 
@@ -51,17 +55,18 @@ class FrameUpdater {
     const HeldLandmark* landmark;
     const WindowObservation* observation;
   };
-  using System = std::pair<Matrix<24, 24>, Vector<24>>;
+  using System = std::pair<Matrix<30, 30>, Vector<30>>;
 
-  void AddVision(const std::vector<Match>& matches, const WindowFrame& frame, System& system) const;
+  void AddVision(const std::vector<Match>& matches,
+                 const WindowFrame& reference,
+                 const WindowFrame& frame,
+                 System& system) const;
   void AddImu(const WindowFrame& reference, const WindowFrame& frame, System& system) const;
-  Matrix<15, 15> Covariance(const System& system, const WindowFrame& frame) const;
 
   FrameGeometry geometry_;
   SolverOptions options_;
   WindowFrame reference_;
-  Matrix<15, 15> reference_covariance_ = Matrix<15, 15>::Zero();
-  Matrix<9, 9> motion_information_ = Matrix<9, 9>::Zero();  // given the pose
+  Matrix<15, 15> reference_information_ = Matrix<15, 15>::Zero();
   std::unordered_map<LandmarkId, HeldLandmark> landmarks_;
 };
 

@@ -2,6 +2,7 @@
 // The light update of a frame between keyframes against the joint solution of window and frame.
 #include "facet/estimator/frame_update.h"
 
+#include <cmath>
 #include <iostream>
 
 #include <Eigen/Cholesky>
@@ -18,11 +19,11 @@ using testing::TestWindow;
 // A solved window, and the frame that follows it with everything that was measured.
 struct Case {
   StereoRig rig;
-  SlidingWindow window;      // without the frame, solved
-  SlidingWindow joint;       // with it, solved
+  SlidingWindow window;             // without the frame, solved
+  SlidingWindow joint;              // with it, solved
   Matrix<15, 15> covariance;        // of the newest frame of the window
   Matrix<15, 15> joint_covariance;  // of the frame
-  WindowFrame frame;         // predicted
+  WindowFrame frame;                // predicted
   std::vector<PreparedObservation> observations;
   NavState truth;
 };
@@ -30,7 +31,8 @@ struct Case {
 SolverOptions Options() {
   SolverOptions options;
   options.frame_iterations = 5;
-  options.huber_sigma = 1e6;  // the light update weights with the landmark's uncertainty: compare without
+  options.huber_sigma =
+      1e6;  // the light update weights with the landmark's uncertainty: compare without
   options.outlier_sigma = 1e6;
   options.relative_decrease = 1e-9;
   return options;
@@ -43,7 +45,11 @@ Case MakeCase(std::uint64_t seed) {
   options.num_landmarks = 90;
   options.frame_interval_s = 0.15;
   TestWindow test = testing::MakeTestWindow(options, rng);
-  test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
+  // Origin and heading are off by what the prior says.
+  StartPrior& prior = test.window.start_prior;
+  prior = {true, FrameId{0}, test.truth[0].T_WB};
+  prior.T_WB.p += prior.sigma_position * rng.Normal3();
+  prior.T_WB.q = ExpSO3({0, 0, prior.sigma_yaw * rng.Normal()}) * prior.T_WB.q;
   Case out;
   out.rig = test.rig;
   out.truth = test.truth.back();
@@ -59,7 +65,8 @@ Case MakeCase(std::uint64_t seed) {
   test.window.RemoveFrame(last);
   out.window = std::move(test.window);
   // A landmark needs a second view in either window to be the same in both.
-  for (WindowLandmark& landmark : out.window.landmarks()) landmark.has_depth = landmark.observations.size() >= 2;
+  for (WindowLandmark& landmark : out.window.landmarks())
+    landmark.has_depth = landmark.observations.size() >= 2;
   for (WindowLandmark& landmark : out.joint.landmarks()) {
     const WindowLandmark* other = out.window.Find(landmark.id);
     landmark.has_depth = other != nullptr && other->has_depth;
@@ -82,7 +89,8 @@ TEST(FrameUpdateTest, AgreesWithTheJointSolution) {
     Case c = MakeCase(seed);
     const Vector<15> sigma = c.joint_covariance.diagonal().cwiseSqrt();
     const auto deviation = [&](const NavState& x) {
-      return testing::Difference(c.joint.frames.back().x, x).cwiseQuotient(sigma).head<9>().norm() / 3;
+      return testing::Difference(c.joint.frames.back().x, x).cwiseQuotient(sigma).head<9>().norm() /
+             3;
     };
     sum_before += deviation(c.frame.x);
     FrameUpdater updater(c.rig, Options());
@@ -93,14 +101,25 @@ TEST(FrameUpdateTest, AgreesWithTheJointSolution) {
     sum_after += deviation(c.frame.x);
     EXPECT_LT(deviation(c.frame.x), 1.0);
   }
-  std::cout << "rms deviation from the joint solution in its sigmas (theta p v): predicted " << sum_before / kRuns
-            << ", updated " << sum_after / kRuns << '\n';
-  EXPECT_LT(sum_after / kRuns, 0.5);
-  EXPECT_LT(sum_after, 0.5 * sum_before);
+  std::cout << "rms deviation from the joint solution in its sigmas (theta p v): predicted "
+            << sum_before / kRuns << ", updated " << sum_after / kRuns << '\n';
+  EXPECT_LT(sum_after / kRuns, 0.35);
+  EXPECT_LT(sum_after, 0.7 * sum_before);
 }
 
+double Nees(const NavState& truth,
+            const NavState& x,
+            const Matrix<15, 15>& covariance,
+            int first,
+            int size) {
+  const VectorXd error = testing::Difference(truth, x).segment(first, size);
+  return error.dot(MatrixXd(covariance.block(first, first, size, size)).ldlt().solve(error));
+}
+
+// The held reference makes the update cautious while the window has not drifted: its own noise is
+// counted as if the frame shared it.
 TEST(FrameUpdateTest, CovarianceIsConsistent) {
-  double nees_pose = 0, nees_velocity = 0, smallest_ratio = 1e9, largest_ratio = 0;
+  double pose = 0, velocity = 0, joint_pose = 0, joint_velocity = 0;
   constexpr int kRuns = 100;
   for (std::uint64_t seed = 101; seed <= 100 + kRuns; ++seed) {
     Case c = MakeCase(seed);
@@ -109,22 +128,20 @@ TEST(FrameUpdateTest, CovarianceIsConsistent) {
     const FrameUpdateResult result = updater.Update(c.observations, c.frame);
     ASSERT_TRUE(result.ok);
     EXPECT_EQ(Eigen::LLT<MatrixXd>(result.covariance).info(), Eigen::Success);
-    const Vector<15> error = testing::Difference(c.truth, c.frame.x);
-    nees_pose += error.head<6>().dot(result.covariance.topLeftCorner<6, 6>().ldlt().solve(error.head<6>())) / kRuns;
-    nees_velocity +=
-        error.segment<3>(6).dot(result.covariance.block<3, 3>(6, 6).ldlt().solve(error.segment<3>(6))) / kRuns;
-    const Vector<9> ratio =
-        result.covariance.diagonal().head<9>().cwiseQuotient(c.joint_covariance.diagonal().head<9>()).cwiseSqrt();
-    smallest_ratio = std::min(smallest_ratio, ratio.minCoeff());
-    largest_ratio = std::max(largest_ratio, ratio.maxCoeff());
+    const NavState& joint = c.joint.frames.back().x;
+    pose += Nees(c.truth, c.frame.x, result.covariance, 0, 6) / kRuns;
+    velocity += Nees(c.truth, c.frame.x, result.covariance, 6, 3) / kRuns;
+    joint_pose += Nees(c.truth, joint, c.joint_covariance, 0, 6) / kRuns;
+    joint_velocity += Nees(c.truth, joint, c.joint_covariance, 6, 3) / kRuns;
   }
-  std::cout << "mean NEES: pose " << nees_pose << " of 6, velocity " << nees_velocity
-            << " of 3; sigma against the joint solution " << smallest_ratio << " to " << largest_ratio << '\n';
-  // 99 % interval of the mean of 100 chi-square variables, widened by a third for the held landmarks.
-  EXPECT_GT(nees_pose, 6 * 0.67);
-  EXPECT_LT(nees_pose, 6 * 1.33);
-  EXPECT_GT(nees_velocity, 3 * 0.5);
-  EXPECT_LT(nees_velocity, 3 * 1.5);
+  std::cout << "mean NEES: pose " << pose << " (joint solution " << joint_pose
+            << ") of 6, velocity " << velocity << " (" << joint_velocity << ") of 3\n";
+  // 99 % intervals of the mean of 100 chi-square variables.
+  EXPECT_NEAR(joint_pose, 6, 2.576 * std::sqrt(12.0 / kRuns));
+  EXPECT_NEAR(joint_velocity, 3, 2.576 * std::sqrt(6.0 / kRuns));
+  EXPECT_NEAR(velocity, 3, 2.576 * std::sqrt(6.0 / kRuns));
+  EXPECT_LT(pose, 6 + 2.576 * std::sqrt(12.0 / kRuns));
+  EXPECT_GT(pose, 2);
 }
 
 TEST(FrameUpdateTest, WithoutObservationsTheFrameFollowsTheImu) {
@@ -147,7 +164,8 @@ TEST(FrameUpdateTest, OutliersDoNotPull) {
   updater.SetReference(c.window, c.covariance);
   WindowFrame clean = c.frame;
   updater.Update(c.observations, clean);
-  for (std::size_t k = 0; k < c.observations.size(); k += 5) c.observations[k].observation.xy[0].x() += 0.2;
+  for (std::size_t k = 0; k < c.observations.size(); k += 5)
+    c.observations[k].observation.xy[0].x() += 0.2;
   updater.Update(c.observations, c.frame);
   const Vector<15> sigma = c.joint_covariance.diagonal().cwiseSqrt();
   EXPECT_LT(testing::Difference(clean.x, c.frame.x).cwiseQuotient(sigma).head<9>().norm() / 3, 1.0);

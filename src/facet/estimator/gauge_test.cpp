@@ -20,14 +20,19 @@ namespace {
 constexpr double kHuber = 2.0;
 constexpr int kStartKeyframes = 10;
 
-/// Fixed-lag smoothing of keyframes alone: what VioEstimator does, without its start and its exceptions.
+/// Fixed-lag smoothing of keyframes alone: what VioEstimator does, without its start and its
+/// exceptions.
 class KeyframeSmoother {
  public:
   /// With `first_estimates` false the prior follows the estimate, and with it all Jacobians.
   KeyframeSmoother(const SimulatedRun& run, bool first_estimates)
-      : run_(run), first_estimates_(first_estimates), solver_(run.rig, SolverOptions{}), geometry_(run.rig) {
+      : run_(run),
+        first_estimates_(first_estimates),
+        solver_(run.rig, SolverOptions{}),
+        geometry_(run.rig) {
     window_.T_BC0 = run.rig.T_BC[0];
-    for (const ImuSample& sample : run.imu) imu_.Add(sample);
+    for (const ImuSample& sample : run.imu)
+      imu_.Add(sample);
   }
 
   void Process(std::size_t i, Rng& rng) {
@@ -58,14 +63,16 @@ class KeyframeSmoother {
     frame.id = run_.frames[i].frame;
     frame.is_keyframe = true;
     if (i == 0) {
-      frame.x = testing::Retract(run_.truth[0], testing::RandomStep({0.01, 0, 0.05, 0.005, 0.05}, rng));
+      frame.x =
+          testing::Retract(run_.truth[0], testing::RandomStep({0.01, 0, 0.05, 0.005, 0.05}, rng));
       frame.x.t = run_.truth[0].t;
       window_.start_prior = {true, frame.id, frame.x.T_WB};
     } else {
       const NavState& last = window_.frames.back().x;
       PreintegrationNoise noise;
       frame.imu = ImuPreintegration(last.bias, noise);
-      frame.imu.Integrate(imu_.Between(last.t, run_.truth[i].t, Duration{20'000'000}, Duration{0}).samples);
+      frame.imu.Integrate(
+          imu_.Between(last.t, run_.truth[i].t, Duration{20'000'000}, Duration{0}).samples);
       frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, BiasWalk{});
       frame.has_imu_link = true;
       frame.x = frame.imu.Predict(last);
@@ -92,7 +99,8 @@ class KeyframeSmoother {
     }
   }
 
-  // Moves the linearisation point of the prior to the estimate: the same quadratic, other Jacobians.
+  // Moves the linearisation point of the prior to the estimate: the same quadratic, other
+  // Jacobians.
   void FollowEstimate() {
     if (first_estimates_ || window_.prior.dim() == 0) return;
     window_.prior.b += window_.prior.H * PriorDelta(window_);
@@ -111,7 +119,8 @@ class KeyframeSmoother {
   int num_marginalizations_ = 0;
 };
 
-// Columns: translation x y z, turn about the vertical through `pivot_W`; (5.3) and (5.4) of docs/math.md.
+// Columns: translation x y z, turn about the vertical through `pivot_W`; (5.3) and (5.4) of
+// docs/math.md.
 Matrix<15, 4> GaugeDirections(const NavState& x, const Vector3d& pivot_W) {
   Matrix<15, 4> N = Matrix<15, 4>::Zero();
   const Vector3d e_z = Vector3d::UnitZ();
@@ -125,7 +134,8 @@ Matrix<15, 4> GaugeDirections(const NavState& x, const Vector3d& pivot_W) {
 MatrixXd PriorDirections(const SlidingWindow& window, const Vector3d& pivot_W) {
   MatrixXd N(window.prior.dim(), 4);
   for (const MarginalPrior::Block& block : window.prior.blocks) {
-    const Matrix<15, 4> N_frame = GaugeDirections(window.frames[window.IndexOf(block.frame)].lin, pivot_W);
+    const Matrix<15, 4> N_frame =
+        GaugeDirections(window.frames[window.IndexOf(block.frame)].lin, pivot_W);
     if (block.is_motion) {
       N.middleRows<9>(block.offset) = N_frame.bottomRows<9>();
     } else {
@@ -141,18 +151,22 @@ MatrixXd WindowDirections(const SlidingWindow& window, const Vector3d& pivot_W) 
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     const Matrix<15, 4> N_frame = GaugeDirections(window.frames[i].lin, pivot_W);
     N.middleRows<6>(layout.pose_column[i]) = N_frame.topRows<6>();
-    if (window.frames[i].has_motion) N.middleRows<9>(layout.motion_column[i]) = N_frame.bottomRows<9>();
+    if (window.frames[i].has_motion)
+      N.middleRows<9>(layout.motion_column[i]) = N_frame.bottomRows<9>();
   }
   return N;
 }
 
-Vector4d Energy(const MatrixXd& H, const MatrixXd& N) { return (N.transpose() * H * N).diagonal(); }
+Vector4d Energy(const MatrixXd& H, const MatrixXd& N) {
+  return (N.transpose() * H * N).diagonal();
+}
 
 struct GaugeHistory {
   Vector4d first, last, largest;
-  Vector4d gained = Vector4d::Zero();  ///< sum of all increases from one marginalisation to the next
-  double largest_window_energy = 0;    ///< of the factors other than the prior
-  double position_error = 0;           ///< at the end [m]
+  Vector4d gained =
+      Vector4d::Zero();              ///< sum of all increases from one marginalisation to the next
+  double largest_window_energy = 0;  ///< of the factors other than the prior
+  double position_error = 0;         ///< at the end [m]
   int num_marginalizations = 0;
 };
 
@@ -182,15 +196,17 @@ GaugeHistory RunSmoother(const SimulatedRun& run, bool first_estimates, int num_
     }
   }
   history.num_marginalizations = smoother.num_marginalizations();
-  history.position_error = (smoother.window().frames.back().x.T_WB.p - run.truth[i - 1].T_WB.p).norm();
+  history.position_error =
+      (smoother.window().frames.back().x.T_WB.p - run.truth[i - 1].T_WB.p).norm();
   return history;
 }
 
 void Print(const char* name, const GaugeHistory& h) {
   std::cout << name << ": " << h.num_marginalizations << " marginalisations, position error "
-            << h.position_error << " m\n  information (x y z yaw): first " << h.first.transpose() << ", largest "
-            << h.largest.transpose() << ", last " << h.last.transpose() << "\n  gained in all "
-            << h.gained.transpose() << ", window without prior " << h.largest_window_energy << '\n';
+            << h.position_error << " m\n  information (x y z yaw): first " << h.first.transpose()
+            << ", largest " << h.largest.transpose() << ", last " << h.last.transpose()
+            << "\n  gained in all " << h.gained.transpose() << ", window without prior "
+            << h.largest_window_energy << '\n';
 }
 
 SimulatedRun Simulate() {

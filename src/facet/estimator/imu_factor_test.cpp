@@ -13,7 +13,8 @@ ImuPreintegration RandomInterval(double duration_s, Rng& rng) {
   const testing::TestMotion motion = testing::TestMotion::Random(rng);
   ImuPreintegration result({0.02 * rng.Normal3(), 0.1 * rng.Normal3()}, {});
   std::vector<ImuSample> samples;
-  for (int i = 0; i <= std::lround(duration_s * 200); ++i) samples.push_back(motion.ImuAt(i / 200.0, {}));
+  for (int i = 0; i <= std::lround(duration_s * 200); ++i)
+    samples.push_back(motion.ImuAt(i / 200.0, {}));
   result.Integrate(samples);
   return result;
 }

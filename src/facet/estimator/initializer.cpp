@@ -68,7 +68,8 @@ void SolveGyroBias(SlidingWindow& window) {
     for (std::size_t i = 1; i < window.frames.size(); ++i) {
       const ImuPreintegration& imu = window.frames[i].imu;
       const Matrix3d J = imu.BiasJacobian().block<3, 3>(0, 0);
-      const Quaterniond seen = window.frames[i - 1].x.T_WB.q.conjugate() * window.frames[i].x.T_WB.q;
+      const Quaterniond seen =
+          window.frames[i - 1].x.T_WB.q.conjugate() * window.frames[i].x.T_WB.q;
       H += J.transpose() * J;
       b += J.transpose() * LogSO3(imu.dR().conjugate() * seen);
     }
@@ -121,12 +122,15 @@ void AlignWithGravity(const VelocityAndGravity& motion, SlidingWindow& window) {
   for (std::size_t i = 1; i < window.frames.size(); ++i) {
     window.frames[i].x.v_WB = window.frames[i].imu.Predict(window.frames[i - 1].x).v_WB;
   }
-  for (WindowFrame& frame : window.frames) frame.lin = frame.x;
+  for (WindowFrame& frame : window.frames)
+    frame.lin = frame.x;
 }
 
 }  // namespace
 
-InitializationResult InitializeFromStereo(const StereoRig& rig, const SolverOptions& options, SlidingWindow& window) {
+InitializationResult InitializeFromStereo(const StereoRig& rig,
+                                          const SolverOptions& options,
+                                          SlidingWindow& window) {
   if (window.frames.size() < 3) return {false, "fewer than three frames"};
   PredictRotations(window);
   if (!SolveVisionOnly(rig, options, window)) return {false, "stereo bundle adjustment failed"};

@@ -30,7 +30,8 @@ testing::TestWindowOptions Options(Rng& rng) {
   return options;
 }
 
-// As the estimator hands it over: nothing known but stereo depths and IMU integrated without biases.
+// As the estimator hands it over: nothing known but stereo depths and IMU integrated without
+// biases.
 void Forget(TestWindow& test) {
   for (WindowFrame& frame : test.window.frames) {
     const Timestamp t = frame.x.t;
@@ -90,8 +91,8 @@ void ExpectStarts(TestWindow test, StartError& worst) {
 }
 
 void Print(const char* name, const StartError& e) {
-  std::cout << name << ", worst: tilt " << e.tilt_deg << " deg, velocity " << e.velocity << " m/s, gyro bias "
-            << e.gyro_bias << " rad/s\n";
+  std::cout << name << ", worst: tilt " << e.tilt_deg << " deg, velocity " << e.velocity
+            << " m/s, gyro bias " << e.gyro_bias << " rad/s\n";
 }
 
 TEST(InitializerTest, StartsInMotion) {
@@ -154,7 +155,8 @@ TEST(InitializerTest, RefusesWhenGravityIsWrong) {
   for (WindowFrame& frame : test.window.frames) {
     if (!frame.has_imu_link) continue;
     std::vector<ImuSample> samples = frame.imu.samples();
-    for (ImuSample& sample : samples) sample.accel *= 0.5;
+    for (ImuSample& sample : samples)
+      sample.accel *= 0.5;
     frame.imu = ImuPreintegration({}, {});
     frame.imu.Integrate(samples);
   }
@@ -167,7 +169,8 @@ TEST(InitializerTest, RefusesWhenGravityIsWrong) {
 TEST(InitializerTest, RefusesWithoutImu) {
   Rng rng(54);
   TestWindow test = testing::MakeTestWindow(Options(rng), rng);
-  for (WindowFrame& frame : test.window.frames) frame.imu = ImuPreintegration();
+  for (WindowFrame& frame : test.window.frames)
+    frame.imu = ImuPreintegration();
   Forget(test);
   const auto result = InitializeFromStereo(test.rig, SolverOptions{}, test.window);
   EXPECT_FALSE(result.ok);

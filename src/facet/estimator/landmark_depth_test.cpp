@@ -14,7 +14,10 @@ struct Scene {
   std::vector<WindowFrame> frames;
   WindowLandmark landmark;
 
-  Scene(const Vector3d& p_C, const std::vector<double>& positions, bool stereo, double noise_px = 0) {
+  Scene(const Vector3d& p_C,
+        const std::vector<double>& positions,
+        bool stereo,
+        double noise_px = 0) {
     Rng rng(1);
     const Vector3d p_W = rig.T_BC[0] * p_C;
     for (std::size_t i = 0; i < positions.size(); ++i) {

@@ -49,7 +49,8 @@ void UseImuLinks(const MarginalizationPlan& plan,
     if (!LeavesMotion(plan, j) && !LeavesMotion(plan, j - 1)) continue;
     AddImuLink(window, layout, j, &H, &b);
     window.frames[j].has_imu_link = false;
-    for (int k : {j - 1, j}) involved.pose[k] = involved.motion[k] = 1;
+    for (int k : {j - 1, j})
+      involved.pose[k] = involved.motion[k] = 1;
   }
 }
 
@@ -91,9 +92,11 @@ Partition MakePartition(const MarginalizationPlan& plan,
     const int size = is_motion ? 9 : 6;
     std::vector<int>& list = leaves ? partition.leaving : partition.staying;
     if (!leaves) {
-      partition.staying_blocks.push_back({window.frames[frame].id, is_motion, static_cast<int>(list.size())});
+      partition.staying_blocks.push_back(
+          {window.frames[frame].id, is_motion, static_cast<int>(list.size())});
     }
-    for (int k = 0; k < size; ++k) list.push_back(column + k);
+    for (int k = 0; k < size; ++k)
+      list.push_back(column + k);
   };
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     const int frame = static_cast<int>(i);
@@ -141,7 +144,10 @@ bool MarginalizationPlan::IsEmpty() const {
   return none(drop_frame) && none(drop_motion) && none(drop_landmark);
 }
 
-void Marginalize(const MarginalizationPlan& plan, const StereoRig& rig, const RobustOptions& robust, SlidingWindow& window) {
+void Marginalize(const MarginalizationPlan& plan,
+                 const StereoRig& rig,
+                 const RobustOptions& robust,
+                 SlidingWindow& window) {
   if (plan.IsEmpty()) return;
   const StateLayout layout = MakeLayout(window.frames);
   MatrixXd H = MatrixXd::Zero(layout.dim, layout.dim);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Marginalising is compared with the batch problem at one linearisation point, where both are the same
-// linear algebra: what the remaining variables know, and where they would go, must not change.
+// Marginalising is compared with the batch problem at one linearisation point, where both are the
+// same linear algebra: what the remaining variables know, and where they would go, must not change.
 #include "facet/estimator/marginalization.h"
 
 #include <Eigen/Eigenvalues>
@@ -37,8 +37,8 @@ void DropSomeLandmarks(const SlidingWindow& window, int frame, int n, Marginaliz
   }
 }
 
-// What the plan must leave of the batch problem: everything, but for the observations that landmarks
-// which stay lose together with a frame.
+// What the plan must leave of the batch problem: everything, but for the observations that
+// landmarks which stay lose together with a frame.
 SlidingWindow WithoutLostObservations(SlidingWindow window, const MarginalizationPlan& plan) {
   for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
     if (plan.drop_landmark[l]) continue;
@@ -56,9 +56,11 @@ std::vector<int> CommonColumns(const SlidingWindow& window, const SlidingWindow&
   std::vector<int> columns(new_layout.dim);
   for (std::size_t i = 0; i < after.frames.size(); ++i) {
     const int old = window.IndexOf(after.frames[i].id);
-    for (int k = 0; k < 6; ++k) columns[new_layout.pose_column[i] + k] = layout.pose_column[old] + k;
+    for (int k = 0; k < 6; ++k)
+      columns[new_layout.pose_column[i] + k] = layout.pose_column[old] + k;
     if (!after.frames[i].has_motion) continue;
-    for (int k = 0; k < 9; ++k) columns[new_layout.motion_column[i] + k] = layout.motion_column[old] + k;
+    for (int k = 0; k < 9; ++k)
+      columns[new_layout.motion_column[i] + k] = layout.motion_column[old] + k;
   }
   return columns;
 }
@@ -143,8 +145,8 @@ TEST(MarginalizationTest, DroppedPoseInTheMiddleEqualsBatch) {
   }
 }
 
-// Several marginalisations in a row, with steps of the whole window between them, so that the prior is
-// used away from its linearisation point.
+// Several marginalisations in a row, with steps of the whole window between them, so that the prior
+// is used away from its linearisation point.
 TEST(MarginalizationTest, ChainOfMarginalizationsEqualsBatchAtEveryLink) {
   for (std::uint64_t seed = 31; seed <= 35; ++seed) {
     TestWindow test = MakeWindow(seed);

@@ -7,7 +7,8 @@ namespace facet {
 
 StateLayout MakeLayout(const std::vector<WindowFrame>& frames) {
   StateLayout layout;
-  for (std::size_t i = 0; i < frames.size(); ++i) layout.pose_column.push_back(static_cast<int>(6 * i));
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    layout.pose_column.push_back(static_cast<int>(6 * i));
   layout.dim = static_cast<int>(6 * frames.size());
   layout.motion_column.assign(frames.size(), -1);
   if (!frames.empty() && frames.back().has_motion) {
@@ -26,14 +27,16 @@ StateLayout MakeLayout(const std::vector<WindowFrame>& frames) {
 void MotionElimination::FindNeighbours(const SlidingWindow& window, const StateLayout& layout) {
   const std::size_t n = window.frames.size();
   adjacent_.resize(n);
-  for (auto& row : adjacent_) row.assign(2 * n, 0);
+  for (auto& row : adjacent_)
+    row.assign(2 * n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     if (layout.motion_column[i] >= 0) adjacent_[i][2 * i] = 1;
   }
   for (std::size_t j = 1; j < n; ++j) {
     if (!window.frames[j].has_imu_link) continue;
     for (std::size_t a : {j - 1, j}) {
-      for (std::size_t c : {j - 1, j}) adjacent_[a][2 * c] = adjacent_[a][2 * c + 1] = 1;
+      for (std::size_t c : {j - 1, j})
+        adjacent_[a][2 * c] = adjacent_[a][2 * c + 1] = 1;
     }
   }
   for (const MarginalPrior::Block& a : window.prior.blocks) {
@@ -66,7 +69,8 @@ bool MotionElimination::Eliminate(const SlidingWindow& window,
       if (adjacent_[k][2 * i + 1]) e.neighbours.push_back({layout.motion_column[i], 9});
     }
     int size = 0;
-    for (const Block& block : e.neighbours) size += block.size;
+    for (const Block& block : e.neighbours)
+      size += block.size;
 
     const Eigen::LLT<Matrix<9, 9>> factor(H.block<9, 9>(e.column, e.column));
     if (factor.info() != Eigen::Success) return false;
@@ -77,7 +81,8 @@ bool MotionElimination::Eliminate(const SlidingWindow& window,
       if (block.column < e.column) {
         e.X.middleCols(offset, block.size) = H.block(e.column, block.column, 9, block.size);
       } else {
-        e.X.middleCols(offset, block.size) = H.block(block.column, e.column, block.size, 9).transpose();
+        e.X.middleCols(offset, block.size) =
+            H.block(block.column, e.column, block.size, 9).transpose();
       }
       offset += block.size;
     }
@@ -100,7 +105,8 @@ bool MotionElimination::Eliminate(const SlidingWindow& window,
     // The neighbours are adjacent to each other from here on.
     for (int i = k + 1; i < n; ++i) {
       if (!adjacent_[k][2 * i + 1]) continue;
-      for (int c = 0; c < 2 * n; ++c) adjacent_[i][c] |= adjacent_[k][c];
+      for (int c = 0; c < 2 * n; ++c)
+        adjacent_[i][c] |= adjacent_[k][c];
     }
   }
   return true;

@@ -10,7 +10,8 @@
 
 namespace facet {
 
-/// Which columns belong to whom: all poses (theta p), the newest motion (v b_g b_a), the other motions.
+/// Which columns belong to whom: all poses (theta p), the newest motion (v b_g b_a), the other
+/// motions.
 struct StateLayout {
   std::vector<int> pose_column;    ///< by frame index
   std::vector<int> motion_column;  ///< by frame index, -1 without motion
@@ -24,10 +25,12 @@ StateLayout MakeLayout(const std::vector<WindowFrame>& frames);
 class MotionElimination {
  public:
   /// Eliminates every motion but the newest from (H, b); H holds its lower triangle. The first
-  /// layout.dense_dim rows and columns then are the Schur complement. False if not positive definite.
+  /// layout.dense_dim rows and columns then are the Schur complement. False if not positive
+  /// definite.
   bool Eliminate(const SlidingWindow& window, const StateLayout& layout, MatrixXd& H, VectorXd& b);
 
-  /// Fills the eliminated part of `step` from its first dense_dim entries (solution of H step = -b).
+  /// Fills the eliminated part of `step` from its first dense_dim entries (solution of H step =
+  /// -b).
   void BackSubstitute(VectorXd& step) const;
 
  private:

@@ -6,9 +6,9 @@
 
 namespace facet {
 
-/// h -= A B^T for 6x3 matrices A, B (column-major, packed); h is a 6x6 block of a column-major matrix with
-/// the given distance between columns. Twice as fast as Eigen's product of this size; fixed order of
-/// summation, so the same bits on every instruction set.
+/// h -= A B^T for 6x3 matrices A, B (column-major, packed); h is a 6x6 block of a column-major
+/// matrix with the given distance between columns. Twice as fast as Eigen's product of this size;
+/// fixed order of summation, so the same bits on every instruction set.
 inline void SubtractOuterProduct(const double* A, const double* B, double* h, long column_stride) {
   using Pair = double __attribute__((vector_size(16)));
   Pair a[9];
@@ -17,7 +17,8 @@ inline void SubtractOuterProduct(const double* A, const double* B, double* h, lo
     const Pair b0 = {B[c], B[c]}, b1 = {B[6 + c], B[6 + c]}, b2 = {B[12 + c], B[12 + c]};
     Pair column[3];
     std::memcpy(column, h + c * column_stride, sizeof(column));
-    for (int r = 0; r < 3; ++r) column[r] -= a[r] * b0 + a[3 + r] * b1 + a[6 + r] * b2;
+    for (int r = 0; r < 3; ++r)
+      column[r] -= a[r] * b0 + a[3 + r] * b1 + a[6 + r] * b2;
     std::memcpy(h + c * column_stride, column, sizeof(column));
   }
 }

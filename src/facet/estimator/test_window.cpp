@@ -48,8 +48,8 @@ void AddFrames(const TestWindowOptions& options, Rng& rng, TestWindow& out) {
     frame.has_motion = i >= options.num_pose_frames;
     if (i > options.num_pose_frames) {
       frame.imu = ImuPreintegration({0.9 * options.bias.b_g, 0.9 * options.bias.b_a}, noise);
-      frame.imu.Integrate(NoisySamples(
-          out.motion, t - options.frame_interval_s, t, options, noise, rng));
+      frame.imu.Integrate(
+          NoisySamples(out.motion, t - options.frame_interval_s, t, options, noise, rng));
       frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, BiasWalk{});
       frame.has_imu_link = true;
     }
@@ -115,7 +115,8 @@ Vector<15> Difference(const NavState& a, const NavState& b) {
 Vector<15> RandomStep(const StepSigmas& sigmas, Rng& rng) {
   Vector<15> step;
   const double scale[5] = {sigmas.theta, sigmas.p, sigmas.v, sigmas.b_g, sigmas.b_a};
-  for (int k = 0; k < 5; ++k) step.segment<3>(3 * k) = scale[k] * rng.Normal3();
+  for (int k = 0; k < 5; ++k)
+    step.segment<3>(3 * k) = scale[k] * rng.Normal3();
   return step;
 }
 
@@ -124,7 +125,8 @@ TestMotion TestMotion::Random(Rng& rng) {
   motion.q0 = ExpSO3(rng.Uniform(0, M_PI) * rng.UnitVector());
   motion.v0 = 0.5 * rng.Normal3();
   motion.amplitude = 0.15 * rng.Normal3();
-  for (int k = 0; k < 3; ++k) motion.frequency(k) = rng.Uniform(2, 5);
+  for (int k = 0; k < 3; ++k)
+    motion.frequency(k) = rng.Uniform(2, 5);
   motion.axis_B = rng.UnitVector();
   motion.rate = rng.Uniform(-0.3, 0.3);
   motion.swing = rng.Uniform(0.05, 0.15);
@@ -163,7 +165,8 @@ StereoRig MakeTestRig() {
   StereoRig rig;
   rig.cameras = {CameraModel(intrinsics), CameraModel(intrinsics)};
   rig.T_BC[0] = {ExpSO3(Vector3d(0.4, -0.9, 1.1)), Vector3d(0.05, -0.03, 0.02)};
-  rig.T_BC[1] = rig.T_BC[0] * SE3(ExpSO3(Vector3d(0.01, 0.02, -0.015)), Vector3d(0.11, 0.003, -0.002));
+  rig.T_BC[1] =
+      rig.T_BC[0] * SE3(ExpSO3(Vector3d(0.01, 0.02, -0.015)), Vector3d(0.11, 0.003, -0.002));
   return rig;
 }
 
@@ -178,14 +181,17 @@ TestWindow MakeTestWindow(const TestWindowOptions& options, const TestMotion& mo
   out.motion = motion;
   out.window.T_BC0 = out.rig.T_BC[0];
   AddFrames(options, rng, out);
-  for (int l = 0; l < options.num_landmarks; ++l) Observe(options, rng, out);
+  for (int l = 0; l < options.num_landmarks; ++l)
+    Observe(options, rng, out);
   return out;
 }
 
 void Disturb(SlidingWindow& window, const StepSigmas& sigmas, Rng& rng) {
   std::vector<Vector3d> points;
-  for (const WindowLandmark& landmark : window.landmarks()) points.push_back(PointOf(window, landmark));
-  for (WindowFrame& frame : window.frames) frame.ApplyStep(RandomStep(sigmas, rng));
+  for (const WindowLandmark& landmark : window.landmarks())
+    points.push_back(PointOf(window, landmark));
+  for (WindowFrame& frame : window.frames)
+    frame.ApplyStep(RandomStep(sigmas, rng));
   for (std::size_t l = 0; l < points.size(); ++l) {
     WindowLandmark& landmark = window.landmarks()[l];
     const SE3 T_WH = window.frames[landmark.host].x.T_WB * window.T_BC0;
@@ -200,7 +206,10 @@ Vector3d PointOf(const SlidingWindow& window, const WindowLandmark& landmark) {
   return T_WH * (landmark.bearing_H / landmark.inverse_distance);
 }
 
-void SetMeasurement(const Vector3d& h, int camera, double pixel_sigma, WindowObservation& observation) {
+void SetMeasurement(const Vector3d& h,
+                    int camera,
+                    double pixel_sigma,
+                    WindowObservation& observation) {
   observation.xy[camera] = h.head<2>() / h.z();
   // Not a multiple of the identity, as behind a distorting lens.
   observation.sqrt_info[camera] << kFocal, 0.05 * kFocal, -0.03 * kFocal, 1.1 * kFocal;
@@ -237,7 +246,8 @@ DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double h
 
 DenseSystem ReduceTo(const DenseSystem& system, const std::vector<int>& keep) {
   std::vector<char> kept(system.b.size(), 0);
-  for (int k : keep) kept[k] = 1;
+  for (int k : keep)
+    kept[k] = 1;
   std::vector<int> leave;
   for (int k = 0; k < system.b.size(); ++k) {
     if (!kept[k]) leave.push_back(k);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Random sliding windows with known truth, for the tests of this folder: frames along a smooth motion,
-// landmarks in front of them with stereo and mono observations, IMU preintegrated between the frames.
+// Random sliding windows with known truth, for the tests of this folder: frames along a smooth
+// motion, landmarks in front of them with stereo and mono observations, IMU preintegrated between
+// the frames.
 #pragma once
 
 #include <vector>
@@ -42,15 +43,15 @@ StereoRig MakeTestRig();
 
 struct TestWindowOptions {
   int num_frames = 6;
-  int num_pose_frames = 0;       ///< the oldest ones have a pose only
+  int num_pose_frames = 0;  ///< the oldest ones have a pose only
   int num_landmarks = 40;
   double frame_interval_s = 0.1;
-  double max_depth = 8;          ///< of landmarks in their first frame [m]
-  double right_share = 0.6;      ///< of observations
-  double miss_share = 0.15;      ///< of possible observations
-  double pixel_sigma = 0.5;      ///< 450 pixels to the unit of xy
-  double noise = 1.0;            ///< times the noise of pixels and IMU that the window assumes
-  double outlier_share = 0;      ///< observations that are some ten sigma off
+  double max_depth = 8;      ///< of landmarks in their first frame [m]
+  double right_share = 0.6;  ///< of observations
+  double miss_share = 0.15;  ///< of possible observations
+  double pixel_sigma = 0.5;  ///< 450 pixels to the unit of xy
+  double noise = 1.0;        ///< times the noise of pixels and IMU that the window assumes
+  double outlier_share = 0;  ///< observations that are some ten sigma off
   ImuBias bias{Vector3d(0.01, -0.02, 0.015), Vector3d(0.05, -0.1, 0.08)};
 };
 
@@ -73,7 +74,10 @@ void Disturb(SlidingWindow& window, const StepSigmas& sigmas, Rng& rng);
 Vector3d PointOf(const SlidingWindow& window, const WindowLandmark& landmark);
 
 /// Whitened measurement of one camera of a frame whose true direction is h (z > 0).
-void SetMeasurement(const Vector3d& h, int camera, double pixel_sigma, WindowObservation& observation);
+void SetMeasurement(const Vector3d& h,
+                    int camera,
+                    double pixel_sigma,
+                    WindowObservation& observation);
 
 /// Normal equations of everything in the window but the landmarks, which are eliminated exactly as
 /// WindowSystem does it without damping. Full symmetric matrix.

@@ -29,7 +29,7 @@ constexpr int kMinLandmarksOk = 8;
 // Beyond these the state is of no use to anybody: start again.
 constexpr double kLostVelocitySigma = 5.0;  // m/s
 constexpr double kMaxDeadReckoning_s = 1.0;
-constexpr double kLostSpeed = 100.0;        // m/s
+constexpr double kLostSpeed = 100.0;  // m/s
 // A landmark nearer than this is a mismatch.
 constexpr double kMaxInverseDistance = 15.0;
 
@@ -58,7 +58,9 @@ std::vector<ImuSample> ConstantVelocity(const NavState& x, Timestamp t0, Timesta
 
 }  // namespace
 
-VioEstimator::VioEstimator(const StereoRig& rig, const ImuNoise& noise, const EstimatorOptions& options)
+VioEstimator::VioEstimator(const StereoRig& rig,
+                           const ImuNoise& noise,
+                           const EstimatorOptions& options)
     : rig_(rig),
       options_(options),
       imu_noise_{noise.gyro_noise * options.imu.gyro_noise_scale,
@@ -75,7 +77,8 @@ VioEstimator::VioEstimator(const StereoRig& rig, const ImuNoise& noise, const Es
 EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
                                        const ImuInterval& imu,
                                        StageTimes& times) {
-  if (!window_.frames.empty() && observations.t <= (passing_ ? *passing_ : window_.frames.back()).x.t) {
+  if (!window_.frames.empty() &&
+      observations.t <= (passing_ ? *passing_ : window_.frames.back()).x.t) {
     EstimatorResult result;
     result.status = initialised_ ? TrackingStatus::kDegraded : TrackingStatus::kInitialising;
     result.reason = "stamp is not after the previous frame's";
@@ -96,7 +99,8 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
   geometry_.Update(window_.frames);
   InitializeDepths();
 
-  const auto num_constraining = std::count_if(window_.landmarks().begin(), window_.landmarks().end(), IsConstraining);
+  const auto num_constraining =
+      std::count_if(window_.landmarks().begin(), window_.landmarks().end(), IsConstraining);
   const int num_frames = static_cast<int>(window_.frames.size());
   result.num_constraining = static_cast<int>(num_constraining);
   result.reason = "collecting frames";
@@ -112,8 +116,12 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
     result.solve = solver_.Solve(window_, kStartIterations);
     newest_covariance_ = solver_.system().NewestFrameCovariance();
     const double waited_s = ToSeconds(observations.t - first_t_);
-    if (TiltSigma() < options_.start.max_tilt_deg * kDegree || waited_s >= options_.start.max_wait_s) {
+    if (TiltSigma() < options_.start.max_tilt_deg * kDegree ||
+        waited_s >= options_.start.max_wait_s) {
       MoveOriginToNewestFrame();
+      // The covariance belongs to the origin and heading that were fixed when it was computed.
+      solver_.Solve(window_, 1);
+      newest_covariance_ = solver_.system().NewestFrameCovariance();
       initialised_ = true;
       FillResult(window_.frames.back(), NumSeenInNewest(), result);
       updater_.SetReference(window_, newest_covariance_);
@@ -130,7 +138,8 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
   return result;
 }
 
-EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observations, StageTimes& times) {
+EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observations,
+                                            StageTimes& times) {
   EstimatorResult result;
   {
     ScopedStage stage(times, Stage::kOptimize);
@@ -155,7 +164,8 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   return result;
 }
 
-EstimatorResult VioEstimator::TrackPassingFrame(const FrameObservations& observations, StageTimes& times) {
+EstimatorResult VioEstimator::TrackPassingFrame(const FrameObservations& observations,
+                                                StageTimes& times) {
   ScopedStage stage(times, Stage::kOptimize);
   EstimatorResult result;
   const FrameUpdateResult update = updater_.Update(Prepare(observations), *passing_);
@@ -170,7 +180,8 @@ void VioEstimator::UpdatePreintegration(WindowFrame& frame) const {
 
 void VioEstimator::AppendFirstFrame(WindowFrame frame, const ImuInterval& imu) {
   Vector3d mean = Vector3d::Zero();
-  for (const ImuSample& sample : imu.samples) mean += sample.accel;
+  for (const ImuSample& sample : imu.samples)
+    mean += sample.accel;
   if (mean.norm() > 1.0) frame.x.T_WB.q = RotationBetween(mean, Vector3d::UnitZ());
   frame.lin = frame.x;
   first_t_ = frame.x.t;
@@ -198,7 +209,8 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
 
   const WindowFrame& last = passing_ ? *passing_ : window_.frames.back();
   // Intervals follow each other without a hole, in the clock of the IMU.
-  const Timestamp t0 = last.imu.samples().empty() ? last.x.t + rig_.time_offset : last.imu.samples().back().t;
+  const Timestamp t0 =
+      last.imu.samples().empty() ? last.x.t + rig_.time_offset : last.imu.samples().back().t;
   const Timestamp t1 = observations.t + rig_.time_offset;
   const bool no_imu = !IsUsable(imu.samples, t0, t1);
   const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(last.x, t0, t1) : imu.samples;
@@ -230,7 +242,8 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   }
 }
 
-std::vector<PreparedObservation> VioEstimator::Prepare(const FrameObservations& observations) const {
+std::vector<PreparedObservation> VioEstimator::Prepare(
+    const FrameObservations& observations) const {
   std::vector<PreparedObservation> prepared;
   prepared.reserve(observations.features.size());
   const double scale = options_.solver.pixel_sigma_scale;
@@ -241,7 +254,8 @@ std::vector<PreparedObservation> VioEstimator::Prepare(const FrameObservations& 
     observation.xy[0] = left->xy;
     observation.sqrt_info[0] = left->J_xy_px.inverse() / (scale * feature.sigma_left_px);
     if (feature.px_right && feature.sigma_right_px > 0) {
-      if (const std::optional<UndistortedPoint> right = rig_.cameras[1].Undistort(*feature.px_right)) {
+      if (const std::optional<UndistortedPoint> right =
+              rig_.cameras[1].Undistort(*feature.px_right)) {
         observation.has_right = true;
         observation.xy[1] = right->xy;
         observation.sqrt_info[1] = right->J_xy_px.inverse() / (scale * feature.sigma_right_px);
@@ -287,10 +301,11 @@ int VioEstimator::RemoveOutliers() {
   geometry_.Update(window_.frames);
   int removed = 0;
   std::vector<char> gone(window_.landmarks().size(), 0);
-  const auto is_outlier = [&](const WindowLandmark& landmark, const WindowObservation& o, int camera) {
-    const auto error = WhitenedError(geometry_, landmark, o, camera);
-    return !error || error->norm() > options_.solver.outlier_sigma;
-  };
+  const auto is_outlier =
+      [&](const WindowLandmark& landmark, const WindowObservation& o, int camera) {
+        const auto error = WhitenedError(geometry_, landmark, o, camera);
+        return !error || error->norm() > options_.solver.outlier_sigma;
+      };
   for (std::size_t l = 0; l < window_.landmarks().size(); ++l) {
     WindowLandmark& landmark = window_.landmarks()[l];
     if (!IsConstraining(landmark)) continue;
@@ -312,9 +327,9 @@ int VioEstimator::RemoveOutliers() {
       gone[l] = 1;
       continue;
     }
-    if (std::none_of(landmark.observations.begin(), landmark.observations.end(), [&](const auto& o) {
-          return o.frame == landmark.host;
-        })) {
+    if (std::none_of(landmark.observations.begin(),
+                     landmark.observations.end(),
+                     [&](const auto& o) { return o.frame == landmark.host; })) {
       window_.Rehost(landmark, landmark.observations.front().frame);
     }
   }
@@ -328,9 +343,11 @@ bool VioEstimator::UpdateStart() {
   if (TiltSigma() < options_.window.start_tilt_deg * kDegree) return true;
   const int num_frames = static_cast<int>(window_.frames.size());
   if (num_frames <= kMinStartFrames) return false;
-  // At rest the tilt stays uncertain, but the frames are duplicates: one of them goes without a trace but
-  // for its IMU, which joins the next interval. In motion there is none, and the start has to end.
-  const int victim = MostRedundantFrame(window_, 1, num_frames - 3, options_.window.covisible_share);
+  // At rest the tilt stays uncertain, but the frames are duplicates: one of them goes without a
+  // trace but for its IMU, which joins the next interval. In motion there is none, and the start
+  // has to end.
+  const int victim =
+      MostRedundantFrame(window_, 1, num_frames - 3, options_.window.covisible_share);
   if (!IsDuplicate(window_, victim)) return num_frames > options_.window.max_start_keyframes;
   WindowFrame& next = window_.frames[victim + 1];
   ImuPreintegration joined = window_.frames[victim].imu;
@@ -354,7 +371,8 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     if (plan.IsEmpty()) return;
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
       const WindowFrame& frame = window_.frames[i];
-      if (plan.drop_frame[i] && frame.is_keyframe) finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
+      if (plan.drop_frame[i] && frame.is_keyframe)
+        finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
     }
     Marginalize(plan, rig_, robust, window_);
   }
@@ -393,13 +411,15 @@ double VioEstimator::TiltSigma() const {
 
 int VioEstimator::NumSeenInNewest() const {
   const int newest = static_cast<int>(window_.frames.size()) - 1;
-  return static_cast<int>(
-      std::count_if(window_.landmarks().begin(), window_.landmarks().end(), [&](const WindowLandmark& l) {
+  return static_cast<int>(std::count_if(
+      window_.landmarks().begin(), window_.landmarks().end(), [&](const WindowLandmark& l) {
         return IsConstraining(l) && l.observations.back().frame == newest;
       }));
 }
 
-void VioEstimator::FillResult(const WindowFrame& frame, int num_used, EstimatorResult& result) const {
+void VioEstimator::FillResult(const WindowFrame& frame,
+                              int num_used,
+                              EstimatorResult& result) const {
   result.has_state = true;
   result.state = frame.x;
   result.covariance = newest_covariance_;
@@ -411,7 +431,8 @@ void VioEstimator::FillResult(const WindowFrame& frame, int num_used, EstimatorR
     result.reason = "few landmarks";
   }
   const double velocity_sigma = std::sqrt(newest_covariance_.block<3, 3>(6, 6).trace());
-  const bool sane = frame.x.T_WB.p.allFinite() && frame.x.v_WB.allFinite() && frame.x.T_WB.q.coeffs().allFinite();
+  const bool sane =
+      frame.x.T_WB.p.allFinite() && frame.x.v_WB.allFinite() && frame.x.T_WB.q.coeffs().allFinite();
   if (!sane || !(velocity_sigma < kLostVelocitySigma) || frame.x.v_WB.norm() > kLostSpeed) {
     result.status = TrackingStatus::kLost;
     result.reason = sane ? "velocity unknown" : "numerical failure";

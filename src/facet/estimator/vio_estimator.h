@@ -21,12 +21,13 @@ namespace facet {
 /// What AddFrame returns.
 struct EstimatorResult {
   TrackingStatus status = TrackingStatus::kInitialising;
-  std::string reason;           ///< why the status is not kOk, or empty
-  bool has_state = false;       ///< false while initialising
-  NavState state;               ///< causal estimate of this frame
-  Matrix<15, 15> covariance = Matrix<15, 15>::Zero();  ///< theta p v b_g b_a; of the smoother, see docs
-  int num_constraining = 0;     ///< landmarks that constrain the window and are seen in this frame
-  bool was_reset = false;       ///< the estimator gave up its state and starts again with this frame
+  std::string reason;      ///< why the status is not kOk, or empty
+  bool has_state = false;  ///< false while initialising
+  NavState state;          ///< causal estimate of this frame
+  Matrix<15, 15> covariance =
+      Matrix<15, 15>::Zero();  ///< theta p v b_g b_a; of the smoother, see docs
+  int num_constraining = 0;    ///< landmarks that constrain the window and are seen in this frame
+  bool was_reset = false;      ///< the estimator gave up its state and starts again with this frame
   SolveSummary solve;
   /// Keyframes that left the window, with their final poses.
   std::vector<KeyframePose> finished_keyframes;
@@ -37,9 +38,12 @@ class VioEstimator {
  public:
   VioEstimator(const StereoRig& rig, const ImuNoise& noise, const EstimatorOptions& options);
 
-  /// `imu` covers the time from the previous frame to this one (ImuBuffer::Between); for the first frame
-  /// it may hold samples from before, or be empty. Stages kImu, kOptimize, kMarginalize are timed.
-  EstimatorResult AddFrame(const FrameObservations& observations, const ImuInterval& imu, StageTimes& times);
+  /// `imu` covers the time from the previous frame to this one (ImuBuffer::Between); for the first
+  /// frame it may hold samples from before, or be empty. Stages kImu, kOptimize, kMarginalize are
+  /// timed.
+  EstimatorResult AddFrame(const FrameObservations& observations,
+                           const ImuInterval& imu,
+                           StageTimes& times);
 
   bool is_initialised() const { return initialised_; }
   const SlidingWindow& window() const { return window_; }

@@ -13,11 +13,14 @@ constexpr double kMinDepth = 0.05;
 // Cost of a row whose point is behind the camera, in sigmas: bad, but finite.
 constexpr double kBehindSigma = 30.0;
 
-// Less information than this on a direction of a landmark (1-sigma of 30 rad or 30/m) counts as none.
+// Less information than this on a direction of a landmark (1-sigma of 30 rad or 30/m) counts as
+// none.
 constexpr double kMinInformation = 1e-3;
 constexpr double kNoInformationPivot = 1e100;
 
-double HuberCost(double s, double k) { return s <= k ? 0.5 * s * s : k * (s - 0.5 * k); }
+double HuberCost(double s, double k) {
+  return s <= k ? 0.5 * s * s : k * (s - 0.5 * k);
+}
 
 // Homogeneous point in the body frame of the target: R_BW (d_W + rho (p_host - p_target)).
 Vector3d PointInBody(const FrameGeometry::Pose& host,
@@ -80,7 +83,8 @@ std::optional<Vector2d> WhitenedError(const FrameGeometry& geometry,
                                    geometry.current(observation.frame),
                                    host.R_WC0 * landmark.bearing_H,
                                    landmark.inverse_distance);
-  const Vector3d h = geometry.R_CB[camera] * (l_B - landmark.inverse_distance * geometry.p_BC[camera]);
+  const Vector3d h =
+      geometry.R_CB[camera] * (l_B - landmark.inverse_distance * geometry.p_BC[camera]);
   if (h.z() < kMinDepth) return std::nullopt;
   return Vector2d(observation.sqrt_info[camera] * (h.head<2>() / h.z() - observation.xy[camera]));
 }
@@ -98,7 +102,8 @@ void LinearizeLandmark(const FrameGeometry& geometry,
   block.V.setZero();
   block.b.setZero();
   block.num_views = static_cast<int>(landmark.observations.size());
-  if (block.views.size() < landmark.observations.size()) block.views.resize(landmark.observations.size());
+  if (block.views.size() < landmark.observations.size())
+    block.views.resize(landmark.observations.size());
   for (int v = 0; v < block.num_views; ++v) {
     const WindowObservation& obs = landmark.observations[v];
     const FrameGeometry::Pose& target = geometry.frozen(obs.frame);
@@ -150,8 +155,9 @@ double LandmarkCost(const FrameGeometry& geometry,
 void Eliminate(double lambda, LandmarkBlock& block) {
   Matrix3d V = block.V;
   V.diagonal() += lambda * V.diagonal();
-  // Cholesky by hand: a direction without information (no parallax, no view at all) gets an infinite
-  // pivot, which leaves it where it is. A ridge instead would pretend to know it and leak into the prior.
+  // Cholesky by hand: a direction without information (no parallax, no view at all) gets an
+  // infinite pivot, which leaves it where it is. A ridge instead would pretend to know it and leak
+  // into the prior.
   Matrix3d& L = block.L;
   L.setZero();
   for (int c = 0; c < 3; ++c) {

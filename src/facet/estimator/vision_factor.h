@@ -2,9 +2,9 @@
 // Reprojection of one landmark into all frames that see it, linearised and ready to be eliminated.
 // Equations (3.x) of docs/math.md.
 //
-// Every row has columns for the pose of its own frame and for the landmark only: the landmark's step is
-// expressed in the world, so the motion of its host does not appear. After elimination this is the same
-// reduced system as with host columns.
+// Every row has columns for the pose of its own frame and for the landmark only: the landmark's
+// step is expressed in the world, so the motion of its host does not appear. After elimination this
+// is the same reduced system as with host columns.
 #pragma once
 
 #include <vector>
@@ -58,10 +58,10 @@ struct LandmarkBlock {
   int index = -1;  ///< of the landmark in the window
   std::vector<View> views;
   int num_views = 0;
-  Matrix3d V;      ///< landmark-landmark
-  Vector3d b;      ///< gradient
-  Matrix3d L;      ///< Cholesky factor of the damped V, filled by Eliminate
-  Vector3d y;      ///< L^-1 b, filled by Eliminate
+  Matrix3d V;  ///< landmark-landmark
+  Vector3d b;  ///< gradient
+  Matrix3d L;  ///< Cholesky factor of the damped V, filled by Eliminate
+  Vector3d y;  ///< L^-1 b, filled by Eliminate
   double cost = 0;
 };
 

@@ -83,11 +83,13 @@ Problem MakeProblem(const ProblemOptions& options, Rng& rng) {
     test = testing::MakeTestWindow(window_options, rng);
   } while (test.points.empty() || test.window.landmarks()[0].observations.size() < 4);
   problem.rig = test.rig;
-  for (const NavState& x : test.truth) problem.poses.push_back(x.T_WB);
+  for (const NavState& x : test.truth)
+    problem.poses.push_back(x.T_WB);
   problem.landmark = test.window.landmarks()[0];
   WindowLandmark& landmark = problem.landmark;
   // Any frame may be the host, also one in the middle.
-  landmark.host = landmark.observations[rng.Index(static_cast<int>(landmark.observations.size()))].frame;
+  landmark.host =
+      landmark.observations[rng.Index(static_cast<int>(landmark.observations.size()))].frame;
   const Vector3d p_H = problem.Camera(problem.host(), 0).Inverse() * test.points[0];
   landmark.bearing_H = p_H.normalized();
   landmark.inverse_distance = options.at_infinity ? 0 : 1 / p_H.norm();
@@ -106,7 +108,8 @@ Problem MakeProblem(const ProblemOptions& options, Rng& rng) {
 
 FrameGeometry GeometryOf(const Problem& problem) {
   std::vector<WindowFrame> frames(problem.poses.size());
-  for (std::size_t i = 0; i < frames.size(); ++i) frames[i].x.T_WB = problem.poses[i];
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    frames[i].x.T_WB = problem.poses[i];
   FrameGeometry geometry(problem.rig);
   geometry.Update(frames);
   return geometry;
@@ -118,7 +121,9 @@ LandmarkBlock Linearized(const Problem& problem) {
   return block;
 }
 
-SE3 Moved(const SE3& T_WB, const Vector<6>& d) { return T_WB.Retract(d.head<3>(), d.tail<3>()); }
+SE3 Moved(const SE3& T_WB, const Vector<6>& d) {
+  return T_WB.Retract(d.head<3>(), d.tail<3>());
+}
 
 // Derivative with a five-point stencil, good to about 1e-11 of the value.
 template <class F>
@@ -145,7 +150,8 @@ std::vector<Problem> Problems(std::uint64_t seed) {
     for (const bool at_infinity : {false, true}) {
       for (const bool stereo : {false, true}) {
         // Half of the rows beyond Huber's limit, or all of them within.
-        for (const double noise : {0.5, 2.5}) problems.push_back(MakeProblem({at_infinity, stereo, noise}, rng));
+        for (const double noise : {0.5, 2.5})
+          problems.push_back(MakeProblem({at_infinity, stereo, noise}, rng));
       }
     }
   }
@@ -169,10 +175,17 @@ TEST(VisionFactorTest, BlocksAreTheGaussNewtonBlocksOfTheWorldParameters) {
         const double w = problem.RootWeight(m);
         const Vector2d r = w * problem.Residual(m, T_WB, point);
         // The host stays where it is when the pose of a frame is moved.
-        const MatrixXd J = w * Derivative([&](const VectorXd& d) -> VectorXd {
-          return problem.Residual(m, Moved(T_WB, d), point); }, 6);
-        const MatrixXd J_mu = w * Derivative([&](const VectorXd& d) -> VectorXd {
-          return problem.Residual(m, T_WB, problem.FromHost(problem.host(), d)); }, 3);
+        const MatrixXd J = w * Derivative(
+                                   [&](const VectorXd& d) -> VectorXd {
+                                     return problem.Residual(m, Moved(T_WB, d), point);
+                                   },
+                                   6);
+        const MatrixXd J_mu =
+            w * Derivative(
+                    [&](const VectorXd& d) -> VectorXd {
+                      return problem.Residual(m, T_WB, problem.FromHost(problem.host(), d));
+                    },
+                    3);
         H_view += J.transpose() * J;
         W_view += J.transpose() * J_mu;
         b_view += J.transpose() * r;
@@ -210,7 +223,8 @@ TEST(VisionFactorTest, GradientIsThatOfTheRobustCost) {
         const Vector<6> e = kStep * Vector<6>::Unit(k);
         plus[block.views[v].frame] = Moved(problem.poses[block.views[v].frame], e);
         minus[block.views[v].frame] = Moved(problem.poses[block.views[v].frame], -e);
-        const double numeric = (problem.Cost(plus, point) - problem.Cost(minus, point)) / (2 * kStep);
+        const double numeric =
+            (problem.Cost(plus, point) - problem.Cost(minus, point)) / (2 * kStep);
         EXPECT_NEAR(block.views[v].b(k), numeric, 1e-5 * (1 + block.views[v].b.norm()));
       }
     }
@@ -231,8 +245,11 @@ Reduced ReduceWithHostColumns(const Problem& problem) {
   for (std::size_t k = 0; k < problem.measurements.size(); ++k) {
     const Measurement& m = problem.measurements[k];
     const auto residual = [&](const VectorXd& d) -> VectorXd {
-      const auto pose = [&](int frame) { return Moved(problem.poses[frame], d.segment<6>(6 * frame)); };
-      return problem.Residual(m, pose(m.frame), problem.FromHost(pose(problem.landmark.host), d.tail<3>()));
+      const auto pose = [&](int frame) {
+        return Moved(problem.poses[frame], d.segment<6>(6 * frame));
+      };
+      return problem.Residual(
+          m, pose(m.frame), problem.FromHost(pose(problem.landmark.host), d.tail<3>()));
     };
     const double w = problem.RootWeight(m);
     J.middleRows(2 * k, 2) = w * Derivative(residual, n + 3);
@@ -241,14 +258,16 @@ Reduced ReduceWithHostColumns(const Problem& problem) {
   const MatrixXd H = J.transpose() * J;
   const VectorXd b = J.transpose() * r;
   const MatrixXd gain = H.topRightCorner(n, 3) * H.bottomRightCorner<3, 3>().inverse();
-  return {H.topLeftCorner(n, n) - gain * H.topRightCorner(n, 3).transpose(), b.head(n) - gain * b.tail<3>()};
+  return {H.topLeftCorner(n, n) - gain * H.topRightCorner(n, 3).transpose(),
+          b.head(n) - gain * b.tail<3>()};
 }
 
 Reduced ReduceByLibrary(const Problem& problem, const LandmarkBlock& block) {
   const int n = static_cast<int>(6 * problem.poses.size());
   Reduced out{MatrixXd::Zero(n, n), VectorXd::Zero(n)};
   std::vector<int> column;
-  for (int i = 0; i < n; i += 6) column.push_back(i);
+  for (int i = 0; i < n; i += 6)
+    column.push_back(i);
   for (int v = 0; v < block.num_views; ++v) {
     const LandmarkBlock::View& view = block.views[v];
     out.H.block<6, 6>(column[view.frame], column[view.frame]) += view.H;
@@ -263,7 +282,8 @@ Reduced ReduceByLibrary(const Problem& problem, const LandmarkBlock& block) {
 double ScaledError(const LandmarkBlock& block, const Reduced& a, const Reduced& b) {
   VectorXd weight = VectorXd::Constant(a.b.size(), 1e30);
   for (int v = 0; v < block.num_views; ++v) {
-    weight.segment<6>(6 * block.views[v].frame) = block.views[v].H.diagonal().cwiseMax(1.0).cwiseSqrt();
+    weight.segment<6>(6 * block.views[v].frame) =
+        block.views[v].H.diagonal().cwiseMax(1.0).cwiseSqrt();
   }
   // Columns that no row touches must be zero in both.
   for (int i = 0; i < weight.size(); ++i) {
@@ -272,7 +292,8 @@ double ScaledError(const LandmarkBlock& block, const Reduced& a, const Reduced& 
   }
   const VectorXd s = weight.cwiseInverse();
   const double H_error = (s.asDiagonal() * (a.H - b.H) * s.asDiagonal()).cwiseAbs().maxCoeff();
-  return std::max(H_error, s.cwiseProduct(a.b - b.b).cwiseAbs().maxCoeff() / std::sqrt(2 * block.cost));
+  return std::max(H_error,
+                  s.cwiseProduct(a.b - b.b).cwiseAbs().maxCoeff() / std::sqrt(2 * block.cost));
 }
 
 TEST(VisionFactorTest, ReducedSystemEqualsTheOneWithHostColumns) {
@@ -345,7 +366,8 @@ TEST(VisionFactorTest, APointBehindACameraHasNoRowsAndABoundedCost) {
   WindowLandmark without = problem.landmark;
   without.observations.pop_back();
   // 30 sigma under Huber's loss.
-  EXPECT_NEAR(block.cost - LandmarkCost(geometry, without, RobustOptions{kHuber}), kHuber * (30 - 1), 1e-9);
+  EXPECT_NEAR(
+      block.cost - LandmarkCost(geometry, without, RobustOptions{kHuber}), kHuber * (30 - 1), 1e-9);
 }
 
 TEST(VisionFactorTest, FrozenPosesKeepTheirJacobiansAndUseTheCurrentResidual) {
@@ -366,8 +388,10 @@ TEST(VisionFactorTest, FrozenPosesKeepTheirJacobiansAndUseTheCurrentResidual) {
   LinearizeLandmark(GeometryOf(problem), problem.landmark, RobustOptions{1e9}, at_lin);
   EXPECT_EQ(block.V, at_lin.V);
   Problem moved = problem;
-  for (std::size_t i = 0; i < frames.size(); ++i) moved.poses[i] = frames[i].x.T_WB;
-  EXPECT_NEAR(block.cost, LandmarkCost(GeometryOf(moved), problem.landmark, RobustOptions{1e9}), 1e-9);
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    moved.poses[i] = frames[i].x.T_WB;
+  EXPECT_NEAR(
+      block.cost, LandmarkCost(GeometryOf(moved), problem.landmark, RobustOptions{1e9}), 1e-9);
   EXPECT_GT(std::abs(block.cost - at_lin.cost), 1e-3);
 }
 

@@ -48,10 +48,10 @@ struct WindowObservation {
 /// A point as bearing and inverse distance in the left camera of its host frame.
 struct WindowLandmark {
   LandmarkId id;
-  int host = 0;                          ///< index into SlidingWindow::frames
-  bool has_depth = false;                ///< false until stereo or parallax gave a distance
-  Vector3d bearing_H = Vector3d::UnitZ();  ///< unit vector in the host's left camera
-  double inverse_distance = 0;           ///< 1/m, >= 0
+  int host = 0;                                 ///< index into SlidingWindow::frames
+  bool has_depth = false;                       ///< false until stereo or parallax gave a distance
+  Vector3d bearing_H = Vector3d::UnitZ();       ///< unit vector in the host's left camera
+  double inverse_distance = 0;                  ///< 1/m, >= 0
   std::vector<WindowObservation> observations;  ///< in order of time; at most one per frame
 };
 
@@ -100,7 +100,8 @@ class SlidingWindow {
   /// observation, those without any observation go. The prior must not contain the frame.
   void RemoveFrame(int index);
 
-  /// Moves a landmark to the frame of its first remaining observation, keeping its place in the world.
+  /// Moves a landmark to the frame of its first remaining observation, keeping its place in the
+  /// world.
   void Rehost(WindowLandmark& landmark, int new_host);
 
   void Clear();

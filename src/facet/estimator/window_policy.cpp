@@ -25,7 +25,8 @@ std::vector<double> CovisibleShares(const SlidingWindow& window) {
       if (in_newest) shared[o.frame] += 1;
     }
   }
-  for (std::size_t i = 0; i < seen.size(); ++i) shared[i] /= std::max(seen[i], 1.0);
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    shared[i] /= std::max(seen[i], 1.0);
   return shared;
 }
 
@@ -34,9 +35,10 @@ void DropLandmarks(const SlidingWindow& window, MarginalizationPlan& plan) {
   const int newest = static_cast<int>(window.frames.size()) - 1;
   for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
     const WindowLandmark& landmark = window.landmarks()[l];
-    const bool touched = std::any_of(landmark.observations.begin(),
-                                     landmark.observations.end(),
-                                     [&](const WindowObservation& o) { return plan.drop_frame[o.frame]; });
+    const bool touched =
+        std::any_of(landmark.observations.begin(),
+                    landmark.observations.end(),
+                    [&](const WindowObservation& o) { return plan.drop_frame[o.frame]; });
     if (!touched || !landmark.has_depth) continue;
     const bool lost = landmark.observations.back().frame != newest;
     if (lost || plan.drop_frame[landmark.host]) plan.drop_landmark[l] = 1;
@@ -50,8 +52,8 @@ int MostRedundantFrame(const SlidingWindow& window, int first, int last, double 
   for (int i = first; i <= last; ++i) {
     if (shares[i] < covisible_share) return i;
   }
-  // Far from the newest frame and close to the others: keeps a few wide baselines and many short ones
-  // (Engel et al., DSO, section 3.1).
+  // Far from the newest frame and close to the others: keeps a few wide baselines and many short
+  // ones (Engel et al., DSO, section 3.1).
   const auto distance = [&](int a, int b) {
     return (window.frames[a].x.T_WB.p - window.frames[b].x.T_WB.p).norm();
   };
@@ -81,7 +83,8 @@ bool IsDuplicate(const SlidingWindow& window, int frame) {
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!landmark.has_depth || !Sees(landmark, frame)) continue;
     inverse_distances.push_back(landmark.inverse_distance);
-    for (const WindowObservation& o : landmark.observations) ++shared[o.frame];
+    for (const WindowObservation& o : landmark.observations)
+      ++shared[o.frame];
   }
   if (inverse_distances.empty()) return true;
   const auto middle = inverse_distances.begin() + static_cast<long>(inverse_distances.size() / 2);
@@ -101,7 +104,8 @@ MarginalizationPlan PlanMarginalization(const SlidingWindow& window, const Windo
   const int num_frames = static_cast<int>(window.frames.size());
 
   int num_full = 0;
-  for (const WindowFrame& frame : window.frames) num_full += frame.has_motion;
+  for (const WindowFrame& frame : window.frames)
+    num_full += frame.has_motion;
   int last_pose_frame = -1;
   int num_pose = 0;
   for (int i = 0; i < num_frames; ++i) {

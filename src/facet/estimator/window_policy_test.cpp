@@ -11,7 +11,8 @@ namespace facet {
 namespace {
 
 // Frames in a row along x; landmark l is seen in frames seen_in[l], with depth.
-SlidingWindow MakeWindow(const std::vector<double>& positions, const std::vector<std::vector<int>>& seen_in) {
+SlidingWindow MakeWindow(const std::vector<double>& positions,
+                         const std::vector<std::vector<int>>& seen_in) {
   SlidingWindow window;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     WindowFrame frame;
@@ -21,7 +22,8 @@ SlidingWindow MakeWindow(const std::vector<double>& positions, const std::vector
     window.frames.push_back(frame);
   }
   for (std::size_t l = 0; l < seen_in.size(); ++l) {
-    WindowLandmark& landmark = window.AddLandmark(LandmarkId{static_cast<std::int64_t>(l)}, seen_in[l][0]);
+    WindowLandmark& landmark =
+        window.AddLandmark(LandmarkId{static_cast<std::int64_t>(l)}, seen_in[l][0]);
     landmark.has_depth = true;
     landmark.inverse_distance = 0.3;
     for (int frame : seen_in[l]) {
@@ -35,11 +37,14 @@ SlidingWindow MakeWindow(const std::vector<double>& positions, const std::vector
 
 std::vector<int> AllFrames(int n) {
   std::vector<int> all;
-  for (int i = 0; i < n; ++i) all.push_back(i);
+  for (int i = 0; i < n; ++i)
+    all.push_back(i);
   return all;
 }
 
-int Count(const std::vector<char>& flags) { return static_cast<int>(std::count(flags.begin(), flags.end(), 1)); }
+int Count(const std::vector<char>& flags) {
+  return static_cast<int>(std::count(flags.begin(), flags.end(), 1));
+}
 
 TEST(WindowPolicyTest, AFrameThatSharesNothingIsTheMostRedundant) {
   // Frame 2 sees only a landmark of its own.
@@ -59,7 +64,8 @@ TEST(WindowPolicyTest, DuplicatesStandAtTheSamePlaceAndSeeTheSame) {
   EXPECT_TRUE(IsDuplicate(MakeWindow({0, 0.001, 1}, all), 0));
   EXPECT_FALSE(IsDuplicate(MakeWindow({0, 0.5, 1}, all), 0));
   std::vector<std::vector<int>> half = all;
-  for (int l = 0; l < 5; ++l) half[l] = {0, 2};
+  for (int l = 0; l < 5; ++l)
+    half[l] = {0, 2};
   EXPECT_FALSE(IsDuplicate(MakeWindow({0, 0.001, 1}, half), 0));
   // A frame that sees nothing has nothing to lose.
   EXPECT_TRUE(IsDuplicate(MakeWindow({0, 1, 2}, {{0, 1}}), 2));
@@ -68,7 +74,8 @@ TEST(WindowPolicyTest, DuplicatesStandAtTheSamePlaceAndSeeTheSame) {
 TEST(WindowPolicyTest, NothingLeavesBeforeTheWindowIsFull) {
   WindowOptions options;
   std::vector<double> positions(options.max_full_keyframes);
-  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = 0.1 * static_cast<double>(i);
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    positions[i] = 0.1 * static_cast<double>(i);
   const SlidingWindow window = MakeWindow(positions, {AllFrames(options.max_full_keyframes)});
   EXPECT_TRUE(PlanMarginalization(window, options).IsEmpty());
 }
@@ -93,9 +100,8 @@ TEST(WindowPolicyTest, LandmarksLeaveWithTheirHostOrWhenLost) {
   options.max_full_keyframes = 2;
   options.max_pose_keyframes = 1;
   // Frame 1 shares least with the newest and goes.
-  SlidingWindow window = MakeWindow(
-      {0, 1, 2, 3},
-      {{0, 2, 3}, {0, 1, 2, 3}, {0, 2, 3}, {0, 1}, {1, 2}, {0, 2}});
+  SlidingWindow window =
+      MakeWindow({0, 1, 2, 3}, {{0, 2, 3}, {0, 1, 2, 3}, {0, 2, 3}, {0, 1}, {1, 2}, {0, 2}});
   window.frames[0].has_motion = window.frames[1].has_motion = false;
   options.covisible_share = 0.5;
   const MarginalizationPlan plan = PlanMarginalization(window, options);
@@ -120,7 +126,8 @@ TEST(WindowPolicyTest, SizesStayWithinLimitsOverALongRun) {
     for (WindowLandmark& landmark : window.landmarks()) {
       WindowObservation o;
       o.frame = newest;
-      if (landmark.observations.back().frame == newest - 1 && rng.Uniform() < 0.8) landmark.observations.push_back(o);
+      if (landmark.observations.back().frame == newest - 1 && rng.Uniform() < 0.8)
+        landmark.observations.push_back(o);
     }
     for (std::int64_t l = 0; l < 5; ++l) {
       WindowLandmark& landmark = window.AddLandmark(LandmarkId{5 * k + l}, newest);
@@ -134,7 +141,8 @@ TEST(WindowPolicyTest, SizesStayWithinLimitsOverALongRun) {
       const MarginalizationPlan plan = PlanMarginalization(window, options);
       if (plan.IsEmpty()) break;
       ASSERT_LT(++rounds, 10);
-      EXPECT_EQ(plan.drop_frame.back() + plan.drop_motion.back(), 0) << "the newest frame never leaves";
+      EXPECT_EQ(plan.drop_frame.back() + plan.drop_motion.back(), 0)
+          << "the newest frame never leaves";
       // What Marginalize does to the window, without the arithmetic.
       window.RemoveLandmarks(plan.drop_landmark);
       for (int i = newest; i >= 0; --i) {
@@ -143,7 +151,8 @@ TEST(WindowPolicyTest, SizesStayWithinLimitsOverALongRun) {
       }
     }
     int num_full = 0;
-    for (const WindowFrame& f : window.frames) num_full += f.has_motion;
+    for (const WindowFrame& f : window.frames)
+      num_full += f.has_motion;
     EXPECT_LE(num_full, options.max_full_keyframes);
     EXPECT_LE(static_cast<int>(window.frames.size()) - num_full, options.max_pose_keyframes);
     EXPECT_LT(window.landmarks().size(), 200u);

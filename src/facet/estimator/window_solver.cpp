@@ -64,7 +64,8 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
         continue;
       }
       Restore(window);
-      // With first-estimate Jacobians the gradient is slightly off: an uphill step this small is the end.
+      // With first-estimate Jacobians the gradient is slightly off: an uphill step this small is
+      // the end.
       if (new_cost - cost < options_.relative_decrease * std::abs(cost)) return summary;
       lambda_ = std::max(lambda_ * 10, 1e-6);
     }

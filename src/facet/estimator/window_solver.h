@@ -8,15 +8,16 @@
 namespace facet {
 
 struct SolveSummary {
-  int iterations = 0;       ///< accepted steps
+  int iterations = 0;  ///< accepted steps
   double initial_cost = 0;
   double final_cost = 0;
-  bool ok = false;          ///< false: the system could not be factorised at all
+  bool ok = false;  ///< false: the system could not be factorised at all
 };
 
 class WindowSolver {
  public:
-  WindowSolver(const StereoRig& rig, const SolverOptions& options) : system_(rig), options_(options) {}
+  WindowSolver(const StereoRig& rig, const SolverOptions& options)
+      : system_(rig), options_(options) {}
 
   /// Minimises the window's cost in at most `max_iterations` steps. Moves frames and landmarks.
   SolveSummary Solve(SlidingWindow& window, int max_iterations);

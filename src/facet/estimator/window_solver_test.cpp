@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The optimum of random windows against Ceres. With first-estimate Jacobians the stationary point moves
-// when frozen variables leave their linearisation point; so the windows with a prior are made such that the
-// optimum lies there (delta = 0), with a gradient of the prior that balances all other cost. Both solvers
-// start elsewhere.
+// The optimum of random windows against Ceres. With first-estimate Jacobians the stationary point
+// moves when frozen variables leave their linearisation point; so the windows with a prior are made
+// such that the optimum lies there (delta = 0), with a gradient of the prior that balances all
+// other cost. Both solvers start elsewhere.
 #include "facet/estimator/window_solver.h"
 
 #include <iostream>
@@ -65,11 +65,13 @@ void ExpectSmall(const Deviation& d, Deviation& worst) {
   EXPECT_LT(d.cost, 1e-6);
   EXPECT_LT(d.state, 1e-6);
   EXPECT_LT(d.point, 1e-5);
-  worst = {std::max(worst.cost, d.cost), std::max(worst.state, d.state), std::max(worst.point, d.point)};
+  worst = {
+      std::max(worst.cost, d.cost), std::max(worst.state, d.state), std::max(worst.point, d.point)};
 }
 
 void Print(const char* name, const Deviation& d) {
-  std::cout << name << ": cost " << d.cost << ", states " << d.state << ", points " << d.point << '\n';
+  std::cout << name << ": cost " << d.cost << ", states " << d.state << ", points " << d.point
+            << '\n';
 }
 
 TEST(WindowSolverTest, OptimumEqualsCeres) {
@@ -90,8 +92,8 @@ TEST(WindowSolverTest, OptimumEqualsCeres) {
   Print("without prior", worst);
 }
 
-// Freezes the two oldest frames where they are and gives them a random prior of full rank whose gradient
-// balances that of everything else at the optimum given the frozen frames.
+// Freezes the two oldest frames where they are and gives them a random prior of full rank whose
+// gradient balances that of everything else at the optimum given the frozen frames.
 void AddBalancedPrior(TestWindow& test, Rng& rng) {
   MarginalPrior& prior = test.window.prior;
   int dim = 0;
@@ -107,7 +109,8 @@ void AddBalancedPrior(TestWindow& test, Rng& rng) {
   }
   MatrixXd A(dim, dim);
   for (int r = 0; r < dim; ++r) {
-    for (int c = 0; c < dim; ++c) A(r, c) = rng.Normal();
+    for (int c = 0; c < dim; ++c)
+      A(r, c) = rng.Normal();
   }
   prior.H = 1e5 * (A * A.transpose() + MatrixXd::Identity(dim, dim));
   prior.b = VectorXd::Zero(dim);
@@ -134,7 +137,8 @@ TEST(WindowSolverTest, OptimumWithPriorEqualsCeres) {
   Print("with prior", worst);
 }
 
-// Far from the linearisation point first-estimate Jacobians cost accuracy; how much is bounded here.
+// Far from the linearisation point first-estimate Jacobians cost accuracy; how much is bounded
+// here.
 TEST(WindowSolverTest, AnUnbalancedPriorMovesTheOptimumOnlyToSecondOrder) {
   double worst = 0;
   for (std::uint64_t seed = 41; seed <= 45; ++seed) {
@@ -197,8 +201,10 @@ TEST(WindowSystemTest, StepAndCovarianceEqualTheDenseSystem) {
     EXPECT_LT((system.step() - step).norm(), 1e-6 * step.norm());
     const std::size_t newest = test.window.frames.size() - 1;
     std::vector<int> columns;
-    for (int k = 0; k < 6; ++k) columns.push_back(dense.layout.pose_column[newest] + k);
-    for (int k = 0; k < 9; ++k) columns.push_back(dense.layout.motion_column[newest] + k);
+    for (int k = 0; k < 6; ++k)
+      columns.push_back(dense.layout.pose_column[newest] + k);
+    for (int k = 0; k < 9; ++k)
+      columns.push_back(dense.layout.motion_column[newest] + k);
     const Matrix<15, 15> expected = inverse(columns, columns);
     const Vector<15> scale = expected.diagonal().cwiseSqrt().cwiseInverse();
     const Matrix<15, 15> error = system.NewestFrameCovariance() - expected;

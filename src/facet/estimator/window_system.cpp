@@ -19,7 +19,8 @@ struct Slice {
 };
 
 template <class J, class R>
-void AddFactor(const J& jacobian, const R& r, std::initializer_list<Slice> slices, MatrixXd& H, VectorXd& b) {
+void AddFactor(
+    const J& jacobian, const R& r, std::initializer_list<Slice> slices, MatrixXd& H, VectorXd& b) {
   const MatrixXd JtJ = jacobian.transpose() * jacobian;
   const VectorXd Jtr = jacobian.transpose() * r;
   for (const Slice& a : slices) {
@@ -67,7 +68,10 @@ double AddPrior(const SlidingWindow& window, const StateLayout& layout, MatrixXd
   return cost;
 }
 
-double AddStartPrior(const SlidingWindow& window, const StateLayout& layout, MatrixXd* H, VectorXd* b) {
+double AddStartPrior(const SlidingWindow& window,
+                     const StateLayout& layout,
+                     MatrixXd* H,
+                     VectorXd* b) {
   const StartPrior& prior = window.start_prior;
   if (!prior.active) return 0;
   const int index = window.IndexOf(prior.frame);
@@ -96,7 +100,8 @@ double AddStartPrior(const SlidingWindow& window, const StateLayout& layout, Mat
   return 0.5 * r.squaredNorm();
 }
 
-double AddImuLink(const SlidingWindow& window, const StateLayout& layout, int j, MatrixXd* H, VectorXd* b) {
+double AddImuLink(
+    const SlidingWindow& window, const StateLayout& layout, int j, MatrixXd* H, VectorXd* b) {
   const WindowFrame& frame_j = window.frames[j];
   const WindowFrame& frame_i = window.frames[j - 1];
   const Vector<15> r = frame_j.imu_sqrt_info * ImuError(frame_j.imu, frame_i.x, frame_j.x);
@@ -121,14 +126,18 @@ bool IsConstraining(const WindowLandmark& landmark) {
   return landmark.has_depth && landmark.observations.size() >= 2;
 }
 
-void SubtractSchur(const LandmarkBlock& block, const std::vector<int>& pose_column, MatrixXd& H, VectorXd& b) {
+void SubtractSchur(const LandmarkBlock& block,
+                   const std::vector<int>& pose_column,
+                   MatrixXd& H,
+                   VectorXd& b) {
   for (int i = 0; i < block.num_views; ++i) {
     const LandmarkBlock::View& view_i = block.views[i];
     const int row = pose_column[view_i.frame];
     b.segment<6>(row).noalias() -= view_i.Y * block.y;
     for (int j = 0; j <= i; ++j) {
       const LandmarkBlock::View& view_j = block.views[j];
-      SubtractOuterProduct(view_i.Y.data(), view_j.Y.data(), &H(row, pose_column[view_j.frame]), H.outerStride());
+      SubtractOuterProduct(
+          view_i.Y.data(), view_j.Y.data(), &H(row, pose_column[view_j.frame]), H.outerStride());
     }
   }
 }
@@ -206,14 +215,16 @@ void WindowSystem::ApplyStep(SlidingWindow& window) {
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     Vector<15> frame_step = Vector<15>::Zero();
     frame_step.head<6>() = step_.segment<6>(layout_.pose_column[i]);
-    if (layout_.motion_column[i] >= 0) frame_step.tail<9>() = step_.segment<9>(layout_.motion_column[i]);
+    if (layout_.motion_column[i] >= 0)
+      frame_step.tail<9>() = step_.segment<9>(layout_.motion_column[i]);
     window.frames[i].ApplyStep(frame_step);
   }
   for (int k = 0; k < num_blocks_; ++k) {
     const LandmarkBlock& block = blocks_[k];
     Vector3d rhs = block.y;
     for (int v = 0; v < block.num_views; ++v) {
-      rhs += block.views[v].Y.transpose() * step_.segment<6>(layout_.pose_column[block.views[v].frame]);
+      rhs += block.views[v].Y.transpose() *
+             step_.segment<6>(layout_.pose_column[block.views[v].frame]);
     }
     const Vector3d d = -block.L.transpose().triangularView<Eigen::Upper>().solve(rhs);
 
@@ -230,11 +241,14 @@ void WindowSystem::ApplyStep(SlidingWindow& window) {
 }
 
 Matrix<15, 15> WindowSystem::NewestFrameCovariance() const {
-  // The newest frame owns the last columns of the dense part but for the order: its pose comes first.
+  // The newest frame owns the last columns of the dense part but for the order: its pose comes
+  // first.
   const int pose = layout_.pose_column.back(), motion = layout_.motion_column.back();
   MatrixXd rhs = MatrixXd::Zero(layout_.dense_dim, 15);
-  for (int k = 0; k < 6; ++k) rhs(pose + k, k) = 1;
-  for (int k = 0; k < 9; ++k) rhs(motion + k, 6 + k) = 1;
+  for (int k = 0; k < 6; ++k)
+    rhs(pose + k, k) = 1;
+  for (int k = 0; k < 9; ++k)
+    rhs(motion + k, 6 + k) = 1;
   // Sigma = L^-T L^-1; its block is the squared half solve.
   factor_.matrixL().solveInPlace(rhs);
   return rhs.transpose() * rhs;

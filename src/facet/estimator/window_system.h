@@ -20,10 +20,14 @@ VectorXd PriorDelta(const SlidingWindow& window);
 double AddPrior(const SlidingWindow& window, const StateLayout& layout, MatrixXd* H, VectorXd* b);
 
 /// Adds the start prior; returns its cost. H and b may be null (cost only).
-double AddStartPrior(const SlidingWindow& window, const StateLayout& layout, MatrixXd* H, VectorXd* b);
+double AddStartPrior(const SlidingWindow& window,
+                     const StateLayout& layout,
+                     MatrixXd* H,
+                     VectorXd* b);
 
 /// Adds the IMU link that ends in frame `j`; returns its cost. H and b may be null (cost only).
-double AddImuLink(const SlidingWindow& window, const StateLayout& layout, int j, MatrixXd* H, VectorXd* b);
+double AddImuLink(
+    const SlidingWindow& window, const StateLayout& layout, int j, MatrixXd* H, VectorXd* b);
 
 /// Whether the landmark constrains the frames: it has a distance and is seen from two of them.
 bool IsConstraining(const WindowLandmark& landmark);
@@ -50,7 +54,8 @@ class WindowSystem {
   const StateLayout& layout() const { return layout_; }
   const FrameGeometry& geometry() const { return geometry_; }
 
-  /// Marginal covariance of the newest frame (with motion) from the last factorisation: theta p v b_g b_a.
+  /// Marginal covariance of the newest frame (with motion) from the last factorisation: theta p v
+  /// b_g b_a.
   Matrix<15, 15> NewestFrameCovariance() const;
 
  private:
@@ -60,7 +65,7 @@ class WindowSystem {
   StateLayout layout_;
   std::vector<LandmarkBlock> blocks_;
   int num_blocks_ = 0;
-  MatrixXd H_;          // everything but the eliminated landmarks
+  MatrixXd H_;  // everything but the eliminated landmarks
   VectorXd b_;
   MatrixXd reduced_H_;  // lower triangle
   VectorXd reduced_b_;
@@ -71,6 +76,9 @@ class WindowSystem {
 };
 
 /// Subtracts the eliminated landmark from (H, b); lower triangle of pose columns only.
-void SubtractSchur(const LandmarkBlock& block, const std::vector<int>& pose_column, MatrixXd& H, VectorXd& b);
+void SubtractSchur(const LandmarkBlock& block,
+                   const std::vector<int>& pose_column,
+                   MatrixXd& H,
+                   VectorXd& b);
 
 }  // namespace facet

@@ -26,7 +26,8 @@ TestWindow MakeWindow(std::uint64_t seed) {
 Vector4d HomogeneousPoint(const SlidingWindow& window, const WindowLandmark& landmark) {
   const SE3 T_WH = window.frames[landmark.host].x.T_WB * window.T_BC0;
   Vector4d point;
-  point << T_WH.q * landmark.bearing_H + landmark.inverse_distance * T_WH.p, landmark.inverse_distance;
+  point << T_WH.q * landmark.bearing_H + landmark.inverse_distance * T_WH.p,
+      landmark.inverse_distance;
   return point.normalized();
 }
 
@@ -46,7 +47,8 @@ void ExpectConsistent(SlidingWindow& window) {
     }
     EXPECT_TRUE(seen_in_host);
   }
-  for (int i = 0; i < num_frames; ++i) EXPECT_EQ(window.IndexOf(window.frames[i].id), i);
+  for (int i = 0; i < num_frames; ++i)
+    EXPECT_EQ(window.IndexOf(window.frames[i].id), i);
 }
 
 TEST(WindowTest, RehostingKeepsThePoint) {
@@ -76,7 +78,8 @@ TEST(WindowTest, RemovingFramesKeepsEverythingElse) {
       std::map<LandmarkId, std::set<FrameId>> seen_in;
       for (const WindowLandmark& landmark : window.landmarks()) {
         points[landmark.id] = HomogeneousPoint(window, landmark);
-        for (const auto& o : landmark.observations) seen_in[landmark.id].insert(window.frames[o.frame].id);
+        for (const auto& o : landmark.observations)
+          seen_in[landmark.id].insert(window.frames[o.frame].id);
       }
       const int index = rng.Index(static_cast<int>(window.frames.size()));
       const FrameId gone = window.frames[index].id;
@@ -89,7 +92,8 @@ TEST(WindowTest, RemovingFramesKeepsEverythingElse) {
         ASSERT_EQ(landmark == nullptr, frames.empty());
         if (landmark == nullptr) continue;
         std::set<FrameId> now;
-        for (const auto& o : landmark->observations) now.insert(window.frames[o.frame].id);
+        for (const auto& o : landmark->observations)
+          now.insert(window.frames[o.frame].id);
         EXPECT_EQ(now, frames);
         EXPECT_LT((HomogeneousPoint(window, *landmark) - points[id]).norm(), 1e-12);
       }
@@ -120,7 +124,8 @@ TEST(WindowTest, LandmarksAreFoundByIdAndExistOnce) {
   EXPECT_THROW(test.window.AddLandmark(test.window.landmarks()[3].id, 0), CheckError);
   std::vector<char> gone(test.window.landmarks().size(), 0);
   const LandmarkId first = test.window.landmarks()[0].id;
-  for (std::size_t l = 0; l < gone.size(); l += 2) gone[l] = 1;
+  for (std::size_t l = 0; l < gone.size(); l += 2)
+    gone[l] = 1;
   const std::size_t left = gone.size() / 2;
   test.window.RemoveLandmarks(gone);
   EXPECT_EQ(test.window.landmarks().size(), left);

@@ -38,7 +38,8 @@ bool FeatureDetector::BestCorner(const cv::Rect& cell,
     return a.pt.y != b.pt.y ? a.pt.y < b.pt.y : a.pt.x < b.pt.x;
   };
   std::erase_if(corners_, [&](const cv::KeyPoint& corner) {
-    const cv::Point p(static_cast<int>(corner.pt.x) + cell.x, static_cast<int>(corner.pt.y) + cell.y);
+    const cv::Point p(static_cast<int>(corner.pt.x) + cell.x,
+                      static_cast<int>(corner.pt.y) + cell.y);
     return mask_.at<unsigned char>(p) == 0;
   });
   const auto tried = static_cast<std::ptrdiff_t>(std::min(kMaxTried, corners_.size()));
@@ -55,22 +56,42 @@ bool FeatureDetector::BestCorner(const cv::Rect& cell,
   return best.strength >= options_.min_eigenvalue;
 }
 
-void FeatureDetector::SearchCell(const cv::Mat& image,
+bool FeatureDetector::SearchCell(const cv::Mat& image,
                                  const ImageLevel& level,
                                  const PatchTracker& tracker,
-                                 const cv::Rect& cell) {
+                                 const cv::Rect& cell,
+                                 int threshold) {
   const cv::Rect grown(cell.x - kFastRadius,
                        cell.y - kFastRadius,
                        cell.width + 2 * kFastRadius,
                        cell.height + 2 * kFastRadius);
+  cv::FAST(image(grown), corners_, threshold, true);
   Candidate best;
-  cv::FAST(image(grown), corners_, options_.fast_threshold, true);
-  bool found = BestCorner(grown, level, tracker, best);
-  if (!found && options_.fast_threshold_min < options_.fast_threshold) {
-    cv::FAST(image(grown), corners_, options_.fast_threshold_min, true);
-    found = BestCorner(grown, level, tracker, best);
+  if (BestCorner(grown, level, tracker, best)) candidates_.push_back(best);
+  return !corners_.empty();
+}
+
+void FeatureDetector::ListEmptyCells(const cv::Mat& image, std::span<const Vector2d> occupied) {
+  empty_cells_.clear();
+  const int border = std::max(options_.border_px, kFastRadius);
+  const int cell = options_.cell_px;
+  const int columns = NumCells(image.cols, border, cell), rows = NumCells(image.rows, border, cell);
+  // The grid is centred; what does not fill a cell widens the border.
+  const int left = (image.cols - columns * cell) / 2, top = (image.rows - rows * cell) / 2;
+  taken_.assign(static_cast<std::size_t>(columns * rows), 0);
+  for (const Vector2d& p : occupied) {
+    if (p.x() < left || p.y() < top) continue;
+    if (p.x() >= left + columns * cell || p.y() >= top + rows * cell) continue;
+    const int c = (static_cast<int>(p.x()) - left) / cell,
+              r = (static_cast<int>(p.y()) - top) / cell;
+    taken_[static_cast<std::size_t>(r * columns + c)] = 1;
   }
-  if (found) candidates_.push_back(best);
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < columns; ++c) {
+      if (taken_[static_cast<std::size_t>(r * columns + c)] != 0) continue;
+      empty_cells_.emplace_back(left + c * cell, top + r * cell, cell, cell);
+    }
+  }
 }
 
 std::span<const Vector2d> FeatureDetector::Detect(const cv::Mat& image,
@@ -80,29 +101,22 @@ std::span<const Vector2d> FeatureDetector::Detect(const cv::Mat& image,
                                                   int max_points) {
   points_.clear();
   candidates_.clear();
-  const int border = std::max(options_.border_px, kFastRadius);
-  const int cell = options_.cell_px;
-  const int columns = NumCells(image.cols, border, cell), rows = NumCells(image.rows, border, cell);
-  if (columns == 0 || rows == 0 || max_points <= 0) return points_;
+  if (max_points <= 0) return points_;
   MarkOccupied(image, occupied);
-  // The grid is centred; what does not fill a cell widens the border.
-  const int left = (image.cols - columns * cell) / 2, top = (image.rows - rows * cell) / 2;
-  taken_.assign(static_cast<std::size_t>(columns * rows), 0);
-  for (const Vector2d& p : occupied) {
-    const int c = (static_cast<int>(p.x()) - left) / cell, r = (static_cast<int>(p.y()) - top) / cell;
-    if (p.x() < left || p.y() < top || c >= columns || r >= rows) continue;
-    taken_[static_cast<std::size_t>(r * columns + c)] = 1;
-  }
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns; ++c) {
-      if (taken_[static_cast<std::size_t>(r * columns + c)] != 0) continue;
-      SearchCell(image, level, tracker, cv::Rect(left + c * cell, top + r * cell, cell, cell));
+  ListEmptyCells(image, occupied);
+  std::erase_if(empty_cells_, [&](const cv::Rect& cell) {
+    return SearchCell(image, level, tracker, cell, options_.fast_threshold);
+  });
+  // Weaker corners are only needed where there are not enough strong ones.
+  if (static_cast<int>(candidates_.size()) < max_points) {
+    for (const cv::Rect& cell : empty_cells_) {
+      SearchCell(image, level, tracker, cell, options_.fast_threshold_min);
     }
   }
   // Stable: equal strengths stay in the order of the cells.
-  std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
-    return a.strength > b.strength;
-  });
+  std::stable_sort(candidates_.begin(),
+                   candidates_.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.strength > b.strength; });
   const double min_distance2 = options_.min_distance_px * options_.min_distance_px;
   for (const Candidate& candidate : candidates_) {
     if (static_cast<int>(points_.size()) == max_points) break;

@@ -17,9 +17,9 @@ class FeatureDetector {
  public:
   explicit FeatureDetector(const DetectorOptions& options) : options_(options) {}
 
-  /// At most max_points corners, each at least min_distance_px from the `occupied` points and from each
-  /// other; the result is valid until the next call. The strength of a corner is how well `tracker`
-  /// can locate it.
+  /// At most max_points corners, each at least min_distance_px from the `occupied` points and from
+  /// each other; the result is valid until the next call. The strength of a corner is how well
+  /// `tracker` can locate it.
   std::span<const Vector2d> Detect(const cv::Mat& image,
                                    const ImageLevel& level,
                                    const PatchTracker& tracker,
@@ -33,10 +33,13 @@ class FeatureDetector {
   };
 
   void MarkOccupied(const cv::Mat& image, std::span<const Vector2d> occupied);
-  void SearchCell(const cv::Mat& image,
+  void ListEmptyCells(const cv::Mat& image, std::span<const Vector2d> occupied);
+  /// Adds the cell's best corner to candidates_. False: there was no corner at all to choose from.
+  bool SearchCell(const cv::Mat& image,
                   const ImageLevel& level,
                   const PatchTracker& tracker,
-                  const cv::Rect& cell);
+                  const cv::Rect& cell,
+                  int threshold);
   bool BestCorner(const cv::Rect& cell,
                   const ImageLevel& level,
                   const PatchTracker& tracker,
@@ -45,6 +48,7 @@ class FeatureDetector {
   DetectorOptions options_;
   cv::Mat mask_;                      // 255 where a new point may be
   std::vector<unsigned char> taken_;  // by cell
+  std::vector<cv::Rect> empty_cells_;
   std::vector<cv::KeyPoint> corners_;
   std::vector<Candidate> candidates_;
   std::vector<Vector2d> points_;

@@ -30,19 +30,21 @@ struct KltOptions {
 
 /// Where new points come from (feature_detector.h).
 struct DetectorOptions {
-  /// Free parameters of the warp that the strength of a corner is judged with (see TrackingOptions).
+  /// Free parameters of the warp that the strength of a corner is judged with (see
+  /// TrackingOptions).
   int num_parameters = 4;
-  /// Side of a square grid cell; one new point per cell that holds no track. Smaller: more points. (!)
+  /// Side of a square grid cell; one new point per cell that holds no track. Smaller: more points.
+  /// (!)
   int cell_px = 40;
   /// Distance that a new point keeps from every track.
   double min_distance_px = 16;
   /// First FAST threshold, in grey levels.
   int fast_threshold = 20;
-  /// Cells without a corner are searched once more with this threshold.
+  /// Cells without any corner are searched again with this one if there are too few points.
   int fast_threshold_min = 7;
   /// Smallest eigenvalue of the patch's structure tensor, in (grey levels per pixel)^2. Raising it
   /// refuses weak corners and points on edges.
-  double min_eigenvalue = 8;
+  double min_eigenvalue = 5;
   /// Pixels at the image border without points.
   int border_px = 8;
 
@@ -50,7 +52,8 @@ struct DetectorOptions {
   void Visit(Visitor& v) {
     v.Field("num_parameters", num_parameters, Range{2, 6}, "warp parameters of the strength");
     v.Field("cell_px", cell_px, Range{8, 400}, "side of a grid cell with at most one new point");
-    v.Field("min_distance_px", min_distance_px, Range{0, 200}, "distance of new points from tracks");
+    v.Field(
+        "min_distance_px", min_distance_px, Range{0, 200}, "distance of new points from tracks");
     v.Field("fast_threshold", fast_threshold, Range{1, 255}, "first FAST threshold");
     v.Field("fast_threshold_min", fast_threshold_min, Range{1, 255}, "threshold for empty cells");
     v.Field("min_eigenvalue", min_eigenvalue, Range{0, 1e5}, "smallest accepted corner strength");
@@ -60,35 +63,41 @@ struct DetectorOptions {
 
 /// From left image to left image (temporal_tracker.h).
 struct TrackingOptions {
-  /// Free parameters of the warp from frame to frame, besides gain and offset: 2 shift, 3 and rotation,
-  /// 4 and scale, 6 affine. The prediction supplies the others. More are noisier, and follow more.
+  /// Free parameters of the warp from frame to frame, besides gain and offset: 2 shift, 3 and
+  /// rotation, 4 and scale, 6 affine. The prediction supplies the others. More are noisier, and
+  /// follow more.
   int num_parameters = 2;
   /// The same for the alignment with the reference patch.
   int reference_parameters = 4;
   /// Coarsest pyramid level for points whose motion can be predicted; others begin at the top.
   int start_level = 1;
   /// A point that does not come back to within this distance when tracked back is lost. (!)
-  double max_forward_backward_px = 0.5;
+  double max_forward_backward_px = 0.4;
   /// Similarity (ZNCC, -1..1) with the previous frame below which a point is lost.
   double min_zncc = 0.8;
   /// Similarity with the reference patch below which the patch is taken anew.
   double min_reference_zncc = 0.85;
   /// Scale change since the reference patch, beyond which (or its inverse) it is taken anew.
   double max_reference_scale = 1.6;
-  /// Farthest that the alignment with the reference may move a point before the reference is given up.
+  /// Farthest that the alignment with the reference may move a point before the reference is given
+  /// up.
   double max_reference_shift_px = 1.5;
-  /// Share of lost tracks above which the frame is tracked again without prediction.
+  /// Lost tracks per tracked one, above which they are sought again as if nothing had moved: the
+  /// prediction may be wrong.
   double retry_lost_ratio = 0.5;
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("num_parameters", num_parameters, Range{2, 6}, "2 shift, 3 rotation, 4 scale, 6 affine");
+    v.Field(
+        "num_parameters", num_parameters, Range{2, 6}, "2 shift, 3 rotation, 4 scale, 6 affine");
     v.Field("reference_parameters", reference_parameters, Range{2, 6}, "same, to the reference");
     v.Field("start_level", start_level, Range{0, 4}, "coarsest level for predicted points");
     v.Field("max_forward_backward_px", max_forward_backward_px, Range{0.01, 10}, "tracking back");
     v.Field("min_zncc", min_zncc, Range{-1, 1}, "similarity with the previous frame");
-    v.Field("min_reference_zncc", min_reference_zncc, Range{-1, 1}, "similarity with the reference");
-    v.Field("max_reference_scale", max_reference_scale, Range{1, 10}, "scale change of a reference");
+    v.Field(
+        "min_reference_zncc", min_reference_zncc, Range{-1, 1}, "similarity with the reference");
+    v.Field(
+        "max_reference_scale", max_reference_scale, Range{1, 10}, "scale change of a reference");
     v.Field("max_reference_shift_px", max_reference_shift_px, Range{0, 20}, "reference correction");
     v.Field("retry_lost_ratio", retry_lost_ratio, Range{0, 1}, "lost share that causes a retry");
   }
@@ -113,7 +122,8 @@ struct StereoMatcherOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("num_parameters", num_parameters, Range{2, 6}, "2 shift, 3 rotation, 4 scale, 6 affine");
+    v.Field(
+        "num_parameters", num_parameters, Range{2, 6}, "2 shift, 3 rotation, 4 scale, 6 affine");
     v.Field("min_depth_m", min_depth_m, Range{0.02, 100}, "nearest depth of the search");
     v.Field("search_level", search_level, Range{0, 5}, "pyramid level of the epipolar search");
     v.Field("min_search_zncc", min_search_zncc, Range{-1, 1}, "similarity in the search");
@@ -128,8 +138,8 @@ struct OutlierOptions {
   bool enabled = true;
   /// Angle between a ray and its epipolar plane, in pixels of the mean focal length. (!)
   double max_error_px = 1.5;
-  /// Median motion apart from any rotation, below which the test is skipped: the directions would be
-  /// noise.
+  /// Median motion apart from any rotation, below which the test is skipped: the directions would
+  /// be noise.
   double min_parallax_px = 1.0;
   int max_iterations = 60;
   /// Fewer inliers than this share and the model is not trusted: nothing is removed.
@@ -139,7 +149,8 @@ struct OutlierOptions {
   void Visit(Visitor& v) {
     v.Field("enabled", enabled, Range{}, "two-point test with known rotation");
     v.Field("max_error_px", max_error_px, Range{0.05, 50}, "distance from the epipolar plane");
-    v.Field("min_parallax_px", min_parallax_px, Range{0, 50}, "motion below which the test is skipped");
+    v.Field(
+        "min_parallax_px", min_parallax_px, Range{0, 50}, "motion below which the test is skipped");
     v.Field("max_iterations", max_iterations, Range{1, 10000}, "samples");
     v.Field("min_inlier_ratio", min_inlier_ratio, Range{0, 1}, "share needed to trust the model");
   }
@@ -162,20 +173,24 @@ struct KeyframeOptions {
   }
 };
 
-/// Measurement noise that the observations carry, measured by bench/frontend_report.
+/// 1-sigma per axis that the observations carry: the root of base^2 + (factor * residuals)^2, where
+/// the residuals of the alignment tell how well this patch can be located (bench/frontend_report
+/// checks it).
 struct PixelNoiseOptions {
-  /// 1-sigma per axis of a left pixel aligned on the full image. (!)
-  double sigma_left_px = 0.35;
-  /// 1-sigma per axis of a right pixel aligned on the full image. (!)
-  double sigma_right_px = 0.35;
-  /// Both grow by this factor per pyramid level that the alignment could not descend.
-  double level_factor = 1.8;
+  /// Base of a left pixel: what no residual shows, for example calibration. Twice as much for each
+  /// pyramid level that the alignment could not descend. (!)
+  double left_base_px = 0.2;
+  /// The same for a right pixel. (!)
+  double right_base_px = 0.25;
+  /// Above 1 because errors of a track are correlated from frame to frame.
+  double residual_factor = 1.5;
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("sigma_left_px", sigma_left_px, Range{0.01, 20}, "noise of a left pixel per axis");
-    v.Field("sigma_right_px", sigma_right_px, Range{0.01, 20}, "noise of a right pixel per axis");
-    v.Field("level_factor", level_factor, Range{1, 10}, "growth per pyramid level");
+    v.Field(
+        "left_base_px", left_base_px, Range{0.01, 20}, "noise of a left pixel besides residuals");
+    v.Field("right_base_px", right_base_px, Range{0.01, 20}, "same of a right pixel");
+    v.Field("residual_factor", residual_factor, Range{0, 10}, "weight of the patch residuals");
   }
 };
 

@@ -46,7 +46,8 @@ TEST_F(DetectorTest, SpreadsPointsOverTheImage) {
       EXPECT_GE((points[i] - points[j]).norm(), options_.min_distance_px);
     }
   }
-  for (const int n : quadrants) EXPECT_GT(n, static_cast<int>(points.size()) / 6);
+  for (const int n : quadrants)
+    EXPECT_GT(n, static_cast<int>(points.size()) / 6);
 }
 
 TEST_F(DetectorTest, KeepsAwayFromTracks) {
@@ -54,7 +55,8 @@ TEST_F(DetectorTest, KeepsAwayFromTracks) {
   const std::vector<Vector2d> tracks = Detect(image, {}, 60);
   ASSERT_EQ(tracks.size(), 60U);
   for (const Vector2d& p : Detect(image, tracks, 1000)) {
-    for (const Vector2d& q : tracks) EXPECT_GE((p - q).norm(), options_.min_distance_px - 1);
+    for (const Vector2d& q : tracks)
+      EXPECT_GE((p - q).norm(), options_.min_distance_px - 1);
   }
 }
 
@@ -87,12 +89,14 @@ std::vector<BearingPair> MakePairs(const Vector3d& t, int num_good, int num_bad,
 TEST(OutlierRejection, FindsMostOutliersAndKeepsInliers) {
   constexpr double kFocal = 458;
   OutlierRejection rejection(OutlierOptions{}, kFocal);
-  for (const Vector3d& t : {Vector3d(0.1, 0, 0.02), Vector3d(0, 0.02, 0.15), Vector3d(-0.1, 0.1, 0)}) {
+  for (const Vector3d& t :
+       {Vector3d(0.1, 0, 0.02), Vector3d(0, 0.02, 0.15), Vector3d(-0.1, 0.1, 0)}) {
     const auto pairs = MakePairs(t, 100, 30, 0.2 / kFocal);
     std::vector<unsigned char> is_outlier;
     ASSERT_EQ(rejection.Find(pairs, is_outlier), OutlierVerdict::kTrusted);
     int wrong = 0, found = 0;
-    for (std::size_t i = 0; i < pairs.size(); ++i) (i < 100 ? wrong : found) += is_outlier[i];
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      (i < 100 ? wrong : found) += is_outlier[i];
     EXPECT_LE(wrong, 2) << t.transpose();
     EXPECT_GE(found, 24) << t.transpose();
   }
@@ -106,18 +110,21 @@ TEST(OutlierRejection, RemovesNothingWithoutParallaxModelOrPoints) {
   EXPECT_EQ(rejection.Find({}, is_outlier), OutlierVerdict::kFewPoints);
   const auto chaos = MakePairs(Vector3d(0.1, 0, 0), 30, 70, 0.2 / 458);
   EXPECT_EQ(rejection.Find(chaos, is_outlier), OutlierVerdict::kNoModel);
-  for (const unsigned char o : is_outlier) EXPECT_EQ(o, 0);
+  for (const unsigned char o : is_outlier)
+    EXPECT_EQ(o, 0);
 }
 
 TEST(OutlierRejection, ToleratesAWrongRotation) {
   OutlierRejection rejection(OutlierOptions{}, 458);
   auto pairs = MakePairs(Vector3d(0.05, 0.02, 0.03), 100, 10, 0.2 / 458);
   const Quaterniond wrong = ExpSO3(Vector3d(0.005, -0.01, 0.02));  // 0.1 rad/s for 0.2 s
-  for (BearingPair& pair : pairs) pair.now = wrong * pair.now;
+  for (BearingPair& pair : pairs)
+    pair.now = wrong * pair.now;
   std::vector<unsigned char> is_outlier;
   ASSERT_EQ(rejection.Find(pairs, is_outlier), OutlierVerdict::kTrusted);
   int wrong_count = 0, found = 0;
-  for (std::size_t i = 0; i < pairs.size(); ++i) (i < 100 ? wrong_count : found) += is_outlier[i];
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    (i < 100 ? wrong_count : found) += is_outlier[i];
   EXPECT_LE(wrong_count, 2);
   EXPECT_GE(found, 7);
 }

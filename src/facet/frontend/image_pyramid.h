@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A pyramid of halved 8 bit images. Pixel (x, y) of level l lies over pixel (x, y) * 2^l of the image.
+// A pyramid of halved 8 bit images. Pixel (x, y) of level l lies over pixel (x, y) * 2^l of the
+// image.
 #pragma once
 
 #include <vector>

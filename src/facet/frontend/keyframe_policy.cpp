@@ -5,11 +5,16 @@ namespace facet {
 
 const char* ToString(KeyframeReason reason) {
   switch (reason) {
-    case KeyframeReason::kNone: return "none";
-    case KeyframeReason::kFirst: return "first";
-    case KeyframeReason::kStart: return "start";
-    case KeyframeReason::kInterval: return "interval";
-    case KeyframeReason::kFewTracks: return "few_tracks";
+    case KeyframeReason::kNone:
+      return "none";
+    case KeyframeReason::kFirst:
+      return "first";
+    case KeyframeReason::kStart:
+      return "start";
+    case KeyframeReason::kInterval:
+      return "interval";
+    case KeyframeReason::kFewTracks:
+      return "few_tracks";
   }
   return "";
 }

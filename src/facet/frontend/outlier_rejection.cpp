@@ -15,6 +15,8 @@ namespace {
 constexpr double kMinSine = 1e-3;
 // How wrong the given rotation may be [rad], 1-sigma.
 constexpr double kRotationSigma = 0.05;
+// A model that explains this share of the pairs needs no better one.
+constexpr double kGoodRatio = 0.9;
 
 // Distance of the turned second ray from the epipolar plane [rad].
 double PlaneAngle(const Vector3d& before, const Vector3d& now, const Vector3d& t) {
@@ -84,6 +86,7 @@ OutlierRejection::Model OutlierRejection::SampleTranslation(std::span<const Bear
     model.t = t / length;
     model.num_inliers = CountInliers(pairs, model);
     if (model.num_inliers > best.num_inliers) best = model;
+    if (best.num_inliers > kGoodRatio * n) break;
   }
   return best;
 }
@@ -134,6 +137,7 @@ OutlierVerdict OutlierRejection::Find(std::span<const BearingPair> pairs,
     Refine(pairs, refined);
     if (refined.num_inliers >= model.num_inliers) model = refined;
     if (model.num_inliers > best.num_inliers) best = model;
+    if (best.num_inliers > kGoodRatio * static_cast<double>(pairs.size())) break;
   }
   if (best.num_inliers < options_.min_inlier_ratio * static_cast<double>(pairs.size())) {
     return OutlierVerdict::kNoModel;

@@ -12,17 +12,18 @@
 
 namespace facet {
 
-/// One point seen from two places, as unit bearings in the same orientation (known rotation removed).
+/// One point seen from two places, as unit bearings in the same orientation (known rotation
+/// removed).
 struct BearingPair {
   Vector3d before;
   Vector3d now;
 };
 
 enum class OutlierVerdict {
-  kTrusted,        ///< `is_outlier` is meaningful
-  kFewPoints,      ///< too few pairs to tell
-  kLowParallax,    ///< the camera hardly moved; every point agrees with some translation
-  kNoModel,        ///< no translation explains enough of the pairs (for example a wrong rotation)
+  kTrusted,      ///< `is_outlier` is meaningful
+  kFewPoints,    ///< too few pairs to tell
+  kLowParallax,  ///< the camera hardly moved; every point agrees with some translation
+  kNoModel,      ///< no translation explains enough of the pairs (for example a wrong rotation)
 };
 
 /// Not thread-safe. Deterministic: every call starts from the same seed.
@@ -32,8 +33,8 @@ class OutlierRejection {
   OutlierRejection(const OutlierOptions& options, double focal_px)
       : options_(options), focal_px_(focal_px), max_angle_(options.max_error_px / focal_px) {}
 
-  /// Finds the pairs that contradict the common translation. Unless the verdict is kTrusted nothing is
-  /// marked as an outlier.
+  /// Finds the pairs that contradict the common translation. Unless the verdict is kTrusted nothing
+  /// is marked as an outlier.
   OutlierVerdict Find(std::span<const BearingPair> pairs, std::vector<unsigned char>& is_outlier);
 
  private:

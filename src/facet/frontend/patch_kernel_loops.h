@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A kernel without sums across samples: one loop serves all variants, the compiler vectorises it for the
-// instruction set of the function that it is inlined into. Private to the patch_kernels files.
+// A kernel without sums across samples: one loop serves all variants, the compiler vectorises it
+// for the instruction set of the function that it is inlined into. Private to the patch_kernels
+// files.
 #pragma once
 
 #include <array>
@@ -30,7 +31,8 @@ namespace facet::internal {
     }
     if (r == 0) continue;
     float* out = patch + (r - 1) * kLanes;
-    for (int c = 0; c < kLanes; ++c) out[c] = other[c] + fy * (row[c] - other[c]);
+    for (int c = 0; c < kLanes; ++c)
+      out[c] = other[c] + fy * (row[c] - other[c]);
   }
   for (int r = 0; r < kPatchSide; ++r) {
     const float* centre = patch + (r + 1) * kLanes + 1;

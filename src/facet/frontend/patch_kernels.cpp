@@ -47,7 +47,8 @@ void DotRows(const float* values, const float* rows, int num_rows, float* out) {
   for (int k = 0; k < num_rows; ++k, rows += kPatchSize) {
     float sum[kLanes] = {};
     for (int i = 0; i < kPatchSize; i += kLanes) {
-      for (int l = 0; l < kLanes; ++l) sum[l] += values[i + l] * rows[i + l];
+      for (int l = 0; l < kLanes; ++l)
+        sum[l] += values[i + l] * rows[i + l];
     }
     out[k] = SumLanes(sum);
   }
@@ -69,7 +70,8 @@ void Moments(const float* values, const float* weights, float* sum, float* sum_s
 void Combine(const float* rows, const float* factors, int num_rows, float* out) {
   for (int i = 0; i < kPatchSize; ++i) {
     float sum = factors[0] * rows[i];
-    for (int k = 1; k < num_rows; ++k) sum += factors[k] * rows[k * kPatchSize + i];
+    for (int k = 1; k < num_rows; ++k)
+      sum += factors[k] * rows[k * kPatchSize + i];
     out[i] = sum;
   }
 }

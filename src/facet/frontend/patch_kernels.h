@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The inner loops of patch tracking, in three variants with bit-identical results: every variant does
-// the same roundings in the same order (8 running sums per dot product, fixed final order, no fused
-// multiply-add).
+// The inner loops of patch tracking, in three variants with bit-identical results: every variant
+// does the same roundings in the same order (8 running sums per dot product, fixed final order, no
+// fused multiply-add).
 #pragma once
 
 #include <cstdint>
@@ -52,8 +52,8 @@ struct PatchKernels {
   void (*combine)(const float* rows, const float* factors, int num_rows, float* out);
 };
 
-/// "scalar", "sse2", "avx2", or "auto" for the fastest that this machine has. Null for an unknown name
-/// and for a variant that this machine cannot run.
+/// "scalar", "sse2", "avx2", or "auto" for the fastest that this machine has. Null for an unknown
+/// name and for a variant that this machine cannot run.
 const PatchKernels* FindPatchKernels(const std::string& name);
 
 namespace internal {

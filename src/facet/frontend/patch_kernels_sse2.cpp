@@ -61,8 +61,8 @@ void Sample(const ImageLevel& image, const PatchWarp& warp, float* values) {
   const __m128 u_low = _mm_set_ps(-0.5F, -1.5F, -2.5F, -3.5F);
   const __m128 u_high = _mm_set_ps(3.5F, 2.5F, 1.5F, 0.5F);
   const __m128 a00 = _mm_set1_ps(warp.a00), a10 = _mm_set1_ps(warp.a10);
-  const __m128i step_and_one = _mm_set1_epi32(static_cast<int>(
-      (static_cast<unsigned>(image.step) << 16) | 1U));
+  const __m128i step_and_one =
+      _mm_set1_epi32(static_cast<int>((static_cast<unsigned>(image.step) << 16) | 1U));
   alignas(16) int offsets[kLanes];
   for (int r = 0; r < kPatchSide; ++r, values += kLanes) {
     const float v = static_cast<float>(r) - kPatchHalf;

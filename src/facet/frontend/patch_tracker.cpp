@@ -31,7 +31,8 @@ constexpr PatchRow MakeWeights() {
 
 constexpr float Sum(const PatchRow& row) {
   float sum = 0;
-  for (const float value : row.values) sum += value;
+  for (const float value : row.values)
+    sum += value;
   return sum;
 }
 
@@ -82,7 +83,8 @@ void ExtractTemplate(
   float sum = 0, squares = 0;
   kernels.moments(value.data(), ones, &sum, &squares);
   const float mean = sum / kWeightSum;
-  for (int i = 0; i < kPatchSize; ++i) contrast[i] = ones[i] * (value.data()[i] - mean);
+  for (int i = 0; i < kPatchSize; ++i)
+    contrast[i] = ones[i] * (value.data()[i] - mean);
 
   std::array<float, N + 2> on_contrast{}, on_offset{}, products{};
   kernels.dot_rows(contrast, rows.data(), N + 1, on_contrast.data());
@@ -166,11 +168,10 @@ PatchWarp FromLevel(PatchWarp warp, int level) {
 }
 
 PatchTracker::PatchTracker(const KltOptions& options, int num_parameters)
-    : options_(options),
-      num_parameters_(num_parameters),
-      kernels_(FindPatchKernels(options.simd)) {
+    : options_(options), num_parameters_(num_parameters), kernels_(FindPatchKernels(options.simd)) {
   FACET_CHECK(kernels_ != nullptr) << "simd variant " << options.simd << " cannot run here";
-  FACET_CHECK((num_parameters >= 2 && num_parameters <= 4) || num_parameters == 6) << num_parameters;
+  FACET_CHECK((num_parameters >= 2 && num_parameters <= 4) || num_parameters == 6)
+      << num_parameters;
   FACET_CHECK(options.num_levels >= 1 && options.num_levels <= kMaxPyramidLevels);
 }
 
@@ -182,14 +183,21 @@ void PatchTracker::Extract(
   }
 }
 
-void PatchTracker::ExtractLevel(const ImageLevel& image, float x, float y, PatchTemplate& patch) const {
+void PatchTracker::ExtractLevel(const ImageLevel& image,
+                                float x,
+                                float y,
+                                PatchTemplate& patch) const {
   patch.is_valid = false;
   if (!CanSampleGradient(image, x, y)) return;
   switch (num_parameters_) {
-    case 2: return ExtractTemplate<2>(*kernels_, image, x, y, patch);
-    case 3: return ExtractTemplate<3>(*kernels_, image, x, y, patch);
-    case 4: return ExtractTemplate<4>(*kernels_, image, x, y, patch);
-    default: return ExtractTemplate<6>(*kernels_, image, x, y, patch);
+    case 2:
+      return ExtractTemplate<2>(*kernels_, image, x, y, patch);
+    case 3:
+      return ExtractTemplate<3>(*kernels_, image, x, y, patch);
+    case 4:
+      return ExtractTemplate<4>(*kernels_, image, x, y, patch);
+    default:
+      return ExtractTemplate<6>(*kernels_, image, x, y, patch);
   }
 }
 
@@ -263,8 +271,11 @@ Alignment PatchTracker::Align(const PatchPyramid& patch,
     }
     refined = FromLevel(w, l);
     result.level = l;
+    // Interpolation between pixels hides this much of their noise from the residuals, on average
+    // over the places between pixels.
+    constexpr float kHidden = 1.5F;
     const float unexplained = std::max(0.0F, 1 - result.zncc * result.zncc);
-    const float noise2 = unexplained * level.norm * level.norm /
+    const float noise2 = kHidden * kHidden * unexplained * level.norm * level.norm /
                          (kWeightSum - 2 - static_cast<float>(num_parameters_));
     result.sigma_px = static_cast<float>(1 << l) * std::sqrt(noise2 * level.translation_cov);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Inverse-compositional alignment of small patches, free in gain and offset (Baker & Matthews, IJCV
-// 2004; the two brightness parameters are projected out of the Jacobian, so one update costs a few dot
-// products with precomputed rows).
+// 2004; the two brightness parameters are projected out of the Jacobian, so one update costs a few
+// dot products with precomputed rows).
 #pragma once
 
 #include <array>
@@ -18,10 +18,11 @@ inline constexpr int kMaxWarpParameters = 6;
 
 /// One patch of one pyramid level, ready to be found in other images.
 struct PatchTemplate {
-  bool is_valid = false;        ///< false: too close to the border or without texture
-  float norm = 0;               ///< root of the weighted squared contrast
-  float translation_cov = 0;    ///< variance of the position per variance of a grey value, mean of x and y
-  float min_eigenvalue = 0;     ///< of the information on the position, per sample [(grey/px)^2]
+  bool is_valid = false;  ///< false: too close to the border or without texture
+  float norm = 0;         ///< root of the weighted squared contrast
+  float translation_cov =
+      0;  ///< variance of the position per variance of a grey value, mean of x and y
+  float min_eigenvalue = 0;  ///< of the information on the position, per sample [(grey/px)^2]
   /// Row 0 gives the gain, rows 1.. the update of the warp parameters times the gain.
   alignas(32) std::array<float, (1 + kMaxWarpParameters) * kPatchSize> rows;
 };
@@ -31,17 +32,18 @@ struct PatchPyramid {
   std::array<PatchTemplate, kMaxPyramidLevels> levels;
 
   void Invalidate() {
-    for (PatchTemplate& level : levels) level.is_valid = false;
+    for (PatchTemplate& level : levels)
+      level.is_valid = false;
   }
   bool IsValid(int level) const { return levels[static_cast<std::size_t>(level)].is_valid; }
 };
 
 /// What an alignment came to.
 struct Alignment {
-  bool ok = false;      ///< converged inside the image on at least the finest level that was tried
-  int level = 0;        ///< finest level that was aligned
-  float zncc = -1;      ///< similarity there, -1..1
-  float sigma_px = 0;   ///< 1-sigma of the position per axis from the residuals, in level-0 pixels
+  bool ok = false;     ///< converged inside the image on at least the finest level that was tried
+  int level = 0;       ///< finest level that was aligned
+  float zncc = -1;     ///< similarity there, -1..1
+  float sigma_px = 0;  ///< 1-sigma of the position per axis from the residuals, in level-0 pixels
 };
 
 /// The range of levels of an alignment, coarse to fine.
@@ -57,8 +59,10 @@ class PatchTracker {
   /// affine. CHECKs these numbers and that options.simd can run here.
   PatchTracker(const KltOptions& options, int num_parameters);
 
-  /// Takes the patch around (x, y) of level 0, on the levels of `range`; the others stay as they are.
-  void Extract(const ImagePyramid& image, float x, float y, LevelRange range, PatchPyramid& patch) const;
+  /// Takes the patch around (x, y) of level 0, on the levels of `range`; the others stay as they
+  /// are.
+  void Extract(
+      const ImagePyramid& image, float x, float y, LevelRange range, PatchPyramid& patch) const;
 
   /// Takes one level; (x, y) in pixels of that level.
   void ExtractLevel(const ImageLevel& image, float x, float y, PatchTemplate& patch) const;
@@ -71,7 +75,9 @@ class PatchTracker {
                   PatchWarp& warp) const;
 
   /// Similarity of the patch with the image under the warp in pixels of that level, -1 if outside.
-  float Similarity(const PatchTemplate& patch, const ImageLevel& image, const PatchWarp& warp) const;
+  float Similarity(const PatchTemplate& patch,
+                   const ImageLevel& image,
+                   const PatchWarp& warp) const;
 
   const PatchKernels& kernels() const { return *kernels_; }
 

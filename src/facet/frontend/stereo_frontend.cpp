@@ -2,6 +2,7 @@
 #include "facet/frontend/stereo_frontend.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -36,8 +37,8 @@ struct StereoFrontend::Impl {
   OutlierRejection outlier_rejection;
   KeyframePolicy keyframe_policy;
 
-  std::vector<Track> tracks;                         // fixed number of slots
-  std::vector<std::optional<StereoMatch>> matches;   // of the newest frame, by slot
+  std::vector<Track> tracks;                        // fixed number of slots
+  std::vector<std::optional<StereoMatch>> matches;  // of the newest frame, by slot
   ImagePyramid previous, now, right_pyramid;
   SE3 T_Bprev_Bnow;         // predicted motion since the image in `previous`
   Quaterniond R_C_kf_prev;  // rotation of the left camera, last keyframe from previous frame
@@ -127,7 +128,8 @@ void StereoFrontend::Impl::DetectNew(const cv::Mat& left, FrontendResult& result
   const auto found = detector.Detect(left, now.level(0), detection_tracker, occupied, wanted);
   auto slot = tracks.begin();
   for (const Vector2d& px : found) {
-    while (slot != tracks.end() && slot->id.IsValid()) ++slot;
+    while (slot != tracks.end() && slot->id.IsValid())
+      ++slot;
     if (slot == tracks.end()) break;
     if (!temporal_tracker.Begin(now, px, *slot)) continue;
     slot->id = LandmarkId{next_landmark++};
@@ -159,19 +161,21 @@ void StereoFrontend::Impl::StartKeyframe() {
 }
 
 void StereoFrontend::Impl::FillObservations(FrontendResult& result) const {
-  const auto sigma = [this](double base, int level) {
-    return base * std::pow(options.noise.level_factor, level);
+  const auto sigma = [this](double base_px, int level, double residual_px) {
+    return std::hypot(base_px * (1 << level), options.noise.residual_factor * residual_px);
   };
+  result.observations.features.reserve(tracks.size());
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Track& track = tracks[i];
     if (!track.id.IsValid()) continue;
     FeatureObservation observation;
     observation.landmark = track.id;
     observation.px_left = track.px;
-    observation.sigma_left_px = sigma(options.noise.sigma_left_px, track.level);
+    observation.sigma_left_px = sigma(options.noise.left_base_px, track.level, track.sigma_px);
     if (matches[i]) {
       observation.px_right = matches[i]->px;
-      observation.sigma_right_px = sigma(options.noise.sigma_right_px, matches[i]->level);
+      observation.sigma_right_px =
+          sigma(options.noise.right_base_px, matches[i]->level, matches[i]->sigma_px);
       ++result.num_stereo;
     }
     result.observations.features.push_back(observation);

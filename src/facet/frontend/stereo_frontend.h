@@ -19,8 +19,8 @@ namespace facet {
 
 /// A stereo pair, 8 bit grey. An empty right image makes a mono frame.
 ///
-/// The pixels are not copied but referenced until two further frames have been processed: do not write
-/// into the same memory before that.
+/// The pixels are not copied but referenced until two further frames have been processed: do not
+/// write into the same memory before that.
 struct StereoFrame {
   Timestamp t;
   cv::Mat left;
@@ -33,7 +33,8 @@ struct FrontendHint {
   Quaterniond R_prev_now = Quaterniond::Identity();
   /// Translation of the body now, in the previous body frame [m]; zero when not known.
   Vector3d p_prev_now = Vector3d::Zero();
-  /// Inverse depth [1/m] along the left camera's z axis at the previous frame, by landmark; may be null.
+  /// Inverse depth [1/m] along the left camera's z axis at the previous frame, by landmark; may be
+  /// null.
   const std::unordered_map<LandmarkId, double>* inverse_depth = nullptr;
 };
 
@@ -61,8 +62,8 @@ class StereoFrontend {
   /// Processes the next frame. Frame ids count from 0 in the order of the calls; landmark ids are
   /// never used twice. Adds the time to the stages kTrack, kStereo and kDetect.
   ///
-  /// A left image that cannot be used gives empty observations and keeps the tracks, which are then
-  /// looked for in the next frame: its hint should then span both intervals.
+  /// A left image that cannot be used gives empty observations. The tracks are kept and sought in
+  /// the next frame; the hints of both frames are composed.
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
 
  private:

@@ -73,13 +73,16 @@ std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
   return match;
 }
 
-void StereoMatcher::Search(const Track& track, const ImagePyramid& left, const ImagePyramid& right) {
+void StereoMatcher::Search(const Track& track,
+                           const ImagePyramid& left,
+                           const ImagePyramid& right) {
   samples_.clear();
   candidates_.clear();
   int level = std::min(options_.search_level, right.num_levels() - 1);
   const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
   tracker_.Extract(left, x, y, {level, kSeededLevel + 1}, patch_);
-  while (level > 0 && !patch_.IsValid(level)) --level;
+  while (level > 0 && !patch_.IsValid(level))
+    --level;
   const PatchTemplate& patch = patch_.levels[static_cast<std::size_t>(level)];
   if (!patch.is_valid) return;
   const double max_inverse_depth = 1 / options_.min_depth_m;
@@ -108,9 +111,9 @@ void StereoMatcher::Search(const Track& track, const ImagePyramid& left, const I
     if (here < static_cast<float>(options_.min_search_zncc)) continue;
     if (here >= before && here > after) candidates_.push_back(samples_[i]);
   }
-  std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
-    return a.zncc > b.zncc;
-  });
+  std::stable_sort(candidates_.begin(),
+                   candidates_.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.zncc > b.zncc; });
   if (candidates_.size() > kMaxCandidates) candidates_.resize(kMaxCandidates);
 }
 

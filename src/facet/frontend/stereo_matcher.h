@@ -23,8 +23,9 @@ class StereoMatcher {
  public:
   StereoMatcher(const StereoRig& rig, const FrontendOptions& options);
 
-  /// Match of the track's place in the newest left image; empty when none can be trusted. Starts at the track's inverse
-  /// depth where there is one, otherwise (or without success there) searches along the epipolar line.
+  /// Match of the track's place in the newest left image; empty when none can be trusted. Starts at
+  /// the track's inverse depth where there is one, otherwise (or without success there) searches
+  /// along the epipolar line.
   std::optional<StereoMatch> Match(const Track& track,
                                    const ImagePyramid& left,
                                    const ImagePyramid& right);

@@ -24,7 +24,8 @@ class WaveTexture {
 
   double operator()(double x, double y) const {
     double sum = 0;
-    for (const Wave& w : waves_) sum += std::sin(w.fx * x + w.fy * y + w.phase);
+    for (const Wave& w : waves_)
+      sum += std::sin(w.fx * x + w.fy * y + w.phase);
     return 125 + kAmplitude * sum;
   }
 

@@ -42,8 +42,8 @@ bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& 
 
 std::optional<TemporalTracker::Prediction> TemporalTracker::Predict(const SE3& T_now_prev,
                                                                     const Track& track) const {
-  // Translation known: the motion follows from the depth. Otherwise the point is assumed to go on as
-  // it did, which is written as a translation of a point at unit depth.
+  // Translation known: the motion follows from the depth. Otherwise the point is assumed to go on
+  // as it did, which is written as a translation of a point at unit depth.
   SE3 motion = T_now_prev;
   double inverse_depth = 0;
   Prediction prediction;
@@ -103,6 +103,7 @@ void TemporalTracker::Accept(const ImagePyramid& now,
   std::swap(track.patch, scratch_);
   track.px = Vector2d(warp.x, warp.y);
   track.ray = ray;
+  track.drift = ray.xy - track.rotated_xy;
   track.sigma_px = found.sigma_px;
   track.level = found.level;
   if (has_reference) {
@@ -128,8 +129,7 @@ TemporalTracker::Outcome TemporalTracker::FollowInRange(const Images& images,
   const Vector2d px(warp.x, warp.y);
   if (!camera_.IsInside(px, options_.border_px)) return Outcome::kOutOfView;
   scratch_->Invalidate();
-  frame_tracker_.Extract(
-      images.now, warp.x, warp.y, {options_.tracking.start_level, 0}, *scratch_);
+  frame_tracker_.Extract(images.now, warp.x, warp.y, {options_.tracking.start_level, 0}, *scratch_);
   if (!ReturnsToStart(images.previous, track, found.level, warp)) return Outcome::kNotReturned;
   const std::optional<UndistortedPoint> ray = camera_.Undistort(px);
   if (!ray) return Outcome::kOutOfView;
@@ -155,28 +155,54 @@ TemporalTracker::Outcome TemporalTracker::Follow(const Images& images,
   return FollowInRange(images, prediction.warp, {top, 1}, track);
 }
 
+void TemporalTracker::RetryInPlace(const Images& images,
+                                   std::span<Track> tracks,
+                                   TrackingSummary& summary) {
+  summary.retried = true;
+  const auto found = std::remove_if(lost_.begin(), lost_.end(), [&](std::size_t slot) {
+    Track& track = tracks[slot];
+    Prediction in_place;
+    in_place.warp.x = static_cast<float>(track.px.x());
+    in_place.warp.y = static_cast<float>(track.px.y());
+    return Follow(images, in_place, track) == Outcome::kTracked;
+  });
+  summary.num_not_found -= static_cast<int>(lost_.end() - found);
+  summary.num_tracked += static_cast<int>(lost_.end() - found);
+  lost_.erase(found, lost_.end());
+}
+
 TrackingSummary TemporalTracker::Advance(const ImagePyramid& previous,
                                          const ImagePyramid& now,
                                          const SE3& T_now_prev,
                                          std::span<Track> tracks) {
+  const Images images = {previous, now};
   TrackingSummary summary;
   num_refreshed_ = 0;
-  const SE3 rotation(T_now_prev.q, Vector3d::Zero());
-  for (Track& track : tracks) {
+  lost_.clear();
+  for (std::size_t slot = 0; slot < tracks.size(); ++slot) {
+    Track& track = tracks[slot];
     if (!track.id.IsValid()) continue;
-    const Vector3d expected = T_now_prev.q * Vector3d(track.ray.xy.x(), track.ray.xy.y(), 1);
+    const Vector3d turned = T_now_prev.q * Vector3d(track.ray.xy.x(), track.ray.xy.y(), 1);
     const std::optional<Prediction> prediction = Predict(T_now_prev, track);
-    const Outcome outcome = prediction ? Follow({previous, now}, *prediction, track) : Outcome::kOutOfView;
+    track.rotated_xy = turned.head<2>() / turned.z();
+    const Outcome outcome = prediction ? Follow(images, *prediction, track) : Outcome::kOutOfView;
+    if (track.inverse_depth) {
+      const double z = turned.z() + *track.inverse_depth * T_now_prev.p.z();
+      if (z > 0) track.inverse_depth = *track.inverse_depth / z;
+    }
     summary.num_tracked += outcome == Outcome::kTracked ? 1 : 0;
     summary.num_out_of_view += outcome == Outcome::kOutOfView ? 1 : 0;
     summary.num_not_found += outcome == Outcome::kNotFound ? 1 : 0;
     summary.num_not_returned += outcome == Outcome::kNotReturned ? 1 : 0;
-    if (outcome != Outcome::kTracked) {
+    if (outcome == Outcome::kNotFound)
+      lost_.push_back(slot);
+    else if (outcome != Outcome::kTracked)
       track.id = LandmarkId{};
-      continue;
-    }
-    track.drift = track.ray.xy - expected.head<2>() / expected.z();
   }
+  const auto limit = options_.tracking.retry_lost_ratio * summary.num_tracked;
+  if (static_cast<double>(lost_.size()) > limit) RetryInPlace(images, tracks, summary);
+  for (const std::size_t slot : lost_)
+    tracks[slot].id = LandmarkId{};
   summary.num_refreshed = num_refreshed_;
   return summary;
 }

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "facet/camera/camera_model.h"
 #include "facet/frontend/track.h"
@@ -21,8 +22,8 @@ class TemporalTracker {
   /// Starts a track at px of the image, apart from its id. False: the place has no texture or ray.
   bool Begin(const ImagePyramid& now, const Vector2d& px, Track& track) const;
 
-  /// Moves every track to the image `now`; tracks that are lost get an invalid id. T_now_prev is the
-  /// predicted motion of the camera; a translation of zero means that it is not known.
+  /// Moves every track to the image `now`; tracks that are lost get an invalid id. T_now_prev is
+  /// the predicted motion of the camera; a translation of zero means that it is not known.
   TrackingSummary Advance(const ImagePyramid& previous,
                           const ImagePyramid& now,
                           const SE3& T_now_prev,
@@ -40,6 +41,8 @@ class TemporalTracker {
   };
 
   std::optional<Prediction> Predict(const SE3& T_now_prev, const Track& track) const;
+  /// Seeks the lost tracks once more where they were, as if nothing had moved.
+  void RetryInPlace(const Images& images, std::span<Track> tracks, TrackingSummary& summary);
   /// Tries finer to wider ranges of levels. The track is unchanged unless it was tracked.
   Outcome Follow(const Images& images, const Prediction& prediction, Track& track);
   Outcome FollowInRange(const Images& images,
@@ -70,6 +73,7 @@ class TemporalTracker {
   std::unique_ptr<PatchPyramid> scratch_ = std::make_unique<PatchPyramid>();
   PatchWarp new_reference_warp_;
   int num_refreshed_ = 0;
+  std::vector<std::size_t> lost_;  // slots
 };
 
 }  // namespace facet

@@ -11,8 +11,8 @@
 
 namespace facet {
 
-/// State of a followed point after a frame in which it was seen. Slots are reused: an invalid id marks
-/// a free slot.
+/// State of a followed point after a frame in which it was seen. Slots are reused: an invalid id
+/// marks a free slot.
 struct Track {
   LandmarkId id;
   Vector2d px = Vector2d::Zero();  ///< in the newest left image
@@ -21,7 +21,9 @@ struct Track {
   int level = 0;                   ///< finest level of the alignment
   /// [1/m] along z of the left camera; empty until a right pixel or the estimator told it.
   std::optional<double> inverse_depth;
-  /// How far the point moved on the plane z = 1 since the previous frame, beyond the predicted rotation.
+  /// Where the predicted rotation alone puts the point in the newest frame, on the plane z = 1.
+  Vector2d rotated_xy = Vector2d::Zero();
+  /// How far it moved beyond that since the previous frame.
   std::optional<Vector2d> drift;
   /// Bearing in the last keyframe that saw the point there.
   std::optional<Vector3d> keyframe_bearing;

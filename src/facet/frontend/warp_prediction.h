@@ -11,8 +11,8 @@
 namespace facet {
 
 /// Image of a fronto-parallel patch at `ray` with inverse depth rho [1/m] in `camera`, where
-/// T_to_from maps from the camera of the ray. Distortion of both cameras is accounted for. Empty when
-/// the point is not in front of the camera. The place may lie outside the image.
+/// T_to_from maps from the camera of the ray. Distortion of both cameras is accounted for. Empty
+/// when the point is not in front of the camera. The place may lie outside the image.
 std::optional<PatchWarp> PredictWarp(const UndistortedPoint& ray,
                                      double rho,
                                      const SE3& T_to_from,

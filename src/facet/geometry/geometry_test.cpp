@@ -38,7 +38,9 @@ TEST(So3Test, RightJacobianMatchesNumericDerivative) {
       return Vector3d(LogSO3(ExpSO3(theta).conjugate() * ExpSO3(theta + d)));
     };
     testing::ExpectJacobian<3, 3>(RightJacobianSO3(theta), f, 1e-7);
-    EXPECT_LT((RightJacobianSO3(theta) * RightJacobianInverseSO3(theta) - Matrix3d::Identity()).norm(), 1e-9);
+    EXPECT_LT(
+        (RightJacobianSO3(theta) * RightJacobianInverseSO3(theta) - Matrix3d::Identity()).norm(),
+        1e-9);
   }
 }
 

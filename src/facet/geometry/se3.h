@@ -23,7 +23,11 @@ struct SE3 {
   }
 };
 
-inline SE3 operator*(const SE3& a, const SE3& b) { return {a.q * b.q, a.p + a.q * b.p}; }
-inline Vector3d operator*(const SE3& T, const Vector3d& x) { return T.q * x + T.p; }
+inline SE3 operator*(const SE3& a, const SE3& b) {
+  return {a.q * b.q, a.p + a.q * b.p};
+}
+inline Vector3d operator*(const SE3& T, const Vector3d& x) {
+  return T.q * x + T.p;
+}
 
 }  // namespace facet

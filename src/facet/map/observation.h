@@ -14,7 +14,7 @@ struct FeatureObservation {
   LandmarkId landmark;
   Vector2d px_left = Vector2d::Zero();
   std::optional<Vector2d> px_right;
-  double sigma_left_px = 0.5;   ///< 1-sigma per axis
+  double sigma_left_px = 0.5;  ///< 1-sigma per axis
   double sigma_right_px = 0.5;
 };
 

@@ -36,7 +36,8 @@ FrontPacket FrontStage::Process(const StereoFrame& frame) {
 
 void FrontStage::TakeFeedback() {
   const auto old_enough = [&](const Feedback& f) { return f.frame.value <= next_frame_ - kLag; };
-  while (feedback_.size() >= 2 && old_enough(feedback_[1])) feedback_.pop_front();
+  while (feedback_.size() >= 2 && old_enough(feedback_[1]))
+    feedback_.pop_front();
   has_feedback_ = !feedback_.empty() && old_enough(feedback_.front());
 }
 
@@ -52,7 +53,8 @@ FrontendHint FrontStage::Predict(Timestamp t_imu) {
   if (!has_previous_ || imu_.empty()) return hint;
   const Duration gap = FromSeconds(max_gap_s_), extrapolation = FromSeconds(kMaxExtrapolation_s);
   const ImuInterval now = imu_.Between(previous_t_, t_imu, gap, extrapolation);
-  ImuPreintegration motion(has_feedback_ ? feedback_.front().state.bias : ImuBias(), PreintegrationNoise());
+  ImuPreintegration motion(has_feedback_ ? feedback_.front().state.bias : ImuBias(),
+                           PreintegrationNoise());
   motion.Integrate(now.samples);
   hint.R_prev_now = motion.dR();
   if (!has_feedback_) return hint;

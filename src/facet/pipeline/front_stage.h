@@ -26,8 +26,8 @@ struct FrontPacket {
   StageTimes times;
 };
 
-/// Not thread-safe. Deterministic: frame k uses the newest feedback of a keyframe k - kLag or older, no
-/// matter how far the back stage has come.
+/// Not thread-safe. Deterministic: frame k uses the newest feedback of a keyframe k - kLag or
+/// older, no matter how far the back stage has come.
 class FrontStage {
  public:
   /// The back stage may work on one frame while the front stage works on the next.

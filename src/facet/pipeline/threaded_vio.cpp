@@ -51,7 +51,8 @@ struct ThreadedVio::Impl {
   std::vector<VioOutput> Collect(std::int64_t count) {
     std::unique_lock lock(mutex);
     changed.wait(lock, [&] { return num_done >= count; });
-    for (Feedback& f : feedback) front.AddFeedback(std::move(f));
+    for (Feedback& f : feedback)
+      front.AddFeedback(std::move(f));
     feedback.clear();
     return std::exchange(outputs, {});
   }
@@ -94,10 +95,16 @@ std::vector<VioOutput> ThreadedVio::AddStereo(const StereoFrame& frame) {
   return ready;
 }
 
-std::vector<VioOutput> ThreadedVio::Finish() { return impl_->Collect(impl_->num_sent); }
+std::vector<VioOutput> ThreadedVio::Finish() {
+  return impl_->Collect(impl_->num_sent);
+}
 
-std::vector<KeyframePose> ThreadedVio::WindowKeyframes() const { return impl_->back.WindowKeyframes(); }
+std::vector<KeyframePose> ThreadedVio::WindowKeyframes() const {
+  return impl_->back.WindowKeyframes();
+}
 
-int ThreadedVio::num_refused_imu() const { return impl_->num_refused_imu; }
+int ThreadedVio::num_refused_imu() const {
+  return impl_->num_refused_imu;
+}
 
 }  // namespace facet

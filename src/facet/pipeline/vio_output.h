@@ -18,16 +18,16 @@ struct VioOutput {
   Timestamp t;  ///< stamp of the left image
   bool is_keyframe = false;
   TrackingStatus status = TrackingStatus::kInitialising;
-  std::string reason;     ///< why the status is not ok, or empty
-  bool has_pose = false;  ///< false while initialising; `state` is then meaningless
-  NavState state;         ///< causal estimate at t
-  Vector3d sigma_p = Vector3d::Zero();      ///< 1-sigma [m], in W
+  std::string reason;                   ///< why the status is not ok, or empty
+  bool has_pose = false;                ///< false while initialising; `state` is then meaningless
+  NavState state;                       ///< causal estimate at t
+  Vector3d sigma_p = Vector3d::Zero();  ///< 1-sigma [m], in W
   Vector3d sigma_theta = Vector3d::Zero();  ///< 1-sigma [rad], in B
   Vector3d sigma_v = Vector3d::Zero();      ///< 1-sigma [m/s], in W
-  int num_tracks = 0;     ///< features tracked in this frame
-  int num_landmarks = 0;  ///< landmarks in the window
-  int imu_gaps = 0;       ///< IMU holes since the previous frame
-  bool was_reset = false; ///< the estimator started over before this frame
+  int num_tracks = 0;                       ///< features tracked in this frame
+  int num_landmarks = 0;                    ///< landmarks in the window
+  int imu_gaps = 0;                         ///< IMU holes since the previous frame
+  bool was_reset = false;                   ///< the estimator started over before this frame
   /// Keyframes that left the window with this frame, with their final (smoothed) poses.
   std::vector<KeyframePose> finished_keyframes;
   /// Set on keyframes.

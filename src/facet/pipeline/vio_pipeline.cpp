@@ -30,8 +30,12 @@ VioOutput VioPipeline::AddStereo(const StereoFrame& frame) {
   return output;
 }
 
-std::vector<KeyframePose> VioPipeline::WindowKeyframes() const { return impl_->back.WindowKeyframes(); }
+std::vector<KeyframePose> VioPipeline::WindowKeyframes() const {
+  return impl_->back.WindowKeyframes();
+}
 
-int VioPipeline::num_refused_imu() const { return impl_->num_refused_imu; }
+int VioPipeline::num_refused_imu() const {
+  return impl_->num_refused_imu;
+}
 
 }  // namespace facet

@@ -13,7 +13,8 @@
 
 namespace facet {
 
-/// Synchronous and deterministic; not thread-safe. Never throws for any content of images or samples.
+/// Synchronous and deterministic; not thread-safe. Never throws for any content of images or
+/// samples.
 class VioPipeline {
  public:
   VioPipeline(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options);
@@ -21,7 +22,8 @@ class VioPipeline {
   VioPipeline(const VioPipeline&) = delete;
   VioPipeline& operator=(const VioPipeline&) = delete;
 
-  /// IMU samples in order of time (IMU clock). Refuses and counts what is not finite or not in order.
+  /// IMU samples in order of time (IMU clock). Refuses and counts what is not finite or not in
+  /// order.
   void AddImu(const ImuSample& sample);
 
   /// A stereo pair, after the IMU samples up to its stamp (one sample beyond it is ideal).

@@ -24,10 +24,9 @@ template <int R, int C, class F>
 void ExpectJacobian(const Matrix<R, C>& J, const F& f, double tolerance, double step = 1e-6) {
   const Matrix<R, C> numeric = NumericJacobian<R, C>(f, step);
   const double scale = 1.0 + numeric.cwiseAbs().maxCoeff();
-  EXPECT_LT((J - numeric).cwiseAbs().maxCoeff() / scale, tolerance)
-      << "analytic\n"
-      << J << "\nnumeric\n"
-      << numeric;
+  EXPECT_LT((J - numeric).cwiseAbs().maxCoeff() / scale, tolerance) << "analytic\n"
+                                                                    << J << "\nnumeric\n"
+                                                                    << numeric;
 }
 
 }  // namespace facet::testing
