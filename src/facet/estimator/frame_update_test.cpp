@@ -103,7 +103,7 @@ TEST(FrameUpdateTest, AgreesWithTheJointSolution) {
   }
   std::cout << "rms deviation from the joint solution in its sigmas (theta p v): predicted "
             << sum_before / kRuns << ", updated " << sum_after / kRuns << '\n';
-  EXPECT_LT(sum_after / kRuns, 0.35);
+  EXPECT_LT(sum_after / kRuns, 0.25);
   EXPECT_LT(sum_after, 0.7 * sum_before);
 }
 
@@ -116,8 +116,7 @@ double Nees(const NavState& truth,
   return error.dot(MatrixXd(covariance.block(first, first, size, size)).ldlt().solve(error));
 }
 
-// The held reference makes the update cautious while the window has not drifted: its own noise is
-// counted as if the frame shared it.
+// Somewhat cautious, as the joint solution is: the biases of the simulation do not walk.
 TEST(FrameUpdateTest, CovarianceIsConsistent) {
   double pose = 0, velocity = 0, joint_pose = 0, joint_velocity = 0;
   constexpr int kRuns = 100;
@@ -137,11 +136,13 @@ TEST(FrameUpdateTest, CovarianceIsConsistent) {
   std::cout << "mean NEES: pose " << pose << " (joint solution " << joint_pose
             << ") of 6, velocity " << velocity << " (" << joint_velocity << ") of 3\n";
   // 99 % intervals of the mean of 100 chi-square variables.
-  EXPECT_NEAR(joint_pose, 6, 2.576 * std::sqrt(12.0 / kRuns));
-  EXPECT_NEAR(joint_velocity, 3, 2.576 * std::sqrt(6.0 / kRuns));
-  EXPECT_NEAR(velocity, 3, 2.576 * std::sqrt(6.0 / kRuns));
-  EXPECT_LT(pose, 6 + 2.576 * std::sqrt(12.0 / kRuns));
-  EXPECT_GT(pose, 2);
+  const double pose_interval = 2.576 * std::sqrt(12.0 / kRuns);
+  const double velocity_interval = 2.576 * std::sqrt(6.0 / kRuns);
+  EXPECT_NEAR(joint_pose, 6, pose_interval);
+  EXPECT_NEAR(joint_velocity, 3, velocity_interval);
+  EXPECT_NEAR(velocity, 3, velocity_interval);
+  EXPECT_LT(pose, 6 + pose_interval);
+  EXPECT_GT(pose, 0.8 * joint_pose);
 }
 
 TEST(FrameUpdateTest, WithoutObservationsTheFrameFollowsTheImu) {

@@ -431,8 +431,9 @@ void VioEstimator::FillResult(const WindowFrame& frame,
     result.reason = "few landmarks";
   }
   const double velocity_sigma = std::sqrt(newest_covariance_.block<3, 3>(6, 6).trace());
-  const bool sane =
-      frame.x.T_WB.p.allFinite() && frame.x.v_WB.allFinite() && frame.x.T_WB.q.coeffs().allFinite();
+  const bool sane = frame.x.T_WB.p.allFinite() && frame.x.T_WB.q.coeffs().allFinite() &&
+                    frame.x.v_WB.allFinite() && frame.x.bias.b_g.allFinite() &&
+                    frame.x.bias.b_a.allFinite() && newest_covariance_.allFinite();
   if (!sane || !(velocity_sigma < kLostVelocitySigma) || frame.x.v_WB.norm() > kLostSpeed) {
     result.status = TrackingStatus::kLost;
     result.reason = sane ? "velocity unknown" : "numerical failure";

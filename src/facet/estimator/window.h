@@ -42,7 +42,6 @@ struct WindowObservation {
   /// [0] left, [1] right: measured x/z, y/z and the whitening 1/sigma * (d xy / d px)^-1.
   Vector2d xy[2] = {Vector2d::Zero(), Vector2d::Zero()};
   Matrix2d sqrt_info[2] = {Matrix2d::Zero(), Matrix2d::Zero()};
-  bool has_left = true;
 };
 
 /// A point as bearing and inverse distance in the left camera of its host frame.

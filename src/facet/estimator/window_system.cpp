@@ -189,7 +189,8 @@ double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robu
 bool WindowSystem::Solve(const SlidingWindow& window, double lambda) {
   reduced_H_ = H_;
   reduced_b_ = b_;
-  reduced_H_.diagonal() += lambda * H_.diagonal();
+  // The constant keeps a frame without any measurement (dark, during the start) where it is.
+  reduced_H_.diagonal().array() += lambda * (H_.diagonal().array() + 1.0);
   for (int k = 0; k < num_blocks_; ++k) {
     Eliminate(lambda, blocks_[k]);
     SubtractSchur(blocks_[k], layout_.pose_column, reduced_H_, reduced_b_);

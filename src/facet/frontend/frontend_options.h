@@ -163,7 +163,7 @@ struct KeyframeOptions {
   /// A keyframe is due when fewer than this share of the last keyframe's points is still tracked.
   double min_tracked_ratio = 0.7;
   /// Every frame is a keyframe in the first seconds, where the start needs stereo.
-  double every_frame_until_s = 0.5;
+  double every_frame_until_s = 0;
 
   template <class Visitor>
   void Visit(Visitor& v) {
