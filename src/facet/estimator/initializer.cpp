@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/initializer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -132,6 +133,9 @@ InitializationResult InitializeFromStereo(const StereoRig& rig,
                                           const SolverOptions& options,
                                           SlidingWindow& window) {
   if (window.frames.size() < 3) return {false, "fewer than three frames"};
+  if (std::none_of(window.landmarks().begin(), window.landmarks().end(), IsConstraining)) {
+    return {false, "no landmark with depth is seen twice"};
+  }
   PredictRotations(window);
   if (!SolveVisionOnly(rig, options, window)) return {false, "stereo bundle adjustment failed"};
   SolveGyroBias(window);

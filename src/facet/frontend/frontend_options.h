@@ -162,7 +162,7 @@ struct KeyframeOptions {
   double interval_s = 0.2;
   /// A keyframe is due when fewer than this share of the last keyframe's points is still tracked.
   double min_tracked_ratio = 0.7;
-  /// Every frame is a keyframe in the first seconds, where the start needs stereo.
+  /// Every frame is a keyframe until then [s]. The start does not need it; off.
   double every_frame_until_s = 0;
 
   template <class Visitor>

@@ -156,7 +156,9 @@ TEST(KeyframePolicy, EveryFourthFrameInSpiteOfJitter) {
 }
 
 TEST(KeyframePolicy, StartAndFewTracks) {
-  KeyframePolicy policy{KeyframeOptions{}};
+  KeyframeOptions options;
+  options.every_frame_until_s = 0.5;
+  KeyframePolicy policy{options};
   EXPECT_EQ(At(policy, 0), KeyframeReason::kFirst);
   policy.SetKeyframeSize(100);
   EXPECT_EQ(At(policy, 50'000'000), KeyframeReason::kStart);
