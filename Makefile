@@ -16,7 +16,7 @@ build: setup  ## build/facet
 demo: build  ## run and evaluate one sequence: make demo [SEQUENCE=dir]
 	@scripts/demo.sh "$(SEQUENCE)"
 
-test: setup  ## every test: SANITIZE=0 leaves out the address and undefined-behaviour sanitizers
+test: setup  ## every test; SANITIZE=1 first runs the unit tests under the sanitizers (half an hour more)
 	@scripts/test.sh $(PRESET)
 
 bench: build  ## kernels, then the end-to-end table over every sequence found: make bench [DATA=dir]
