@@ -22,7 +22,7 @@ FrontPacket FrontStage::Process(const StereoFrame& frame) {
     ScopedStage stage(packet.times, Stage::kImu);
     TakeFeedback();
     packet.imu = IntervalTo(t_imu);
-    hint = Predict(t_imu);
+    hint = Predict(packet.imu);
   }
   packet.frontend = frontend_.Process(frame, hint, packet.times);
   previous_t_ = t_imu;
@@ -48,11 +48,10 @@ ImuInterval FrontStage::IntervalTo(Timestamp t_imu) const {
   return imu_.Between(std::min(imu_.first_stamp(), t_imu), t_imu, gap, extrapolation);
 }
 
-FrontendHint FrontStage::Predict(Timestamp t_imu) {
+FrontendHint FrontStage::Predict(const ImuInterval& now) {
   FrontendHint hint;
   if (!has_previous_ || imu_.empty()) return hint;
   const Duration gap = FromSeconds(max_gap_s_), extrapolation = FromSeconds(kMaxExtrapolation_s);
-  const ImuInterval now = imu_.Between(previous_t_, t_imu, gap, extrapolation);
   ImuPreintegration motion(has_feedback_ ? feedback_.front().state.bias : ImuBias(),
                            PreintegrationNoise());
   motion.Integrate(now.samples);

@@ -42,7 +42,7 @@ class FrontStage {
 
  private:
   ImuInterval IntervalTo(Timestamp t_imu) const;
-  FrontendHint Predict(Timestamp t_imu);
+  FrontendHint Predict(const ImuInterval& now);
   void TakeFeedback();
 
   StereoRig rig_;
