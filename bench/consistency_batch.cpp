@@ -9,8 +9,8 @@ namespace facet {
 
 namespace {
 
-// Squares of normal equations as large as these lose digits; the defaults would stop far too early.
-constexpr double kRelativeDecrease = 1e-8;
+// Squares of normal equations as large as these lose digits: exact to the last one is out of reach.
+constexpr double kMinCostDecrease = 1e-4;
 constexpr int kRounds = 2;  // solve, integrate the IMU again about the new biases, solve
 
 std::optional<WindowObservation> Prepare(const FeatureObservation& feature,
@@ -90,7 +90,7 @@ BatchSolution BatchProblem::Solve(int max_iterations) {
     if (!landmark.has_depth) InitializeDepth(geometry, landmark);
   }
   SolverOptions solver_options = options_.solver;
-  solver_options.relative_decrease = kRelativeDecrease;
+  solver_options.min_cost_decrease = kMinCostDecrease;
   WindowSolver solver(rig_, solver_options);
   for (int round = 0; round < kRounds; ++round) {
     RelinearizeImu();

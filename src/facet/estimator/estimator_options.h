@@ -77,12 +77,14 @@ struct WindowOptions {
 
 /// How the window is solved.
 struct SolverOptions {
-  int keyframe_iterations = 4;  ///< (!) Levenberg-Marquardt iterations on keyframes, at most
+  int keyframe_iterations = 2;  ///< (!) Levenberg-Marquardt iterations on keyframes, at most
   int frame_iterations = 2;     ///< iterations on the frames in between, at most
   double huber_sigma = 2.0;     ///< residuals beyond this many sigma grow linearly
   double outlier_sigma = 5.0;   ///< observations beyond this many sigma are removed after the solve
-  double pixel_sigma_scale = 1.0;   ///< times the front end's pixel sigmas
-  double relative_decrease = 1e-4;  ///< stop when the cost falls by less than this share
+  double pixel_sigma_scale = 1.0;  ///< times the front end's pixel sigmas
+  /// Stop when an iteration lowers the cost (half of chi-square) by less than this: the whole state
+  /// then moved by sqrt(2 x) sigma, and the next step is a fraction of it.
+  double min_cost_decrease = 3.0;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -106,10 +108,10 @@ struct SolverOptions {
             pixel_sigma_scale,
             Range{0.05, 20},
             "times the front end's pixel sigmas");
-    v.Field("relative_decrease",
-            relative_decrease,
-            Range{0, 0.5},
-            "stop when the cost falls by less than this share");
+    v.Field("min_cost_decrease",
+            min_cost_decrease,
+            Range{0, 1e3},
+            "stop when an iteration lowers the cost (half of chi-square) by less");
   }
 };
 

@@ -34,7 +34,7 @@ SolverOptions Options() {
   options.huber_sigma =
       1e6;  // the light update weights with the landmark's uncertainty: compare without
   options.outlier_sigma = 1e6;
-  options.relative_decrease = 1e-9;
+  options.min_cost_decrease = 1e-9;
   return options;
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "facet/estimator/row_kernel.h"
+
 namespace facet {
 
 namespace {
@@ -22,35 +24,73 @@ double HuberCost(double s, double k) {
   return s <= k ? 0.5 * s * s : k * (s - 0.5 * k);
 }
 
-// Homogeneous point in the body frame of the target: R_BW (d_W + rho (p_host - p_target)).
-Vector3d PointInBody(const FrameGeometry::Pose& host,
-                     const FrameGeometry::Pose& target,
-                     const Vector3d& d_W,
-                     double rho) {
-  return target.R_BW * (d_W + rho * (host.p_WC0 - target.p_WB));
+// A landmark as a homogeneous point of the world: direction from its host, inverse distance.
+struct HostedPoint {
+  Vector3d d_W;
+  Vector3d p_WH;
+  double rho;
+};
+
+HostedPoint Hosted(const WindowLandmark& landmark, const FrameGeometry::Pose& host) {
+  return {host.R_WC0 * landmark.bearing_H, host.p_WC0, landmark.inverse_distance};
 }
 
-// Adds the two rows of one camera to the block and the view.
-void AddRows(const Matrix<2, 6>& Jp,
-             const Matrix<2, 3>& Jl,
-             const Vector2d& r,
-             LandmarkBlock& block,
-             LandmarkBlock::View& view) {
-  view.H.noalias() += Jp.transpose() * Jp;
-  view.b.noalias() += Jp.transpose() * r;
-  view.W.noalias() += Jp.transpose() * Jl;
-  block.V.noalias() += Jl.transpose() * Jl;
-  block.b.noalias() += Jl.transpose() * r;
+// The point as seen from p_W, in the axes of the world: d + rho (p_host - p).
+Vector3d SeenFrom(const HostedPoint& point, const Vector3d& p_W) {
+  return point.d_W + point.rho * (point.p_WH - p_W);
 }
 
-FrameGeometry::Pose MakePose(const SE3& T_WB, const SE3& T_BC0) {
+std::optional<Vector2d> WhitenedErrorAt(const HostedPoint& point,
+                                        const FrameGeometry::Pose& target,
+                                        const WindowObservation& obs,
+                                        int camera) {
+  const Vector3d h = target.R_CW[camera] * SeenFrom(point, target.p_WC[camera]);
+  if (h.z() < kMinDepth) return std::nullopt;
+  return Vector2d(obs.sqrt_info[camera] * (h.head<2>() / h.z() - obs.xy[camera]));
+}
+
+FrameGeometry::Pose MakePose(const FrameGeometry& geometry, const SE3& T_WB) {
   FrameGeometry::Pose pose;
   const Matrix3d R_WB = T_WB.R();
   pose.R_BW = R_WB.transpose();
   pose.p_WB = T_WB.p;
-  pose.R_WC0 = R_WB * T_BC0.R();
-  pose.p_WC0 = T_WB.p + R_WB * T_BC0.p;
+  for (int c = 0; c < 2; ++c) {
+    pose.R_CW[c] = geometry.R_CB[c] * pose.R_BW;
+    pose.p_WC[c] = T_WB.p + R_WB * geometry.p_BC[c];
+  }
+  pose.R_WC0 = pose.R_CW[0].transpose();
+  pose.p_WC0 = pose.p_WC[0];
   return pose;
+}
+
+// One camera's two rows, whitened and weighted. The landmark's columns: B_W spans the tangent of
+// the bearing in the world.
+void MakeRows(const HostedPoint& point,
+              const Matrix<3, 2>& B_W,
+              const FrameGeometry::Pose& target,
+              const WindowObservation& obs,
+              int camera,
+              const Vector3d& h,
+              double root_weight,
+              const Vector2d& error,
+              VisionRow* rows) {
+  const double scale = root_weight / h.z();
+  const Matrix2d S = scale * obs.sqrt_info[camera];
+  const Vector2d S_xy = S * (h.head<2>() / h.z());
+  const Vector3d l_W = SeenFrom(point, target.p_WB);
+  const Vector3d baseline_W = point.p_WH - target.p_WC[camera];
+  const Matrix3d& R_CW = target.R_CW[camera];
+  for (int k = 0; k < 2; ++k) {
+    // a = row of (d error / d h) R_CW.
+    const Vector3d a = R_CW.transpose() * Vector3d(S(k, 0), S(k, 1), -S_xy(k));
+    VisionRow& row = rows[k];
+    Eigen::Map<Vector3d>(row.pose) = target.R_BW * a.cross(l_W);  // a^T Hat(l) = (a x l)^T
+    Eigen::Map<Vector3d>(row.pose + 3) = -point.rho * a;
+    row.landmark[0] = a.dot(B_W.col(0));
+    row.landmark[1] = a.dot(B_W.col(1));
+    row.landmark[2] = a.dot(baseline_W);
+    row.residual = root_weight * error(k);
+  }
 }
 
 }  // namespace
@@ -63,14 +103,13 @@ FrameGeometry::FrameGeometry(const StereoRig& rig) {
 }
 
 void FrameGeometry::Update(const std::vector<WindowFrame>& frames) {
-  const SE3 T_BC0(Quaterniond(Matrix3d(R_CB[0].transpose())), p_BC[0]);
   current_.resize(frames.size());
   frozen_.resize(frames.size());
   is_frozen_.resize(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     is_frozen_[i] = frames[i].pose_frozen;
-    current_[i] = MakePose(frames[i].x.T_WB, T_BC0);
-    frozen_[i] = frames[i].pose_frozen ? MakePose(frames[i].lin.T_WB, T_BC0) : current_[i];
+    current_[i] = MakePose(*this, frames[i].x.T_WB);
+    frozen_[i] = frames[i].pose_frozen ? MakePose(*this, frames[i].lin.T_WB) : current_[i];
   }
 }
 
@@ -78,24 +117,17 @@ std::optional<Vector2d> WhitenedError(const FrameGeometry& geometry,
                                       const WindowLandmark& landmark,
                                       const WindowObservation& observation,
                                       int camera) {
-  const FrameGeometry::Pose& host = geometry.current(landmark.host);
-  const Vector3d l_B = PointInBody(host,
-                                   geometry.current(observation.frame),
-                                   host.R_WC0 * landmark.bearing_H,
-                                   landmark.inverse_distance);
-  const Vector3d h =
-      geometry.R_CB[camera] * (l_B - landmark.inverse_distance * geometry.p_BC[camera]);
-  if (h.z() < kMinDepth) return std::nullopt;
-  return Vector2d(observation.sqrt_info[camera] * (h.head<2>() / h.z() - observation.xy[camera]));
+  const HostedPoint point = Hosted(landmark, geometry.current(landmark.host));
+  return WhitenedErrorAt(point, geometry.current(observation.frame), observation, camera);
 }
 
 void LinearizeLandmark(const FrameGeometry& geometry,
                        const WindowLandmark& landmark,
                        const RobustOptions& robust,
                        LandmarkBlock& block) {
-  const double rho = landmark.inverse_distance;
+  const HostedPoint current = Hosted(landmark, geometry.current(landmark.host));
   const FrameGeometry::Pose& host = geometry.frozen(landmark.host);
-  const Vector3d d_W = host.R_WC0 * landmark.bearing_H;
+  const HostedPoint frozen = Hosted(landmark, host);
   const Matrix<3, 2> B_W = host.R_WC0 * TangentBasis(landmark.bearing_H);
 
   block.cost = 0;
@@ -107,35 +139,31 @@ void LinearizeLandmark(const FrameGeometry& geometry,
   for (int v = 0; v < block.num_views; ++v) {
     const WindowObservation& obs = landmark.observations[v];
     const FrameGeometry::Pose& target = geometry.frozen(obs.frame);
+    VisionRow rows[4] = {};  // two of each camera
+    for (int c = 0; c < (obs.has_right ? 2 : 1); ++c) {
+      const std::optional<Vector2d> error =
+          WhitenedErrorAt(current, geometry.current(obs.frame), obs, c);
+      const double s = error ? error->norm() : kBehindSigma;
+      block.cost += HuberCost(s, robust.huber_sigma);
+      const Vector3d h = target.R_CW[c] * SeenFrom(frozen, target.p_WC[c]);
+      if (!error || h.z() < kMinDepth) continue;
+      const double root_weight = s <= robust.huber_sigma ? 1.0 : std::sqrt(robust.huber_sigma / s);
+      MakeRows(frozen, B_W, target, obs, c, h, root_weight, *error, rows + 2 * c);
+    }
+    SquaredRows G;
+    if (obs.has_right) {
+      SquareRows<4>(rows, G);
+    } else {
+      SquareRows<2>(rows, G);
+    }
     LandmarkBlock::View& view = block.views[v];
     view.frame = obs.frame;
-    view.H.setZero();
-    view.b.setZero();
-    view.W.setZero();
-    const Vector3d l_B = PointInBody(host, target, d_W, rho);
-    const Vector3d baseline_B = target.R_BW * (host.p_WC0 - target.p_WB);
-    const Matrix<3, 2> B_B = target.R_BW * B_W;
-    for (int c = 0; c < (obs.has_right ? 2 : 1); ++c) {
-      const std::optional<Vector2d> error = WhitenedError(geometry, landmark, obs, c);
-      const Vector3d h = geometry.R_CB[c] * (l_B - rho * geometry.p_BC[c]);
-      if (!error || h.z() < kMinDepth) {
-        block.cost += HuberCost(kBehindSigma, robust.huber_sigma);
-        continue;
-      }
-      const double s = error->norm();
-      block.cost += HuberCost(s, robust.huber_sigma);
-      const double root_weight = s <= robust.huber_sigma ? 1.0 : std::sqrt(robust.huber_sigma / s);
-      Matrix<2, 3> J_h;
-      J_h << 1, 0, -h.x() / h.z(), 0, 1, -h.y() / h.z();
-      const Matrix<2, 3> A = (root_weight / h.z()) * (obs.sqrt_info[c] * J_h) * geometry.R_CB[c];
-      Matrix<2, 6> Jp;
-      Jp.leftCols<3>() = A * Hat(l_B);
-      Jp.rightCols<3>() = -rho * (A * target.R_BW);
-      Matrix<2, 3> Jl;
-      Jl.leftCols<2>() = A * B_B;
-      Jl.col(2) = A * (baseline_B - geometry.p_BC[c]);
-      AddRows(Jp, Jl, root_weight * *error, block, view);
-    }
+    view.H = Eigen::Map<const Matrix<6, 6>>(G.H);
+    view.b = Eigen::Map<const Vector<6>>(G.b);
+    view.W = Eigen::Map<const Matrix<6, 3>>(G.W);
+    const Eigen::Map<const Matrix<4, 3>> V(G.V);
+    block.V += V.topRows<3>();
+    block.b += V.row(3).transpose();
   }
 }
 
@@ -143,9 +171,10 @@ double LandmarkCost(const FrameGeometry& geometry,
                     const WindowLandmark& landmark,
                     const RobustOptions& robust) {
   double cost = 0;
+  const HostedPoint point = Hosted(landmark, geometry.current(landmark.host));
   for (const WindowObservation& obs : landmark.observations) {
     for (int c = 0; c < (obs.has_right ? 2 : 1); ++c) {
-      const std::optional<Vector2d> error = WhitenedError(geometry, landmark, obs, c);
+      const auto error = WhitenedErrorAt(point, geometry.current(obs.frame), obs, c);
       cost += HuberCost(error ? error->norm() : kBehindSigma, robust.huber_sigma);
     }
   }
@@ -168,9 +197,13 @@ void Eliminate(double lambda, LandmarkBlock& block) {
     }
   }
   block.y = L.triangularView<Eigen::Lower>().solve(block.b);
+  const Vector3d inv = L.diagonal().cwiseInverse();
   for (int v = 0; v < block.num_views; ++v) {
+    // Y L^T = W, column by column.
     LandmarkBlock::View& view = block.views[v];
-    view.Y.transpose() = L.triangularView<Eigen::Lower>().solve(view.W.transpose());
+    view.Y.col(0) = inv(0) * view.W.col(0);
+    view.Y.col(1) = inv(1) * (view.W.col(1) - L(1, 0) * view.Y.col(0));
+    view.Y.col(2) = inv(2) * (view.W.col(2) - L(2, 0) * view.Y.col(0) - L(2, 1) * view.Y.col(1));
   }
 }
 

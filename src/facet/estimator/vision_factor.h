@@ -21,6 +21,8 @@ class FrameGeometry {
     Vector3d p_WB;
     Matrix3d R_WC0;
     Vector3d p_WC0;
+    Matrix3d R_CW[2];  ///< of the left and the right camera
+    Vector3d p_WC[2];
   };
 
   explicit FrameGeometry(const StereoRig& rig);
@@ -30,7 +32,7 @@ class FrameGeometry {
 
   const Pose& current(int frame) const { return current_[frame]; }
   const Pose& frozen(int frame) const { return frozen_[frame]; }
-  bool is_frozen(int frame) const { return is_frozen_[frame]; }
+  bool is_frozen(int frame) const { return is_frozen_[frame] != 0; }
 
   Matrix3d R_CB[2];
   Vector3d p_BC[2];

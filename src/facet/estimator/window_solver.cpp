@@ -2,7 +2,6 @@
 #include "facet/estimator/window_solver.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace facet {
 
@@ -66,12 +65,18 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
       Restore(window);
       // With first-estimate Jacobians the gradient is slightly off: an uphill step this small is
       // the end.
-      if (new_cost - cost < options_.relative_decrease * std::abs(cost)) return summary;
+      if (new_cost - cost < options_.min_cost_decrease) {
+        summary.converged = true;
+        return summary;
+      }
       lambda_ = std::max(lambda_ * 10, 1e-6);
     }
     if (!accepted) break;
     ++summary.iterations;
-    if (cost - summary.final_cost < options_.relative_decrease * std::abs(cost)) break;
+    if (cost - summary.final_cost < options_.min_cost_decrease) {
+      summary.converged = true;
+      break;
+    }
   }
   return summary;
 }

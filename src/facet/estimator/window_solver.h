@@ -11,7 +11,8 @@ struct SolveSummary {
   int iterations = 0;  ///< accepted steps
   double initial_cost = 0;
   double final_cost = 0;
-  bool ok = false;  ///< false: the system could not be factorised at all
+  bool ok = false;         ///< false: the system could not be factorised at all
+  bool converged = false;  ///< another step would gain next to nothing
 };
 
 class WindowSolver {

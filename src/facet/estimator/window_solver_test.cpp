@@ -22,7 +22,7 @@ using testing::TestWindow;
 SolverOptions ExactOptions() {
   SolverOptions options;
   options.huber_sigma = kHuber;
-  options.relative_decrease = 0;
+  options.min_cost_decrease = 0;
   return options;
 }
 

@@ -242,17 +242,14 @@ void WindowSystem::ApplyStep(SlidingWindow& window) {
 }
 
 Matrix<15, 15> WindowSystem::NewestFrameCovariance() const {
-  // The newest frame owns the last columns of the dense part but for the order: its pose comes
-  // first.
+  // The newest frame's pose and motion are the last columns of the dense part, so the last block of
+  // its Cholesky factor alone says it: Sigma = L^-T L^-1.
   const int pose = layout_.pose_column.back(), motion = layout_.motion_column.back();
-  MatrixXd rhs = MatrixXd::Zero(layout_.dense_dim, 15);
-  for (int k = 0; k < 6; ++k)
-    rhs(pose + k, k) = 1;
-  for (int k = 0; k < 9; ++k)
-    rhs(motion + k, 6 + k) = 1;
-  // Sigma = L^-T L^-1; its block is the squared half solve.
-  factor_.matrixL().solveInPlace(rhs);
-  return rhs.transpose() * rhs;
+  FACET_CHECK(motion == pose + 6 && layout_.dense_dim == pose + 15) << "newest frame is not last";
+  Matrix<15, 15> inverse_L = Matrix<15, 15>::Identity();
+  const Matrix<15, 15> L = factor_.matrixLLT().bottomRightCorner<15, 15>();
+  L.triangularView<Eigen::Lower>().solveInPlace(inverse_L);
+  return inverse_L.transpose() * inverse_L;
 }
 
 }  // namespace facet
