@@ -36,6 +36,7 @@ class WindowSolver {
   // Estimates before a trial step.
   std::vector<NavState> saved_x_, saved_lin_;
   std::vector<Vector<15>> saved_delta_;
+  std::vector<WindowPlane> saved_planes_;
   std::vector<std::pair<Vector3d, double>> saved_landmarks_;
 };
 

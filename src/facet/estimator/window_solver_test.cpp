@@ -164,7 +164,7 @@ TEST(WindowSystemTest, StartPriorGradientMatchesItsCost) {
   test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
   test.window.start_prior.sigma_position = test.window.start_prior.sigma_yaw = 0.1;
   testing::Disturb(test.window, {0.4, 0.2, 0.2, 0.01, 0.1}, rng);
-  const StateLayout layout = MakeLayout(test.window.frames);
+  const StateLayout layout = MakeLayout(test.window);
   MatrixXd H = MatrixXd::Zero(layout.dim, layout.dim);
   VectorXd b = VectorXd::Zero(layout.dim);
   AddStartPrior(test.window, layout, &H, &b);
