@@ -19,6 +19,7 @@
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
 #include "facet/report/comparison.h"
+#include "facet/report/report_page.h"
 
 namespace facet {
 namespace {
@@ -97,7 +98,7 @@ std::vector<NamedSequence> OpenSequences(const CompareArguments& arguments) {
   std::vector<NamedSequence> sequences;
   std::set<std::string> names;
   for (const std::string& text : arguments.sequences) {
-    const fs::path folder = fs::weakly_canonical(FindMav0(text)).parent_path();
+    const fs::path folder = fs::absolute(FindMav0(text)).lexically_normal().parent_path();
     NamedSequence sequence{folder.filename().string(), folder, LoadGroundTruth(folder).poses};
     if (!names.insert(sequence.name).second) {
       throw ConfigError(text + ": another sequence has the name '" + sequence.name + "', too");
@@ -186,17 +187,42 @@ void WriteFile(const fs::path& file, const std::string& text) {
 }
 
 void WriteTables(const fs::path& out, const ordered_json& comparison) {
-  std::string csv, markdown, html;
+  std::string csv, markdown;
   for (const Table& table : ComparisonTables(comparison)) {
     std::cout << ToText(table) << '\n';
     csv += ToCsv(table) + '\n';
     markdown += ToMarkdown(table);
-    html += ToHtml(table);
   }
   WriteFile(out / "comparison.json", comparison.dump(1) + "\n");
   WriteFile(out / "comparison.csv", csv);
   WriteFile(out / "comparison.md", markdown);
-  WriteFile(out / "comparison.html", html);
+}
+
+// The first start of every combination that has one stands for it in the figures.
+ReportSection MakeSection(const NamedSequence& sequence, const ComparedSequence& compared) {
+  ReportSection section;
+  section.name = sequence.name;
+  section.truth = sequence.path.string();
+  const GroundTruth truth = LoadGroundTruth(sequence.path);
+  for (const ComparedCombination& combination : compared.combinations) {
+    const auto run = std::ranges::find_if(combination.runs, &ComparedRun::has_result);
+    if (run == combination.runs.end()) continue;
+    section.runs.push_back(MakeReportRun(combination.name, EvaluateRun(run->folder, truth, {})));
+  }
+  return section;
+}
+
+Report MakeReport(const std::vector<NamedSequence>& sequences,
+                  const std::vector<ComparedSequence>& compared,
+                  const ordered_json& comparison) {
+  Report report;
+  report.title = "Comparison";
+  report.comparison = comparison;
+  for (std::size_t i = 0; i < sequences.size(); ++i) {
+    ReportSection section = MakeSection(sequences[i], compared[i]);
+    if (!section.runs.empty()) report.sections.push_back(std::move(section));
+  }
+  return report;
 }
 
 void Compare(const CompareArguments& arguments) {
@@ -213,6 +239,12 @@ void Compare(const CompareArguments& arguments) {
   const ordered_json comparison = CompareToJson(compared);
   WriteTables(arguments.out, comparison);
   std::cout << "written: " << arguments.out << "/comparison.{json,csv,md,html}\n";
+  const Report report = MakeReport(sequences, compared, comparison);
+  WriteFile(fs::path(arguments.out) / "comparison.html", ReportHtml(report));
+  if (!arguments.report.empty()) {
+    WriteReport(arguments.report, report);
+    std::cout << "written: " << arguments.report << "/report.html\n";
+  }
   if (std::ranges::none_of(cells, &RunCell::has_result)) {
     constexpr int kEstimator = 4;
     throw RunEndedError(kEstimator, "no run has a result: " + cells.front().message);
@@ -245,6 +277,8 @@ void AddOptions(CLI::App& command, CompareArguments& a) {
                   "--run-option=--mesh-every=10")
       ->allow_extra_args(false);
   command.add_option("--duration", a.duration_s, "seconds of each run")->check(CLI::PositiveNumber);
+  command.add_option(
+      "--report", a.report, "folder for report.html with figures of each sequence's first start");
   command.add_flag("--quiet", a.is_quiet, "no line per run");
 }
 
