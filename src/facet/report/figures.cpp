@@ -190,7 +190,7 @@ ReportFigure MeshFigure(const std::string& run,
   layout.x = Cover(Coordinates({places}, 0));
   layout.y = Cover(Coordinates({places}, 1));
   SvgPlot plot(layout);
-  plot.AddPoints(places, colours, 1.3);
+  plot.AddPoints(places, colours, 1.8);
   plot.AddColourBar(0, kMaxMeshDistance, "distance [m]");
   return {kind + (from_above ? "_top_" : "_oblique_") + run,
           (kind == "map" ? "Map of the whole run: " : "Horizon mesh: ") + run +
@@ -325,15 +325,14 @@ std::vector<ReportFigure> MakeFigures(std::span<const ReportRun> runs) {
     figures.push_back(RelativeErrorBoxes(runs, true));
     figures.push_back(RelativeErrorBoxes(runs, false));
   }
+  const auto add_mesh = [&figures](const ReportRun& run, const char* kind, const auto& error) {
+    if (!error) return;
+    for (bool from_above : {false, true})
+      figures.push_back(MeshFigure(run.name, kind, *error, from_above));
+  };
   for (const ReportRun& run : runs) {
-    for (bool from_above : {false, true}) {
-      if (run.evaluation.mesh) {
-        figures.push_back(MeshFigure(run.name, "mesh", *run.evaluation.mesh, from_above));
-      }
-      if (run.evaluation.map) {
-        figures.push_back(MeshFigure(run.name, "map", *run.evaluation.map, from_above));
-      }
-    }
+    add_mesh(run, "mesh", run.evaluation.mesh);
+    add_mesh(run, "map", run.evaluation.map);
   }
   for (const KeyframeFigure& kind : kKeyframeFigures)
     figures.push_back(OverKeyframes(runs, kind));
