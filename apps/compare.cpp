@@ -203,6 +203,7 @@ ReportSection MakeSection(const NamedSequence& sequence, const ComparedSequence&
   ReportSection section;
   section.name = sequence.name;
   section.truth = sequence.path.string();
+  section.remark = " Figures and numbers of the first start of each combination.";
   const GroundTruth truth = LoadGroundTruth(sequence.path);
   for (const ComparedCombination& combination : compared.combinations) {
     const auto run = std::ranges::find_if(combination.runs, &ComparedRun::has_result);

@@ -257,8 +257,8 @@ Table PairedTable(const ordered_json& comparison) {
   for (std::size_t p = 0; p < comparison["pooled"].size(); ++p)
     AddPairedRow(comparison, "/pooled/" + std::to_string(p), "all sequences", table);
   table.notes = {
-      "A ratio below 1: the first one is better. From, to: 95 % bootstrap interval of "
-      "the median ratio.",
+      "A ratio below 1: the first one is better. From, to: 95 % interval of the median "
+      "ratio.",
       "A difference is real when at least 9 starts were compared and the interval "
       "excludes 1."};
   return table;

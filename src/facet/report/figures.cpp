@@ -75,7 +75,9 @@ ReportFigure TrajectoryView(std::span<const ReportRun> runs, bool from_above) {
     plot.AddLine(lines[i + 1], RunColour(i), runs[i].name);
   return {from_above ? "trajectory_top" : "trajectory_side",
           from_above ? "Trajectory from above" : "Trajectory from the side",
-          "Causal poses, aligned to the ground truth, in its frame (z points up).",
+          "Causal poses, aligned to the ground truth, in its frame (z points up). Where curves "
+          "coincide "
+          "the last one of the legend covers the others.",
           plot.ToString()};
 }
 
@@ -183,6 +185,7 @@ ReportFigure MeshFigure(const std::string& run,
     colours.push_back(DistanceColour(point.distance_m / kMaxMeshDistance));
   }
   PlotLayout layout;
+  layout.has_colour_bar = true;
   layout.height = 520;
   layout.x_label = "x [m]";
   layout.y_label = from_above ? "y [m]" : "0.5 y + 0.87 z [m]";
@@ -190,7 +193,7 @@ ReportFigure MeshFigure(const std::string& run,
   layout.x = Cover(Coordinates({places}, 0));
   layout.y = Cover(Coordinates({places}, 1));
   SvgPlot plot(layout);
-  plot.AddPoints(places, colours, 1.8);
+  plot.AddPoints(places, colours, 2.0);
   plot.AddColourBar(0, kMaxMeshDistance, "distance [m]");
   return {kind + (from_above ? "_top_" : "_oblique_") + run,
           (kind == "map" ? "Map of the whole run: " : "Horizon mesh: ") + run +
@@ -312,6 +315,45 @@ std::string FileStem(std::string name) {
 }
 
 }  // namespace
+
+ReportFigure MakeComparisonFigure(const nlohmann::ordered_json& comparison) {
+  PlotLayout layout;
+  layout.x_label = "sequence";
+  layout.y_label = "ATE RMSE [cm]";
+  const auto& sequences = comparison["sequences"];
+  if (sequences.empty()) return {};
+  layout.x = {-0.6, static_cast<double>(sequences.size()) - 0.4};
+  const std::size_t num_combinations = sequences[0]["combinations"].size();
+  std::vector<std::vector<Vector2d>> points(num_combinations);
+  for (std::size_t s = 0; s < sequences.size(); ++s) {
+    layout.x_categories.push_back(sequences[s]["name"]);
+    for (std::size_t c = 0; c < num_combinations; ++c) {
+      const auto& runs = sequences[s]["combinations"][c]["runs"];
+      for (std::size_t r = 0; r < runs.size(); ++r) {
+        if (!runs[r].contains("ate_rmse_m")) continue;
+        // Combinations side by side, the starts of each one from left to right.
+        const double share = (static_cast<double>(r) + 0.5) / static_cast<double>(runs.size());
+        const double slot =
+            (static_cast<double>(c) + 0.1 + 0.8 * share) / static_cast<double>(num_combinations);
+        points[c].emplace_back(static_cast<double>(s) - 0.45 + 0.9 * slot,
+                               100 * runs[r]["ate_rmse_m"].get<double>());
+      }
+    }
+  }
+  const std::vector<double> values = Coordinates(points, 1);
+  if (values.empty()) return {};
+  layout.y = {0, 1.25 * *std::ranges::max_element(values)};
+  SvgPlot plot(layout);
+  for (std::size_t c = 0; c < num_combinations; ++c) {
+    if (points[c].empty()) continue;
+    plot.AddPoints(points[c], std::vector<std::string>(points[c].size(), RunColour(c)), 2.5);
+    plot.AddLegend(sequences[0]["combinations"][c]["name"], RunColour(c));
+  }
+  return {"ate_of_every_start",
+          "ATE of every start",
+          "One square per run, the starts of each combination from left to right.",
+          plot.ToString()};
+}
 
 std::vector<ReportFigure> MakeFigures(std::span<const ReportRun> runs) {
   std::vector<ReportFigure> figures;

@@ -20,4 +20,7 @@ struct ReportFigure {
 /// All figures that the runs have data for, over the same recording and truth.
 std::vector<ReportFigure> MakeFigures(std::span<const ReportRun> runs);
 
+/// The ATE of every run of comparison.json; an empty svg when no run has one.
+ReportFigure MakeComparisonFigure(const nlohmann::ordered_json& comparison);
+
 }  // namespace facet

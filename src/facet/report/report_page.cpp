@@ -27,7 +27,7 @@ h1{font-size:26px;margin:0 0 4px}h2{font-size:21px;border-bottom:2px solid #1f6f
 h3{font-size:16px;margin:26px 0 6px}.wide{overflow-x:auto}
 table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}
 th,td{padding:3px 10px;border-bottom:1px solid #e3e3e3;text-align:right;white-space:nowrap}
-th{background:#f2f5f8;position:sticky;top:0}td:first-child,th:first-child{text-align:left}
+th{background:#f2f5f8;position:sticky;top:0}td:first-child,th:first-child,td.text{text-align:left}
 figure{margin:22px 0}figure svg{max-width:100%;height:auto;border:1px solid #e3e3e3}
 figcaption,.note{color:#555;font-size:13px;max-width:760px;margin:4px 0}
 .figures{display:grid;grid-template-columns:repeat(auto-fill,minmax(540px,1fr));gap:0 24px}
@@ -187,8 +187,8 @@ std::string FiguresHtml(const std::vector<ReportFigure>& figures) {
 std::string SectionHtml(const ordered_json& document, const Report& report, std::size_t s) {
   const ReportSection& section = report.sections[s];
   std::string html = "<h2 id=\"section" + std::to_string(s) + "\">" + EscapeHtml(section.name) +
-                     "</h2>\n<p class=\"note\">Ground truth: " + EscapeHtml(section.truth) +
-                     "</p>\n";
+                     "</h2>\n<p class=\"note\">Ground truth: " + EscapeHtml(section.truth) + "." +
+                     EscapeHtml(section.remark) + "</p>\n";
   html += ToHtml(MainFigures(document, section, s));
   for (const ReportRun& run : section.runs) {
     for (const std::string& warning : run.evaluation.warnings)
@@ -235,6 +235,11 @@ void Rasterize(const fs::path& svg) {
   }
 }
 
+void WriteFigure(const fs::path& svg, const ReportFigure& figure) {
+  WriteFile(svg, figure.svg);
+  Rasterize(svg);
+}
+
 }  // namespace
 
 nlohmann::ordered_json ReportDocument(const Report& report) {
@@ -268,9 +273,10 @@ std::string ReportHtml(const Report& report) {
     html += "</nav>\n";
   }
   if (!report.comparison.is_null()) {
-    html += "<h2>Comparison</h2>\n";
     for (const Table& table : ComparisonTables(report.comparison))
       html += ToHtml(table, "/comparison");
+    const ReportFigure figure = MakeComparisonFigure(report.comparison);
+    if (!figure.svg.empty()) html += FiguresHtml({figure});
   }
   for (std::size_t s = 0; s < report.sections.size(); ++s)
     html += SectionHtml(document, report, s);
@@ -286,12 +292,14 @@ void WriteReport(const std::filesystem::path& folder, const Report& report) {
     throw ConfigError("--report " + folder.string() + ": cannot be created: " + error.message());
   }
   WriteFile(folder / "report.json", ReportDocument(report).dump(1) + "\n");
+  if (!report.comparison.is_null()) {
+    const ReportFigure figure = MakeComparisonFigure(report.comparison);
+    if (!figure.svg.empty()) WriteFigure(folder / (figure.name + ".svg"), figure);
+  }
   for (const ReportSection& section : report.sections) {
     const std::string prefix = report.sections.size() > 1 ? section.name + "_" : "";
     for (const ReportFigure& figure : MakeFigures(section.runs)) {
-      const fs::path svg = folder / (prefix + figure.name + ".svg");
-      WriteFile(svg, figure.svg);
-      Rasterize(svg);
+      WriteFigure(folder / (prefix + figure.name + ".svg"), figure);
     }
   }
   WriteFile(folder / "report.html", ReportHtml(report));

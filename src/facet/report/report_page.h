@@ -18,6 +18,7 @@ namespace facet {
 struct ReportSection {
   std::string name;
   std::string truth;
+  std::string remark;  ///< a sentence about the runs; may be empty
   std::vector<ReportRun> runs;
 };
 

@@ -14,7 +14,7 @@ namespace facet {
 namespace {
 
 constexpr double kLeft = 66, kRight = 16, kTop = 14, kBottom = 46;  // margins [px]
-constexpr double kColourBarWidth = 84;
+constexpr double kColourBarWidth = 78;
 constexpr int kWantedTicks = 6;
 
 std::string Px(double value) {
@@ -112,7 +112,7 @@ std::string DistanceColour(double share) {
 SvgPlot::SvgPlot(const PlotLayout& layout)
     : layout_(layout),
       left_(kLeft),
-      right_(layout.width - kRight),
+      right_(layout.width - (layout.has_colour_bar ? kColourBarWidth : kRight)),
       top_(kTop),
       bottom_(layout.height - kBottom) {
   layout_.x = NonEmpty(layout_.x);
@@ -230,10 +230,8 @@ void SvgPlot::AddLegend(const std::string& text, const std::string& colour) {
 
 void SvgPlot::AddColourBar(double from, double to, const std::string& label) {
   constexpr int kSteps = 40;
-  const double x = right_ - kColourBarWidth + 34, height = (bottom_ - top_) * 0.6;
-  const double bar_top = top_ + 30;
-  body_ += Rectangle(
-      right_ - kColourBarWidth, top_ + 2, right_ - 2, bar_top + height + 12, "fill=\"#ffffffdd\"");
+  const double x = right_ + 16, height = (bottom_ - top_) * 0.7;
+  const double bar_top = top_ + 26;
   for (int i = 0; i < kSteps; ++i) {
     const double share = (i + 0.5) / kSteps;
     const double y = bar_top + height * (1 - (i + 1.0) / kSteps);
@@ -245,7 +243,7 @@ void SvgPlot::AddColourBar(double from, double to, const std::string& label) {
     std::snprintf(text, sizeof(text), "%.2f", from + share * (to - from));
     body_ += TextAt(x + 16, bar_top + height * (1 - share) + 4, text, "start");
   }
-  body_ += TextAt(right_ - 8, top_ + 18, label, "end");
+  body_ += TextAt(layout_.width - 4, top_ + 12, label, "end");
 }
 
 std::string SvgPlot::ToString() const {

@@ -34,7 +34,8 @@ struct PlotLayout {
   int width = 760, height = 320;  ///< [px], of the whole picture
   std::string x_label, y_label;
   Interval x, y;
-  bool equal_scales = false;  ///< widens one of the intervals until a metre is a metre in both
+  bool has_colour_bar = false;  ///< leaves room for AddColourBar at the right
+  bool equal_scales = false;    ///< widens one of the intervals until a metre is a metre in both
   std::vector<std::string> x_categories;  ///< names at x = 0, 1, 2 ... instead of numbers
 };
 
@@ -54,7 +55,7 @@ class SvgPlot {
   void AddBox(double x, double half_width, const BoxSummary& box, const std::string& colour);
   void AddBar(double x, double half_width, const Interval& y, const std::string& colour);
   void AddLegend(const std::string& text, const std::string& colour);
-  /// A scale for DistanceColour at the right border.
+  /// A scale for DistanceColour beside the plot; wants layout.has_colour_bar.
   void AddColourBar(double from, double to, const std::string& label);
 
   std::string ToString() const;
