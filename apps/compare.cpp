@@ -196,6 +196,7 @@ void WriteTables(const fs::path& out, const ordered_json& comparison) {
   WriteFile(out / "comparison.json", comparison.dump(1) + "\n");
   WriteFile(out / "comparison.csv", csv);
   WriteFile(out / "comparison.md", markdown);
+  WriteFile(out / "runs.csv", RunsCsv(comparison));
 }
 
 // The first start of every combination that has one stands for it in the figures.
@@ -239,7 +240,7 @@ void Compare(const CompareArguments& arguments) {
   const std::vector<ComparedSequence> compared = Collect(cells, sequences, combinations);
   const ordered_json comparison = CompareToJson(compared);
   WriteTables(arguments.out, comparison);
-  std::cout << "written: " << arguments.out << "/comparison.{json,csv,md,html}\n";
+  std::cout << "written: " << arguments.out << "/comparison.{json,csv,md,html}, runs.csv\n";
   const Report report = MakeReport(sequences, compared, comparison);
   WriteFile(fs::path(arguments.out) / "comparison.html", ReportHtml(report));
   if (!arguments.report.empty()) {

@@ -129,6 +129,17 @@ bool IsDone(RunCell& cell, const ordered_json& key) {
   return true;
 }
 
+// A mesh that cannot be judged (an empty one, for example) does not take the trajectory with it.
+void Evaluate(RunCell& cell, const Program& program, const fs::path& log) {
+  std::vector<std::string> arguments = {
+      "evaluate", cell.folder.string(), "--truth", cell.sequence.string()};
+  cell.has_result = Call(program, arguments, log) == 0;
+  if (cell.has_result) return;
+  cell.message = Reason(log);
+  arguments.insert(arguments.end(), {"--parts", "trajectory"});
+  cell.has_result = Call(program, arguments, log) == 0;
+}
+
 void Execute(RunCell& cell, const Program& program, const ordered_json& key) {
   std::error_code ignored;
   fs::remove_all(cell.folder, ignored);
@@ -144,12 +155,9 @@ void Execute(RunCell& cell, const Program& program, const ordered_json& key) {
                                         "--quiet"};
   arguments.insert(arguments.end(), cell.arguments.begin(), cell.arguments.end());
   cell.exit_code = Call(program, arguments, log);
-  cell.message = Reason(log);
+  if (cell.exit_code != 0) cell.message = Reason(log);
   if (!fs::exists(cell.folder / "trajectory.tum")) return;
-  const int evaluated =
-      Call(program, {"evaluate", cell.folder.string(), "--truth", cell.sequence.string()}, log);
-  if (evaluated != 0) cell.message = Reason(log);
-  cell.has_result = evaluated == 0;
+  Evaluate(cell, program, log);
   if (!cell.has_result) return;
   std::ofstream(Beside(cell.folder, ".cell.json"))
       << ordered_json{{"key", key}, {"exit_code", cell.exit_code}, {"message", cell.message}}.dump(

@@ -219,6 +219,18 @@ TEST(ComparisonTest, SeesHalfTheErrorAndSaysWhatFailed) {
   EXPECT_THAT(text, HasSubstr("--pipeline SP: is not built yet"));
 }
 
+TEST(ComparisonTest, OneLinePerRunForOtherPrograms) {
+  ComparedSequence sequence = MakeComparedSequence("mine");
+  sequence.combinations[0].runs[3].message = "map.ply: an empty mesh";
+  const auto json = CompareToJson({sequence});
+  const auto lines = Lines(RunsCsv(json));
+  ASSERT_EQ(lines.size(), 28u);
+  EXPECT_THAT(lines[0], ::testing::StartsWith("sequence,combination,start_s,done,ate_rmse_m,"));
+  EXPECT_THAT(lines[2], ::testing::StartsWith("mine,S,0.1,1,0.03"));
+  EXPECT_THAT(lines[27], ::testing::StartsWith("mine,SP,0.8,0,,,"));
+  EXPECT_THAT(ToText(ComparisonTables(json).back()), HasSubstr("judged in part only"));
+}
+
 TEST(ComparisonTest, PaperBesideOurs) {
   const auto json = CompareToJson({MakeComparedSequence("V1_01_easy")});
   const std::vector<Table> tables = ComparisonTables(json);
