@@ -55,7 +55,11 @@ Report MakeReport(const EvaluateArguments& arguments, std::vector<RunEvaluation>
   section.name = NameOf(arguments.truth);
   section.truth = arguments.truth;
   for (RunEvaluation& evaluation : evaluations) {
-    const std::string name = NameOf(evaluation.result);
+    std::string name = NameOf(evaluation.result);
+    const auto is_same = [&name](const ReportRun& run) { return run.name == name; };
+    if (std::ranges::any_of(section.runs, is_same)) {
+      name = std::filesystem::absolute(evaluation.result).lexically_normal().string();
+    }
     section.runs.push_back(MakeReportRun(name, std::move(evaluation)));
   }
   report.title = "Evaluation on " + section.name;
