@@ -94,11 +94,19 @@ struct NamedSequence {
   std::vector<StampedPose> truth;
 };
 
+// The folder that holds mav0/, by the name that the user gave it (links are not followed).
+fs::path SequenceFolder(const std::string& text) {
+  fs::path folder = fs::absolute(text).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  return folder.filename() == "mav0" ? folder.parent_path() : folder;
+}
+
 std::vector<NamedSequence> OpenSequences(const CompareArguments& arguments) {
   std::vector<NamedSequence> sequences;
   std::set<std::string> names;
   for (const std::string& text : arguments.sequences) {
-    const fs::path folder = fs::absolute(FindMav0(text)).lexically_normal().parent_path();
+    FindMav0(text);  // throws where there is no sequence
+    const fs::path folder = SequenceFolder(text);
     NamedSequence sequence{folder.filename().string(), folder, LoadGroundTruth(folder).poses};
     if (!names.insert(sequence.name).second) {
       throw ConfigError(text + ": another sequence has the name '" + sequence.name + "', too");
