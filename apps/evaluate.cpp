@@ -2,6 +2,7 @@
 // `facet evaluate`: how good a trajectory is against ground truth.
 #include "evaluate.h"
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,7 +10,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "facet/eval/evaluation_json.h"
 #include "facet/eval/run_evaluation.h"
+#include "facet/report/report_page.h"
 
 namespace facet {
 
@@ -21,12 +24,50 @@ struct EvaluateArguments {
   std::vector<std::string> against;
   std::vector<double> rpe_lengths_m;
   std::string alignment = ToString(AlignmentKind::kSE3);
+  std::vector<std::string> parts = {"mesh", "planes", "consistency"};
+  bool align_time = false;
+  std::string report;
 };
 
+EvaluationOptions OptionsOf(const EvaluateArguments& arguments) {
+  const auto wants = [&](const char* part) {
+    return std::ranges::find(arguments.parts, part) != arguments.parts.end();
+  };
+  EvaluationOptions options;
+  options.trajectory.alignment =
+      AlignmentKindFromText(arguments.alignment).value_or(AlignmentKind::kSE3);
+  options.trajectory.rpe_lengths_m = arguments.rpe_lengths_m;
+  options.align_time = arguments.align_time;
+  options.judge_mesh = wants("mesh");
+  options.judge_planes = wants("planes");
+  options.judge_consistency = wants("consistency");
+  return options;
+}
+
+std::string NameOf(const std::filesystem::path& result) {
+  const auto clean = std::filesystem::absolute(result).lexically_normal();
+  return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
+}
+
+Report MakeReport(const EvaluateArguments& arguments, std::vector<RunEvaluation> evaluations) {
+  Report report;
+  ReportSection& section = report.sections.emplace_back();
+  section.name = NameOf(arguments.truth);
+  section.truth = arguments.truth;
+  for (RunEvaluation& evaluation : evaluations) {
+    std::string name = NameOf(evaluation.result);
+    const auto is_same = [&name](const ReportRun& run) { return run.name == name; };
+    if (std::ranges::any_of(section.runs, is_same)) {
+      name = std::filesystem::absolute(evaluation.result).lexically_normal().string();
+    }
+    section.runs.push_back(MakeReportRun(name, std::move(evaluation)));
+  }
+  report.title = "Evaluation on " + section.name;
+  return report;
+}
+
 void Evaluate(const EvaluateArguments& arguments) {
-  TrajectoryErrorOptions options;
-  options.alignment = AlignmentKindFromText(arguments.alignment).value_or(AlignmentKind::kSE3);
-  options.rpe_lengths_m = arguments.rpe_lengths_m;
+  const EvaluationOptions options = OptionsOf(arguments);
   const GroundTruth truth = LoadGroundTruth(arguments.truth);
 
   std::vector<RunEvaluation> evaluations = {EvaluateRun(arguments.result, truth, options)};
@@ -41,12 +82,16 @@ void Evaluate(const EvaluateArguments& arguments) {
   std::cout << FormatTable(evaluations);
   WriteEvaluation(evaluations.front());
   std::cout << "written: " << EvaluationFile(arguments.result).string() << '\n';
+  if (arguments.report.empty()) return;
+  WriteReport(arguments.report, MakeReport(arguments, std::move(evaluations)));
+  std::cout << "written: " << arguments.report << "/report.html\n";
 }
 
 }  // namespace
 
 void AddEvaluateCommand(CLI::App& app) {
-  auto* command = app.add_subcommand("evaluate", "Judge a trajectory against ground truth");
+  auto* command =
+      app.add_subcommand("evaluate", "Judge a trajectory, meshes and planes against ground truth");
   auto arguments = std::make_shared<EvaluateArguments>();
   command
       ->add_option(
@@ -66,6 +111,18 @@ void AddEvaluateCommand(CLI::App& app) {
           "path lengths [m] for relative errors; default: 1,2,5,10,20,... as far as the path goes")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
+  command->add_option(
+      "--report", arguments->report, "folder for report.html: plots and tables on one page");
+  command->add_flag("--align-time",
+                    arguments->align_time,
+                    "estimate the offset between the two clocks (at most 0.5 s) and remove it");
+  command
+      ->add_option("--parts",
+                   arguments->parts,
+                   "what to judge beside the trajectory, where there is truth for it: "
+                   "mesh,planes,consistency (default), or trajectory for nothing else")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"trajectory", "mesh", "planes", "consistency"}));
   command->callback([arguments] { Evaluate(*arguments); });
 }
 
