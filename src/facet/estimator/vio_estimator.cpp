@@ -125,14 +125,14 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
     RemoveOutliers();
     RelinearizeImu();
     result.solve = solver_.Solve(window_, kStartIterations);
-    newest_covariance_ = solver_.system().NewestFrameCovariance();
+    newest_covariance_ = solver_.NewestFrameCovariance(window_);
     const double waited_s = ToSeconds(observations.t - first_t_);
     if (TiltSigma() < options_.start.max_tilt_deg * kDegree ||
         waited_s >= options_.start.max_wait_s) {
       MoveOriginToNewestFrame();
       // The covariance belongs to the origin and heading that were fixed when it was computed.
       solver_.Solve(window_, 1);
-      newest_covariance_ = solver_.system().NewestFrameCovariance();
+      newest_covariance_ = solver_.NewestFrameCovariance(window_);
       initialised_ = true;
       FillResult(window_.frames.back(), NumSeenInNewest(), result);
       updater_.SetReference(window_, newest_covariance_);
@@ -166,7 +166,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     assignments_ = {};
     RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
-    newest_covariance_ = solver_.system().NewestFrameCovariance();
+    newest_covariance_ = solver_.NewestFrameCovariance(window_);
     MarkSettledPlanes(
         solver_.system().PlaneInformation(),
         {options_.planes.settled_normal_deg * kDegree, options_.planes.settled_offset_m},

@@ -50,6 +50,7 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
 
     bool accepted = false;
     while (!accepted && lambda_ <= kMaxLambda) {
+      factored_lambda_ = lambda_;
       if (!system_.Solve(window, lambda_)) {
         lambda_ = std::max(lambda_ * 10, 1e-6);
         continue;
@@ -81,6 +82,14 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
     }
   }
   return summary;
+}
+
+Matrix<15, 15> WindowSolver::NewestFrameCovariance(const SlidingWindow& window) {
+  // Damping is no information: it must not be in the factor.
+  if (factored_lambda_ > kMinLambda && system_.Solve(window, kMinLambda)) {
+    factored_lambda_ = kMinLambda;
+  }
+  return system_.NewestFrameCovariance();
 }
 
 }  // namespace facet
