@@ -64,6 +64,7 @@ ImageRenderer::ImageRenderer(const SceneMesh& mesh,
     const Eigen::Vector3f n_W = (b.p_W - a.p_W).cross(c.p_W - a.p_W).normalized();
     std::copy_n(n_W.data(), 3, look.n_W);
     look.texels_per_m = TexelsPerMetre(mesh, i, look.material->texture);
+    if (mesh.parts[triangle.part].is_planar) look.grid = static_cast<int>(triangle.part);
   }
 }
 
@@ -136,9 +137,12 @@ float ImageRenderer::Shade(const RayPacket& packet,
   const float texels = packet.distance[lane] * pixel_angle * look.texels_per_m;
   const float texels_2 = 0.64F * texels * texels * length_2 / cosine;
   const int level = static_cast<int>(0.5F * Log2(texels_2 + 1) + level_rounding);
-  const float albedo = material.texture.Sample(
-      look.u + w1 * look.u_1 + w2 * look.u_2, look.v + w1 * look.v_1 + w2 * look.v_2, level);
-  float radiance = albedo * (look.light + w1 * look.light_1 + w2 * look.light_2);
+  const float u = look.u + w1 * look.u_1 + w2 * look.u_2;
+  const float v = look.v + w1 * look.v_1 + w2 * look.v_2;
+  const float light = look.grid >= 0
+                          ? mesh_.parts[static_cast<std::size_t>(look.grid)].light.At(u, v)
+                          : look.light + w1 * look.light_1 + w2 * look.light_2;
+  float radiance = material.texture.Sample(u, v, level) * light;
   if (material.gloss > 0) radiance += Gloss(packet, lane, static_cast<float>(material.gloss));
   if (material.glow > 0) radiance += static_cast<float>(material.glow);
   return radiance;

@@ -44,7 +44,9 @@ class ImageRenderer {
     float light = 0, light_1 = 0, light_2 = 0;
     float n_W[3] = {0, 0, 1};
     float texels_per_m = 1;
+    std::int32_t grid = -1;  ///< the part whose light grid counts; -1: the light above
   };
+  static_assert(sizeof(TriangleLook) == 64);
   struct View {
     Eigen::Matrix3f R_WC;
     Eigen::Vector3f p_WC;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Light that does not move: computed once per vertex before the first image.
+// Light that does not move: computed before the first image.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ namespace facet {
 struct Light {
   Vector3d p_W = Vector3d::Zero();
   double radius_m = 0.25;
-  double power = 1;  ///< radiance of a white surface at 1 m that faces the lamp
+  double power = 1;  ///< about the radiance of a white surface at 1 m that faces the lamp
 };
 
 struct Lighting {
@@ -26,7 +26,7 @@ struct Lighting {
 /// Irradiance falls off with the squared distance, softened near the lamp.
 double Falloff(const Light& light, double distance_m);
 
-/// Sets SceneVertex::light of every vertex. The result does not depend on the number of threads.
+/// Sets the light of every part and vertex. The result does not depend on the number of threads.
 void BakeLight(const RayScene& rays,
                const Lighting& lighting,
                std::uint64_t seed,

@@ -126,8 +126,8 @@ RayScene::~RayScene() = default;
 
 void RayScene::Intersect(RayPacket& packet) const {
   constexpr int kSize = RayPacket::kSize;
-  alignas(32) RTCRayHit8 rays;
-  alignas(32) int valid[kSize];
+  alignas(64) RTCRayHit16 rays;
+  alignas(64) int valid[kSize];
   std::memcpy(rays.ray.org_x, packet.origin[0], sizeof(packet.origin[0]));
   std::memcpy(rays.ray.org_y, packet.origin[1], sizeof(packet.origin[1]));
   std::memcpy(rays.ray.org_z, packet.origin[2], sizeof(packet.origin[2]));
@@ -148,7 +148,7 @@ void RayScene::Intersect(RayPacket& packet) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid, device_->scene, &context, &rays);
+  rtcIntersect16(valid, device_->scene, &context, &rays);
   static_assert(RayPacket::kMiss == RTC_INVALID_GEOMETRY_ID);
   std::memcpy(packet.triangle, rays.hit.primID, sizeof(packet.triangle));
   std::memcpy(packet.distance, rays.ray.tfar, sizeof(packet.distance));

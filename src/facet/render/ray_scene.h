@@ -9,18 +9,18 @@
 
 namespace facet {
 
-/// What rays hit, eight at a time: the arrays that Embree works on, without its types.
+/// What rays hit, sixteen at a time: the arrays that Embree works on, without its types.
 struct RayPacket {
-  static constexpr int kSize = 8;
+  static constexpr int kSize = 16;
   static constexpr std::uint32_t kMiss = ~0U;
   /// In: origin and direction (any length) in W.
-  alignas(32) float origin[3][kSize];
-  alignas(32) float direction[3][kSize];
+  alignas(64) float origin[3][kSize];
+  alignas(64) float direction[3][kSize];
   /// Out: triangle, or kMiss; distance in lengths of the direction; barycentric weights of the
   /// triangle's second and third corner.
-  alignas(32) std::uint32_t triangle[kSize];
-  alignas(32) float distance[kSize];
-  alignas(32) float weight_1[kSize], weight_2[kSize];
+  alignas(64) std::uint32_t triangle[kSize];
+  alignas(64) float distance[kSize];
+  alignas(64) float weight_1[kSize], weight_2[kSize];
 };
 
 struct SceneHit {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/render/sequence_writer.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <initializer_list>
@@ -88,38 +90,69 @@ class CsvFile {
   std::ofstream stream_;
 };
 
-void WritePlanes(const fs::path& file, const SceneMesh& mesh, const SurfaceTruth& truth) {
-  CsvFile csv(file, "#plane,nx,ny,nz,d [m] (n.x = d),area [m^2],seen area [m^2],label,seen_s [s]");
-  int index = 0;
+/// A row of planes.csv: one planar part, or all parts of a floor, ceiling or wall that lie in one
+/// plane.
+struct PlaneRow {
+  const ScenePart* first = nullptr;
+  double area_m2 = 0;
+  PartSeen seen;
+};
+
+struct PlaneTable {
+  std::vector<PlaneRow> rows;
+  std::vector<std::int32_t> row_of_part;  // -1: not planar
+};
+
+bool IsSamePlane(const ScenePart& a, const ScenePart& b) {
+  constexpr double kSame = 1e-6;
+  const bool is_building = a.label == "floor" || a.label == "ceiling" || a.label == "wall";
+  return is_building && a.label == b.label && (a.n_W - b.n_W).norm() < kSame &&
+         std::abs(a.d_W - b.d_W) < kSame;
+}
+
+PlaneTable TabulatePlanes(const SceneMesh& mesh, const SurfaceTruth& truth) {
+  PlaneTable table;
   for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
     const ScenePart& part = mesh.parts[i];
+    table.row_of_part.push_back(-1);
     if (!part.is_planar) continue;
-    csv.stream() << index++ << ',' << Columns(part.n_W) << ','
-                 << Join({part.d_W, part.area_m2, truth.parts[i].area_m2}) << ',' << part.label
-                 << ',' << Digits(truth.parts[i].seconds) << '\n';
+    auto row = std::find_if(table.rows.begin(), table.rows.end(), [&](const PlaneRow& r) {
+      return IsSamePlane(*r.first, part);
+    });
+    if (row == table.rows.end()) row = table.rows.insert(row, {&part, 0, {}});
+    row->area_m2 += part.area_m2;
+    row->seen.area_m2 += truth.parts[i].area_m2;
+    row->seen.seconds = std::max(row->seen.seconds, truth.parts[i].seconds);
+    table.row_of_part.back() = static_cast<std::int32_t>(row - table.rows.begin());
+  }
+  return table;
+}
+
+void WritePlanes(const fs::path& file, const PlaneTable& table) {
+  CsvFile csv(file, "#plane,nx,ny,nz,d [m] (n.x = d),area [m^2],seen area [m^2],label,seen_s [s]");
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const PlaneRow& row = table.rows[i];
+    csv.stream() << i << ',' << Columns(row.first->n_W) << ','
+                 << Join({row.first->d_W, row.area_m2, row.seen.area_m2}) << ',' << row.first->label
+                 << ',' << Digits(row.seen.seconds) << '\n';
   }
   csv.Close();
 }
 
-void WriteMesh(const fs::path& file, const SceneMesh& mesh) {
+void WriteMesh(const fs::path& file, const SceneMesh& mesh, const PlaneTable& table) {
   std::ofstream stream(file, std::ios::binary);
-  stream
-      << "ply\nformat binary_little_endian 1.0\ncomment part: surfaces in the order of the scene; "
-         "the planar ones, in the same order, are the rows of planes.csv\nelement vertex "
-      << mesh.vertices.size()
-      << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
-      << mesh.triangles.size()
-      << "\nproperty list uchar int vertex_indices\nproperty int plane_id\nend_header\n";
+  stream << "ply\nformat binary_little_endian 1.0\ncomment plane_id: row of planes.csv, -1 where "
+            "the surface is curved\nelement vertex "
+         << mesh.vertices.size()
+         << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
+         << mesh.triangles.size()
+         << "\nproperty list uchar int vertex_indices\nproperty int plane_id\nend_header\n";
   for (const SceneVertex& v : mesh.vertices)
     stream.write(reinterpret_cast<const char*>(v.p_W.data()), 3 * sizeof(float));
-  std::vector<std::int32_t> plane_ids;
-  std::int32_t next = 0;
-  for (const ScenePart& part : mesh.parts)
-    plane_ids.push_back(part.is_planar ? next++ : -1);
   for (const SceneTriangle& t : mesh.triangles) {
     stream.put(3);
     stream.write(reinterpret_cast<const char*>(t.vertices.data()), sizeof(t.vertices));
-    stream.write(reinterpret_cast<const char*>(&plane_ids[t.part]), sizeof(std::int32_t));
+    stream.write(reinterpret_cast<const char*>(&table.row_of_part[t.part]), sizeof(std::int32_t));
   }
   stream.close();
   if (!stream) throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
@@ -199,8 +232,9 @@ void WriteStates(const fs::path& sequence, std::span<const NavState> states) {
 }
 
 void WriteSurfaces(const fs::path& sequence, const SceneMesh& mesh, const SurfaceTruth& truth) {
-  WriteMesh(sequence / "truth" / "mesh.ply", mesh);
-  WritePlanes(sequence / "truth" / "planes.csv", mesh, truth);
+  const PlaneTable table = TabulatePlanes(mesh, truth);
+  WriteMesh(sequence / "truth" / "mesh.ply", mesh, table);
+  WritePlanes(sequence / "truth" / "planes.csv", table);
   WritePlyPoints(sequence / "mav0" / "pointcloud0" / "data.ply", truth.points_W);
 }
 

@@ -30,7 +30,7 @@ void WriteImu(const std::filesystem::path& sequence, std::span<const ImuSample> 
 /// state_groundtruth_estimate0/data.csv.
 void WriteStates(const std::filesystem::path& sequence, std::span<const NavState> states);
 
-/// truth/mesh.ply (with the part of each face), truth/planes.csv and mav0/pointcloud0/data.ply.
+/// truth/mesh.ply (with the plane of each face), truth/planes.csv and mav0/pointcloud0/data.ply.
 void WriteSurfaces(const std::filesystem::path& sequence,
                    const SceneMesh& mesh,
                    const SurfaceTruth& truth);

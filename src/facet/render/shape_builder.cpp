@@ -61,30 +61,29 @@ void ShapeBuilder::AddPatch(const Finish& finish,
   part.is_planar = true;
   part.n_W = T_WO_.q * n_O;
   part.d_W = part.n_W.dot(T_WO_ * corner_O);
-  const int num_u = std::max(1, static_cast<int>(std::lround(u_O.norm() / finish.cell_m)));
-  const int num_v = std::max(1, static_cast<int>(std::lround(v_O.norm() / finish.cell_m)));
   const double tile = TileSize(finish.material);
   const Vector2d offset = RandomOffset(finish.material);
   const Vector2d scale =
       tile > 0 ? Vector2d(u_O.norm() / tile, v_O.norm() / tile) : Vector2d(Vector2d::Ones());
-  const auto first = static_cast<std::uint32_t>(mesh_.vertices.size());
-  for (int j = 0; j <= num_v; ++j) {
-    for (int i = 0; i <= num_u; ++i) {
-      const double s = static_cast<double>(i) / num_u, t = static_cast<double>(j) / num_v;
-      // Images have their first row at the top.
-      AddVertex(
-          corner_O + s * u_O + t * v_O, n_O, offset + Vector2d(s * scale.x(), (1 - t) * scale.y()));
-    }
-  }
-  const auto at = [&](int i, int j) {
-    return first + static_cast<std::uint32_t>(j * (num_u + 1) + i);
+  LightGrid& light = part.light;
+  light.columns = 1 + std::max(1, static_cast<int>(std::lround(u_O.norm() / finish.cell_m)));
+  light.rows = 1 + std::max(1, static_cast<int>(std::lround(v_O.norm() / finish.cell_m)));
+  light.corner_W = T_WO_ * corner_O;
+  light.u_W = T_WO_.q * u_O;
+  light.v_W = T_WO_.q * v_O;
+  // Images have their first row at the top, grids at the bottom.
+  light.first_u = static_cast<float>(offset.x());
+  light.first_v = static_cast<float>(offset.y() + scale.y());
+  light.scale_u = static_cast<float>((light.columns - 1) / scale.x());
+  light.scale_v = static_cast<float>(-(light.rows - 1) / scale.y());
+  const auto vertex = [&](double s, double t) {
+    return AddVertex(
+        corner_O + s * u_O + t * v_O, n_O, offset + Vector2d(s * scale.x(), (1 - t) * scale.y()));
   };
-  for (int j = 0; j < num_v; ++j) {
-    for (int i = 0; i < num_u; ++i) {
-      AddTriangle(id, at(i, j), at(i + 1, j), at(i + 1, j + 1));
-      AddTriangle(id, at(i, j), at(i + 1, j + 1), at(i, j + 1));
-    }
-  }
+  const std::uint32_t v00 = vertex(0, 0), v10 = vertex(1, 0), v11 = vertex(1, 1),
+                      v01 = vertex(0, 1);
+  AddTriangle(id, v00, v10, v11);
+  AddTriangle(id, v00, v11, v01);
 }
 
 void ShapeBuilder::AddBox(const Finish& finish, const Vector3d& center_O, const Vector3d& size_O) {

@@ -27,7 +27,7 @@ class ShapeBuilder {
   struct Finish {
     std::string label;
     int material = 0;
-    double cell_m = 0.12;  ///< vertices at least this dense: they carry the light
+    double cell_m = 0.12;  ///< distance of the points where light is computed
     bool is_sheet = false;
   };
 
