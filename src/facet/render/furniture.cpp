@@ -140,12 +140,53 @@ void AddLeaningBoard(const Spot& spot, const Vector2d& size, int material, doubl
       {"board", material}, {0, -kThickness / 2, size.y() / 2}, {size.x(), kThickness, size.y()});
 }
 
+void AddNettedHeap(const Spot& spot, double size) {
+  Rng& rng = spot.builder.rng();
+  const double radius = 0.5 * size;
+  PlaceInside(spot, {0, 0, 0.45 * radius});
+  spot.builder.AddBlob({"heap", MaterialOf(spot, "dark"), 0.06}, 0.75 * radius, 0.2);
+  // Strands over a hood with folds; each strand is a narrow ribbon.
+  const double fold = rng.Uniform(0, 6), height = 0.75 * size;
+  const auto hood = [&](double x, double y) {
+    const double r = std::hypot(x, y) / radius, angle = std::atan2(y, x);
+    const double drop = height * std::max(0.0, 1 - r * r);
+    return Vector3d(x, y, 0.01 + drop * (1 + 0.12 * std::sin(5 * angle + fold) * r));
+  };
+  constexpr double kPitch = 0.055, kStrand = 0.007;
+  const ShapeBuilder::Finish finish{"net", MaterialOf(spot, "fabric"), 0.05, true};
+  PlaceInside(spot, Vector3d::Zero());
+  for (double at = -radius + kPitch; at < radius - kPitch / 2; at += kPitch) {
+    const double reach = std::sqrt(radius * radius - at * at);
+    const int cells = std::max(4, static_cast<int>(2 * reach / 0.05));
+    for (const bool is_along_x : {true, false}) {
+      spot.builder.AddCurved(finish, {cells, 1, 2 * reach, kStrand}, [&](double s, double t) {
+        const double along = (2 * s - 1) * reach, across = at + (t - 0.5) * kStrand;
+        return is_along_x ? hood(along, across) : hood(across, -along);
+      });
+    }
+  }
+}
+
+void AddRailing(const Spot& spot, double width, double height) {
+  constexpr double kBar = 0.012, kPost = 0.02;
+  const ShapeBuilder::Finish finish{"rail", MaterialOf(spot, "metal"), 0.15};
+  for (const double share : {-0.5, 0.0, 0.5}) {
+    PlaceInside(spot, {share * width, 0, 0});
+    spot.builder.AddCylinder(finish, kPost, height);
+  }
+  for (double z = 0.25 * height; z <= height; z += 0.25 * height) {
+    const SE3 along_x(ExpSO3(Vector3d(0, std::numbers::pi / 2, 0)), {-width / 2, 0, z});
+    spot.builder.Place(spot.T_WO * along_x);
+    spot.builder.AddCylinder(finish, kBar, width);
+  }
+}
+
 void AddPlant(const Spot& spot, double height) {
   const double pot = 0.3 * height;
   PlaceInside(spot, Vector3d::Zero());
   spot.builder.AddCylinder({"pot", MaterialOf(spot, "stone"), 0.08}, 0.16 * height, pot);
   PlaceInside(spot, {0, 0, 0.65 * height});
-  spot.builder.AddFoliage({"plant", MaterialOf(spot, "leaf")}, 0.35 * height, 90);
+  spot.builder.AddFoliage({"plant", MaterialOf(spot, "leaf")}, 0.35 * height, 220);
 }
 
 void AddPanel(const Spot& spot, const std::string& label, const Vector2d& size, int material) {

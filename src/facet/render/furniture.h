@@ -24,6 +24,11 @@ void AddBoxStack(const Spot& spot, double side);
 void AddLeaningBoard(const Spot& spot, const Vector2d& size, int material, double lean_rad);
 /// A pot with leaves.
 void AddPlant(const Spot& spot, double height);
+/// A heap of soft things under a net of coarse mesh: thin strands in front of dark gaps. `size`:
+/// width.
+void AddNettedHeap(const Spot& spot, double size);
+/// Posts and thin bars, along x.
+void AddRailing(const Spot& spot, double width, double height);
 /// A flat sheet in the plane y = 0 around the origin, seen from +y. size: width, height.
 void AddPanel(const Spot& spot, const std::string& label, const Vector2d& size, int material);
 /// A flat sheet on the floor, seen from above. size: width (x), length (y).

@@ -78,7 +78,8 @@ GreyCanvas DeadLeaves(int size_px, Rng& rng) {
   // Big shapes last but sparse, so that the small ones show between them.
   for (int i = 0; i < 12; ++i)
     DrawRandomShape(canvas, rng.Uniform(size_px / 20.0, size_px / 6.0), rng);
-  return GreyCanvas(canvas + 0.04 * FractalNoise({size_px, 4, 1, 1}, rng));
+  cv::GaussianBlur(canvas, canvas, {}, size_px / 600.0);  // no print is sharper
+  return GreyCanvas(0.12 + 0.6 * canvas + 0.03 * FractalNoise({size_px, 4, 1, 1}, rng));
 }
 
 GreyCanvas PrintedSheet(int size_px, Rng& rng) {

@@ -23,7 +23,7 @@ struct NoiseOptions {
 GreyCanvas FractalNoise(const NoiseOptions& options, Rng& rng);
 
 /// Shapes that cover each other, with sizes after a power law: the edges and the statistics of
-/// photographs (Lee, Mumford and Huang, IJCV 2001). Albedo 0.05 to 0.95.
+/// photographs (Lee, Mumford and Huang, IJCV 2001). Albedo 0.15 to 0.7.
 GreyCanvas DeadLeaves(int size_px, Rng& rng);
 
 /// Lines of letters and figures, dark on white.

@@ -8,6 +8,7 @@
 #include "facet/base/check.h"
 #include "facet/io/errors.h"
 #include "facet/io/image_reader.h"
+#include "facet/render/parallel_for.h"
 
 namespace facet {
 namespace {
@@ -72,7 +73,7 @@ GreyCanvas Planks(int size_px, int num_planks, Rng& rng) {
 }
 
 GreyCanvas Bricks(int size_px, Rng& rng) {
-  GreyCanvas canvas(0.68 + 0.04 * FractalNoise({size_px, 4, 1, 1}, rng));
+  GreyCanvas canvas(0.58 + 0.03 * FractalNoise({size_px, 4, 1, 1}, rng));
   constexpr int kRows = 16, kColumns = 5;
   const int height = size_px / kRows, width = size_px / kColumns;
   for (int row = 0; row < kRows; ++row) {
@@ -82,11 +83,11 @@ GreyCanvas Bricks(int size_px, Rng& rng) {
           cv::Rect(x + 3 + rng.Index(3), row * height + 3, width - 7, height - 6) &
           cv::Rect(0, 0, size_px, size_px);
       if (brick.area() == 0) continue;
-      const GreyCanvas body(0.7 * GreyCanvas(canvas(brick)) + rng.Uniform(-0.22, 0.1));
+      const GreyCanvas body(0.7 * GreyCanvas(canvas(brick)) + rng.Uniform(-0.14, 0.05));
       body.copyTo(canvas(brick));
     }
   }
-  Speckle(canvas, size_px * 4, 4, 0.2, rng);
+  Speckle(canvas, size_px * 2, 4, 0.12, rng);
   return canvas;
 }
 
@@ -175,32 +176,29 @@ std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folde
 MaterialLibrary::MaterialLibrary(std::uint64_t seed, const std::filesystem::path& image_folder) {
   constexpr int kLarge = 2048, kMedium = 1024, kSmall = 512;
   Rng rng(seed);
-  const auto add = [&](const char* name, const GreyCanvas& canvas, double tile_m, double gloss) {
-    materials_.push_back({name, Texture(canvas), tile_m, gloss, 0});
+  const auto add = [&](const std::string& name, double tile_m, double gloss, Painter painter) {
+    materials_.push_back({name, {}, tile_m, gloss, 0});
+    painters_.push_back(std::move(painter));
+    seeds_.push_back(rng.Next());  // adding a material leaves those before it as they are
   };
-  // Each material has its own stream: adding one leaves the others as they are.
-  const auto stream = [&] { return Rng(rng.Next()); };
-  Rng plaster = stream(), concrete = stream(), linoleum = stream(), carpet = stream(),
-      wood = stream(), boards = stream(), brick = stream(), fabric = stream(), box = stream(),
-      metal = stream(), stone = stream(), soil = stream(), leaf = stream(), pictures = stream();
-  add("plaster", Plaster(kLarge, 0.012, plaster), 5, 0);
-  add("rough_plaster", Plaster(kLarge, 0.035, plaster), 5, 0);
-  add("concrete", Concrete(kLarge, concrete), 5, 0);
-  add("linoleum", Linoleum(kLarge, linoleum), 5, 0.12);
-  add("carpet", Carpet(kMedium, carpet), 2.5, 0);
-  add("wood", Planks(kMedium, 6, wood), 0.8, 0.08);
-  add("boards", Planks(kMedium, 3, boards), 1.2, 0.03);
-  add("brick", Bricks(kMedium, brick), 1.3, 0);
-  add("fabric", Fabric(kMedium, fabric), 1.5, 0);
-  add("cardboard", Cardboard(kMedium, box), 0, 0);
-  add("metal", Metal(kMedium, metal), 1.5, 0.5);
-  add("stone", Stone(kMedium, 0.13, stone), 1.5, 0);
-  add("soil", Stone(kLarge, 0.1, soil), 4, 0);
-  add("leaf", Leaf(kSmall, leaf), 0, 0.05);
-  add("tape", WarningTape(kSmall), 0.3, 0.05);
-  add("lamp", GreyCanvas(4, 4, 1.0F), 1, 0);
+  add("plaster", 5, 0, [](Rng& r) { return Plaster(kLarge, 0.012, r); });
+  add("rough_plaster", 5, 0, [](Rng& r) { return Plaster(kLarge, 0.035, r); });
+  add("concrete", 5, 0, [](Rng& r) { return Concrete(kLarge, r); });
+  add("linoleum", 5, 0.12, [](Rng& r) { return Linoleum(kLarge, r); });
+  add("carpet", 2.5, 0, [](Rng& r) { return Carpet(kMedium, r); });
+  add("wood", 0.8, 0.08, [](Rng& r) { return Planks(kMedium, 6, r); });
+  add("boards", 1.2, 0.03, [](Rng& r) { return Planks(kMedium, 3, r); });
+  add("brick", 1.3, 0, [](Rng& r) { return Bricks(kMedium, r); });
+  add("fabric", 1.5, 0, [](Rng& r) { return Fabric(kMedium, r); });
+  add("cardboard", 0, 0, [](Rng& r) { return Cardboard(kMedium, r); });
+  add("metal", 1.5, 0.5, [](Rng& r) { return Metal(kMedium, r); });
+  add("stone", 1.5, 0, [](Rng& r) { return Stone(kMedium, 0.13, r); });
+  add("soil", 4, 0, [](Rng& r) { return Stone(kLarge, 0.1, r); });
+  add("leaf", 0, 0.05, [](Rng& r) { return Leaf(kSmall, r); });
+  add("tape", 0.3, 0.05, [](Rng&) { return WarningTape(kSmall); });
+  add("dark", 1, 0.2, [](Rng&) { return GreyCanvas(4, 4, 0.06F); });
+  add("lamp", 1, 0, [](Rng&) { return GreyCanvas(4, 4, 1.0F); });
   materials_.back().glow = 3;
-  add("dark", GreyCanvas(4, 4, 0.06F), 1, 0.2);
   constexpr int kNumPhotos = 8, kNumPrints = 4;
   if (!image_folder.empty()) {
     for (const auto& file : ListImages(image_folder))
@@ -208,13 +206,28 @@ MaterialLibrary::MaterialLibrary(std::uint64_t seed, const std::filesystem::path
     return;
   }
   for (int i = 0; i < kNumPhotos + kNumPrints; ++i) {
-    const bool is_photo = i < kNumPhotos;
     pictures_.push_back(static_cast<int>(materials_.size()));
-    add(((is_photo ? "photo" : "print") + std::to_string(is_photo ? i : i - kNumPhotos)).c_str(),
-        is_photo ? DeadLeaves(kMedium, pictures) : PrintedSheet(kMedium, pictures),
-        0,
-        0.03);
+    if (i < kNumPhotos) {
+      add("photo" + std::to_string(i), 0, 0.03, [](Rng& r) { return DeadLeaves(kMedium, r); });
+    } else {
+      add("print" + std::to_string(i - kNumPhotos), 0, 0.03, [](Rng& r) {
+        return PrintedSheet(kMedium, r);
+      });
+    }
   }
+}
+
+void MaterialLibrary::Paint(const std::set<int>& used, int num_threads) {
+  std::vector<std::size_t> due;
+  for (const int index : used) {
+    const auto i = static_cast<std::size_t>(index);
+    if (materials_[i].texture.width() == 0) due.push_back(i);
+  }
+  ParallelFor(static_cast<int>(due.size()), num_threads, [&](int k) {
+    const std::size_t i = due[static_cast<std::size_t>(k)];
+    Rng rng(seeds_[i]);
+    materials_[i].texture = Texture(painters_[i](rng));
+  });
 }
 
 int MaterialLibrary::Find(const std::string& name) const {
@@ -236,6 +249,8 @@ int MaterialLibrary::AddPicture(const std::filesystem::path& file) {
   image.convertTo(canvas, CV_32F, 1.0 / 255);
   pictures_.push_back(static_cast<int>(materials_.size()));
   materials_.push_back({file.string(), Texture(canvas), 0, 0.03, 0});
+  painters_.emplace_back();
+  seeds_.push_back(0);
   return pictures_.back();
 }
 

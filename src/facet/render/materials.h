@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,9 +24,13 @@ struct Material {
 /// Everything a scene can be made of. Names: see Names().
 class MaterialLibrary {
  public:
-  /// Paints all materials. Pictures (photo..., print...) come from the images in `image_folder` if
-  /// it is not empty. Throws InputError for a folder without images and for unreadable ones.
+  /// Nothing is painted yet. Pictures (photo..., print...) come from the images in `image_folder`
+  /// if it is not empty. Throws InputError for a folder without images and for unreadable ones.
   MaterialLibrary(std::uint64_t seed, const std::filesystem::path& image_folder);
+
+  /// Paints the textures of these materials, if they are not there yet. The result does not depend
+  /// on the number of threads, nor on which materials are painted.
+  void Paint(const std::set<int>& used, int num_threads);
 
   const std::vector<Material>& materials() const { return materials_; }
 
@@ -40,7 +46,11 @@ class MaterialLibrary {
   std::string Names() const;
 
  private:
+  using Painter = std::function<GreyCanvas(Rng&)>;
+
   std::vector<Material> materials_;
+  std::vector<Painter> painters_;     // by material; empty for image files
+  std::vector<std::uint64_t> seeds_;  // of the painters
   std::vector<int> pictures_;
 };
 

@@ -67,7 +67,7 @@ void AddShell(ShapeBuilder& builder, const RoomShape& room) {
 /// Lamps under the ceiling and a window; their panels glow.
 Lighting AddLamps(ShapeBuilder& builder, FloorPlan& plan, const RoomShape& room) {
   Lighting lighting;
-  lighting.ambient = 0.3;
+  lighting.ambient = 0.4;
   Rng& rng = builder.rng();
   for (const double x : {-0.25, 0.25}) {
     const double y = rng.Uniform(-0.25, 0.25);
@@ -88,7 +88,7 @@ Lighting AddLamps(ShapeBuilder& builder, FloorPlan& plan, const RoomShape& room)
 void AddWallThings(ShapeBuilder& builder, FloorPlan& plan, const RoomShape& room) {
   Rng& rng = builder.rng();
   const double perimeter = 2 * (room.size.x() + room.size.y());
-  for (int i = static_cast<int>(0.4 * perimeter); i > 0; --i) {
+  for (int i = static_cast<int>(0.3 * perimeter); i > 0; --i) {
     const double width = rng.Uniform(0.4, 1.4);
     const Vector2d size(width, width * rng.Uniform(0.6, 1.4));
     const auto T_WO = plan.FindOnWall(size, 1.2, std::max(1.3, room.size.z() - 0.9), rng);
@@ -149,7 +149,7 @@ void AddFurniture(ShapeBuilder& builder, FloorPlan& plan) {
     const Vector3d space(table.x(), table.y(), table.z() + 0.4);
     if (const auto T = find(space, i > 0)) AddTable({builder, *T}, table);
   }
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 5; ++i) {
     if (const auto T = find({0.5, 0.5, 0.95}, false)) AddChair({builder, *T});
   }
   for (int i = 0; i < 7; ++i) {
@@ -174,6 +174,14 @@ void AddFurniture(ShapeBuilder& builder, FloorPlan& plan) {
     } else {
       builder.AddBlob({"rock", m.Get("stone"), 0.06}, radius, 0.18);
     }
+  }
+  for (int i = 0; i < 3; ++i) {
+    const double size = rng.Uniform(0.7, 1.1);
+    if (const auto T = find({size, size, 0.75 * size}, false)) AddNettedHeap({builder, *T}, size);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const double width = rng.Uniform(1.2, 2);
+    if (const auto T = find({width, 0.15, 1.15}, false)) AddRailing({builder, *T}, width, 1.1);
   }
   for (int i = 0; i < 4; ++i) {
     const double height = rng.Uniform(0.7, 1.4);

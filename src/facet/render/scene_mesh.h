@@ -20,9 +20,14 @@ struct LightGrid {
   float first_u = 0, first_v = 0, scale_u = 1, scale_v = 1;
   std::vector<float> light;  ///< row by row; irradiance over pi
 
+  /// Border nodes lie a centimetre inside: at an edge that two surfaces share, rays slip out.
   Vector3d Node(int column, int row) const {
-    return corner_W + static_cast<double>(column) / (columns - 1) * u_W +
-           static_cast<double>(row) / (rows - 1) * v_W;
+    constexpr double kInset_m = 0.01;
+    const auto share = [](int node, int count, double length) {
+      const double inset = std::min(0.25, kInset_m / length);
+      return std::clamp(static_cast<double>(node) / (count - 1), inset, 1 - inset);
+    };
+    return corner_W + share(column, columns, u_W.norm()) * u_W + share(row, rows, v_W.norm()) * v_W;
   }
   /// Bilinear; clamped to the grid.
   float At(float u, float v) const {

@@ -210,7 +210,7 @@ void ShapeBuilder::AddFoliage(const Finish& finish, double radius, int count) {
     const Vector3d center = radius * std::cbrt(rng_.Uniform(0.1, 1)) * direction;
     const Vector3d n = (direction + 0.7 * rng_.Normal3()).normalized();
     const Matrix<3, 2> basis = TangentBasis(n);
-    const double angle = rng_.Uniform(0, kTurn), length = radius * rng_.Uniform(0.15, 0.4);
+    const double angle = rng_.Uniform(0, kTurn), length = radius * rng_.Uniform(0.1, 0.28);
     const Vector3d u = length * (std::cos(angle) * basis.col(0) + std::sin(angle) * basis.col(1));
     const Vector3d v = 0.4 * n.cross(u);
     const std::array<std::uint32_t, 4> c = {AddVertex(center, n, {0.5, 1}),

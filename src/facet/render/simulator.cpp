@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <mutex>
+#include <set>
 
 #include "facet/io/calibration_file.h"
 #include "facet/io/errors.h"
@@ -160,6 +161,13 @@ bool WriteImages(const SimulationRequest& request,
   return !is_stopped;
 }
 
+std::set<int> UsedMaterials(const SceneMesh& mesh) {
+  std::set<int> used;
+  for (const ScenePart& part : mesh.parts)
+    used.insert(part.material);
+  return used;
+}
+
 void DescribePath(const Motion& motion, SimulationReport& report) {
   report.num_pairs = static_cast<int>(motion.frames.size());
   report.duration_s = ToSeconds(motion.frames.back() - motion.frames.front());
@@ -195,6 +203,7 @@ SimulationReport Simulate(const SimulationRequest& request,
     throw InputError("--scene " + request.scene + ", --trajectory " + request.trajectory + ": " +
                      clearance.problem + "; take another scene, flight or --seed");
   }
+  materials.Paint(UsedMaterials(scene.mesh), request.num_threads);
   BakeLight(rays, scene.lighting, seeds.light, request.num_threads, scene.mesh);
   const ImageRenderer renderer(scene.mesh, materials, rays, scene.lighting);
 

@@ -19,7 +19,7 @@ struct ImageOptions {
   bool motion_blur = true;
   double max_exposure_s = 0.008;  ///< in the dark; shorter where it is bright
   bool auto_exposure = true;      ///< follows the brightness, with a drift
-  double mean_level = 120;        ///< grey level that the exposure aims at
+  double mean_level = 105;        ///< grey level that the exposure aims at
   double right_gain = 0.1;        ///< right camera brighter or darker by up to this share
 
   template <class Visitor>

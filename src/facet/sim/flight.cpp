@@ -37,7 +37,7 @@ constexpr std::array<Style, 6> kStyles = {{
     {"fast", FlightKind::kFast, 1.1, 0.55, 0.08, 0.5, 0.4, 0.12, 0.02, 3, 1, 0},
     {"aggressive", FlightKind::kAggressive, 1.9, 0.4, 0.1, 0.7, 0.4, 0.12, 0.03, 3.5, 1, 0},
     {"hover", FlightKind::kHover, 0.0, 1.0, 0.08, 0.25, 0.1, 0.12, 0.012, 2.5, 1, 0},
-    {"hand-held", FlightKind::kHandHeld, 0.25, 0.6, 0.12, 0.8, 0.3, 0.3, 0.05, 1.6, 0, 0},
+    {"hand-held", FlightKind::kHandHeld, 0.25, 0.6, 0.14, 0.8, 0.35, 0.3, 0.06, 1.6, 0, 0},
     {"walk", FlightKind::kWalk, 1.0, 0.5, 0.04, 0.5, 0.2, 0.15, 0.03, 2, 0, 0.02},
 }};
 
@@ -228,7 +228,7 @@ std::vector<NavState> MakeFlightPoses(FlightKind kind,
     state.T_WB.p = path.p_W[k];
     const Vector3d up_W = style.tilt * a_W[k] - GravityInWorld();
     const Vector3d shake(style.shake_rad * yaw.At(t),  // about the body's x axis, which is up
-                         style.pitch_rad + style.shake_rad * pitch.At(t),
+                         style.shake_rad * pitch.At(t) - style.pitch_rad,
                          style.shake_rad * roll.At(t));
     state.T_WB.q = (Attitude(path.heading[k], up_W) * ExpSO3(shake)).normalized();
     states.push_back(state);
