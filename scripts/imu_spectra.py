@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """scripts/imu_spectra.py IMU[:from:to]...
 
 Strength of what the IMU measured (1-sigma, rad/s and m/s^2) by axis and band of frequency. Each argument is an

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """scripts/realism.py SEQUENCE REFERENCE... [--build build]
 
 How a simulated sequence compares with recorded ones, to the front end: corners per image, strength of the corners,

@@ -143,8 +143,8 @@ void AddLeaningBoard(const Spot& spot, const Vector2d& size, int material, doubl
 void AddNettedHeap(const Spot& spot, double size) {
   Rng& rng = spot.builder.rng();
   const double radius = 0.5 * size;
-  PlaceInside(spot, {0, 0, 0.45 * radius});
-  spot.builder.AddBlob({"heap", MaterialOf(spot, "dark"), 0.06}, 0.75 * radius, 0.2);
+  PlaceInside(spot, {0, 0, 0.35 * radius});
+  spot.builder.AddBlob({"heap", MaterialOf(spot, "fabric"), 0.06}, 0.62 * radius, 0.15);
   // Strands over a hood with folds; each strand is a narrow ribbon.
   const double fold = rng.Uniform(0, 6), height = 0.75 * size;
   const auto hood = [&](double x, double y) {
@@ -153,7 +153,7 @@ void AddNettedHeap(const Spot& spot, double size) {
     return Vector3d(x, y, 0.01 + drop * (1 + 0.12 * std::sin(5 * angle + fold) * r));
   };
   constexpr double kPitch = 0.055, kStrand = 0.007;
-  const ShapeBuilder::Finish finish{"net", MaterialOf(spot, "fabric"), 0.05, true};
+  const ShapeBuilder::Finish finish{"net", MaterialOf(spot, "plaster"), 0.05, true};
   PlaceInside(spot, Vector3d::Zero());
   for (double at = -radius + kPitch; at < radius - kPitch / 2; at += kPitch) {
     const double reach = std::sqrt(radius * radius - at * at);

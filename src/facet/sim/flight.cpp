@@ -37,7 +37,7 @@ constexpr std::array<Style, 6> kStyles = {{
     {"fast", FlightKind::kFast, 1.1, 0.55, 0.08, 0.5, 0.4, 0.12, 0.02, 3, 1, 0},
     {"aggressive", FlightKind::kAggressive, 1.9, 0.4, 0.1, 0.7, 0.4, 0.12, 0.03, 3.5, 1, 0},
     {"hover", FlightKind::kHover, 0.0, 1.0, 0.08, 0.25, 0.1, 0.12, 0.012, 2.5, 1, 0},
-    {"hand-held", FlightKind::kHandHeld, 0.25, 0.6, 0.14, 0.8, 0.35, 0.3, 0.06, 1.6, 0, 0},
+    {"hand-held", FlightKind::kHandHeld, 0.25, 0.6, 0.09, 0.8, 0.35, 0.3, 0.06, 1.6, 0, 0},
     {"walk", FlightKind::kWalk, 1.0, 0.5, 0.04, 0.5, 0.2, 0.15, 0.03, 2, 0, 0.02},
 }};
 
