@@ -28,17 +28,18 @@ struct Style {
   double pitch_rad;   // looking down
   double shake_rad;   // fast rotations, amplitude
   double shake_hz;    //   and their highest frequency
+  double jitter_rad;  // rotations of the attitude control, 2 to 8 Hz
   double tilt;        // share of the thrust direction that the body follows: 1 a drone
   double bounce_m;    // steps of a walker
 };
 
 constexpr std::array<Style, 6> kStyles = {{
-    {"gentle", FlightKind::kGentle, 0.45, 0.8, 0.06, 0.3, 0.35, 0.12, 0.012, 2.5, 1, 0},
-    {"fast", FlightKind::kFast, 1.1, 0.55, 0.08, 0.5, 0.4, 0.12, 0.02, 3, 1, 0},
-    {"aggressive", FlightKind::kAggressive, 1.9, 0.4, 0.1, 0.7, 0.4, 0.12, 0.03, 3.5, 1, 0},
-    {"hover", FlightKind::kHover, 0.0, 1.0, 0.08, 0.25, 0.1, 0.12, 0.012, 2.5, 1, 0},
-    {"hand-held", FlightKind::kHandHeld, 0.25, 0.6, 0.09, 0.8, 0.35, 0.3, 0.06, 1.6, 0, 0},
-    {"walk", FlightKind::kWalk, 1.0, 0.5, 0.04, 0.5, 0.2, 0.15, 0.03, 2, 0, 0.02},
+    {"gentle", FlightKind::kGentle, 0.45, 0.8, 0.06, 0.3, 0.35, 0.12, 0.012, 2.5, 0.0009, 1, 0},
+    {"fast", FlightKind::kFast, 1.1, 0.55, 0.08, 0.5, 0.4, 0.12, 0.02, 3, 0.0012, 1, 0},
+    {"aggressive", FlightKind::kAggressive, 1.9, 0.4, 0.1, 0.7, 0.4, 0.12, 0.03, 3.5, 0.0015, 1, 0},
+    {"hover", FlightKind::kHover, 0.0, 1.0, 0.08, 0.25, 0.1, 0.12, 0.012, 2.5, 0.0008, 1, 0},
+    {"hand-held", FlightKind::kHandHeld, 0.25, 0.6, 0.09, 0.8, 0.35, 0.3, 0.06, 1.6, 0.0003, 0, 0},
+    {"walk", FlightKind::kWalk, 1.0, 0.5, 0.04, 0.5, 0.2, 0.15, 0.03, 2, 0.0003, 0, 0.02},
 }};
 
 const Style& StyleOf(FlightKind kind) {
@@ -215,6 +216,8 @@ std::vector<NavState> MakeFlightPoses(FlightKind kind,
       static_cast<int>(std::ceil((options.duration_s + 2 * options.lead_s) * kRate)) + 1;
   const Wander pace(0.1, rng), roll(style.shake_hz, rng), pitch(style.shake_hz, rng),
       yaw(style.shake_hz, rng);
+  constexpr double kJitterHz = 8;
+  const Wander jitter_x(kJitterHz, rng), jitter_y(kJitterHz, rng), jitter_z(kJitterHz, rng);
   const std::vector<double> lengths = ArcLengths(style, count, pace, options.lead_s + 0.5);
   const Path path = FollowRoute(style, Route(route_W), lengths, rng);
   const std::vector<Vector3d> a_W = Accelerations(path.p_W);
@@ -230,7 +233,9 @@ std::vector<NavState> MakeFlightPoses(FlightKind kind,
     const Vector3d shake(style.shake_rad * yaw.At(t),  // about the body's x axis, which is up
                          style.shake_rad * pitch.At(t) - style.pitch_rad,
                          style.shake_rad * roll.At(t));
-    state.T_WB.q = (Attitude(path.heading[k], up_W) * ExpSO3(shake)).normalized();
+    const Vector3d jitter(0.4 * jitter_x.At(t), jitter_y.At(t), jitter_z.At(t));
+    state.T_WB.q =
+        (Attitude(path.heading[k], up_W) * ExpSO3(shake + style.jitter_rad * jitter)).normalized();
     states.push_back(state);
   }
   return states;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/sim/vibration.h"
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 namespace facet {
@@ -30,39 +32,75 @@ constexpr Strengths kHand = {{{0.0132, 0.0026, 0.0005, 0.0002, 0.0002},
                               {0.118, 0.039, 0.010, 0.015, 0.003},
                               {0.079, 0.019, 0.007, 0.009, 0.002}}};
 
+/// Entry (b, c): variance that unit white noise through filter b has in band c.
+template <class Filters>
+MatrixXd BandResponse(const Filters& bank, double rate_hz) {
+  constexpr double kStepHz = 0.25;
+  MatrixXd response = MatrixXd::Zero(static_cast<Eigen::Index>(bank.size()), kNumBands);
+  for (std::size_t b = 0; b < bank.size(); ++b) {
+    for (std::size_t c = 0; c < kNumBands; ++c) {
+      const double high_hz = std::min(kBands[c].high_hz, rate_hz / 2);
+      for (double hz = kBands[c].low_hz; hz < high_hz; hz += kStepHz)
+        response(b, c) += bank[b].Power((hz + kStepHz / 2) / rate_hz) * 2 * kStepHz / rate_hz;
+    }
+  }
+  return response;
+}
+
+/// Squared gains of the filters for which all bands together get their strengths: filters leak into
+/// neighbouring bands. Non-negative, by multiplicative steps (Richardson and Lucy).
+VectorXd MatchBands(const MatrixXd& response, const std::array<double, kNumBands>& strengths) {
+  const VectorXd target =
+      Eigen::Map<const VectorXd>(strengths.data(), kNumBands).array().square().matrix();
+  VectorXd power = VectorXd::Constant(response.rows(), target.mean() / response.mean());
+  for (int i = 0; i < 200; ++i) {
+    const VectorXd reached = response.transpose() * power;
+    const VectorXd step = response * target.cwiseQuotient(reached.cwiseMax(1e-30));
+    power = power.cwiseProduct(step.cwiseQuotient(response.rowwise().sum()));
+  }
+  return power;
+}
+
 }  // namespace
 
 double Vibration::Filter::Next(double x) {
-  const double y = gain * (x - x2) - a1 * y1 - a2 * y2;
-  x2 = x1;
-  x1 = x;
-  y2 = y1;
-  y1 = y;
-  return y;
+  for (Past& p : past) {
+    const double y = x - p.x2 - a1 * p.y1 - a2 * p.y2;
+    p.x2 = p.x1;
+    p.x1 = x;
+    p.y2 = p.y1;
+    p.y1 = y;
+    x = y;
+  }
+  return gain * x;
+}
+
+double Vibration::Filter::Power(double cycles) const {
+  const std::complex<double> z = std::polar(1.0, -2 * std::numbers::pi * cycles);
+  return std::pow(std::norm((1.0 - z * z) / (1.0 + a1 * z + a2 * z * z)), 2);
 }
 
 Vibration::Vibration(VibrationKind kind, double rate_hz, Rng rng) : rng_(rng) {
   const Strengths& strengths = kind == VibrationKind::kRotors ? kRotors : kHand;
+  std::vector<Filter> bank;
+  for (const Band& band : kBands) {
+    const double center_hz = 0.5 * (band.low_hz + band.high_hz);
+    const double width_hz = band.high_hz - band.low_hz;
+    if (center_hz > 0.48 * rate_hz) break;
+    Filter filter;
+    // Each resonance is wider than the band that both together let through.
+    const double radius = std::exp(-std::numbers::pi * 0.9 * width_hz / rate_hz);
+    filter.a1 = -2 * radius * std::cos(2 * std::numbers::pi * center_hz / rate_hz);
+    filter.a2 = radius * radius;
+    bank.push_back(filter);
+  }
+  const MatrixXd response = BandResponse(bank, rate_hz);
   for (int axis = 0; axis < 6; ++axis) {
-    for (std::size_t b = 0; b < kNumBands; ++b) {
-      const double center_hz = 0.5 * (kBands[b].low_hz + kBands[b].high_hz);
-      const double width_hz = kBands[b].high_hz - kBands[b].low_hz;
-      if (center_hz > 0.48 * rate_hz) continue;
-      Filter filter;
-      filter.axis = axis;
-      const double radius = std::exp(-std::numbers::pi * 0.5 * width_hz / rate_hz);
-      filter.a1 = -2 * radius * std::cos(2 * std::numbers::pi * center_hz / rate_hz);
-      filter.a2 = radius * radius;
-      filter.gain = 1;
-      // Strength of the response to white noise: the energy of the impulse response.
-      double energy = 0;
-      Filter probe = filter;
-      for (int i = 0; i < 4000; ++i) {
-        const double y = probe.Next(i == 0 ? 1 : 0);
-        energy += y * y;
-      }
-      filter.gain = strengths[static_cast<std::size_t>(axis)][b] / std::sqrt(energy);
-      filters_.push_back(filter);
+    const VectorXd power = MatchBands(response, strengths[static_cast<std::size_t>(axis)]);
+    for (std::size_t b = 0; b < bank.size(); ++b) {
+      filters_.push_back(bank[b]);
+      filters_.back().axis = axis;
+      filters_.back().gain = std::sqrt(power(static_cast<Eigen::Index>(b)));
     }
   }
   for (int i = 0; i < 200; ++i)  // past the transient

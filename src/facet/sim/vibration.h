@@ -20,13 +20,18 @@ class Vibration {
   Vector<6> Next();
 
  private:
-  /// A second-order resonance (band-pass), scaled so that white noise of unit strength comes out
-  /// with a given standard deviation.
+  /// Two equal resonances (band-passes) in series, scaled so that white noise of unit strength
+  /// comes out with a given standard deviation.
   struct Filter {
+    struct Past {
+      double x1 = 0, x2 = 0, y1 = 0, y2 = 0;
+    };
     int axis = 0;
     double a1 = 0, a2 = 0, gain = 0;
-    double y1 = 0, y2 = 0, x1 = 0, x2 = 0;
+    std::array<Past, 2> past;
     double Next(double x);
+    /// Squared gain at a frequency, given in cycles per sample, without the factor `gain`.
+    double Power(double cycles) const;
   };
 
   std::vector<Filter> filters_;
