@@ -8,7 +8,8 @@ if [ -z "$sequence" ]; then
   sequence="runs/demo-room"
   if [ ! -f "$sequence/simulation.txt" ]; then
     echo "demo: simulating a 20 s flight through a room (once; about a minute)"
-    if ! build/facet simulate --out "$sequence" --scene room --trajectory gentle --duration 20 --seed 1; then
+    if ! build/facet simulate --out "$sequence" --scene room --trajectory gentle --duration 20 --seed 1 \
+        --set image.rays_per_pixel=3; then
       cat >&2 <<TEXT
 demo: without the simulator, give a recording in the EuRoC layout (a folder that holds mav0/):
   make demo SEQUENCE=path/to/MH_01_easy

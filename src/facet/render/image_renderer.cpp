@@ -16,13 +16,19 @@ double RadicalInverse(int i, int base) {
   return result;
 }
 
-/// Offset of sample i, normally distributed, cut off at two and a half sigma.
-Eigen::Vector2f LensOffset(int i, double blur_px) {
-  const double u = RadicalInverse(i + 1, 2), v = RadicalInverse(i + 1, 3);
-  const double r = std::min(2.5, std::sqrt(-2 * std::log(1 - u)));
-  const double angle = 2 * std::numbers::pi * v;
-  return Eigen::Vector2d(blur_px * r * std::cos(angle), blur_px * r * std::sin(angle))
-      .cast<float>();
+/// Offsets of the rays of a pixel, normally distributed, cut off at two and a half sigma. They are
+/// symmetric, in pairs of opposite ones: otherwise the whole image would be displaced.
+std::vector<Eigen::Vector2f> LensOffsets(int count, double blur_px) {
+  std::vector<Eigen::Vector2f> offsets;
+  for (int i = 1; i <= count / 2; ++i) {
+    const double r = std::min(2.5, std::sqrt(-2 * std::log(1 - RadicalInverse(i, 2))));
+    const double angle = std::numbers::pi * RadicalInverse(i, 3);
+    const Vector2d offset(blur_px * r * std::cos(angle), blur_px * r * std::sin(angle));
+    offsets.push_back(offset.cast<float>());
+    offsets.push_back(-offset.cast<float>());
+  }
+  if (count % 2 == 1) offsets.push_back(Eigen::Vector2f::Zero());
+  return offsets;
 }
 
 /// Logarithm to base 2 of x >= 1, to 0.01.
@@ -174,11 +180,12 @@ cv::Mat1f ImageRenderer::Render(const CameraRays& camera,
   const int count = static_cast<int>(T_WC.size());
   // Neighbours in time get distant offsets: 7 is coprime to every count that is no multiple of it.
   const int stride = count % 7 == 0 ? 5 : 7;
+  const std::vector<Eigen::Vector2f> offsets = LensOffsets(count, blur_px);
   for (int i = 0; i < count; ++i) {
     const SE3& T = T_WC[static_cast<std::size_t>(i)];
     const View view{T.R().cast<float>(), T.p.cast<float>()};
     const float rounding = (static_cast<float>(i) + 0.5F) / static_cast<float>(count);
-    AddSample(camera, view, {LensOffset(i * stride % count, blur_px), rounding}, sum);
+    AddSample(camera, view, {offsets[static_cast<std::size_t>(i * stride % count)], rounding}, sum);
   }
   sum *= 1.0 / count;
   return sum;

@@ -110,6 +110,75 @@ TEST(ImageRendererTest, IdBuffersShowSurfacesWhereTheCameraModelPutsThem) {
   }
 }
 
+/// Where the image is half-way between both sides of an edge, against the true edge: mean distance
+/// along rows (axis 0) or columns (axis 1).
+double MeanEdgeShift(const cv::Mat1f& image,
+                     const CameraModel& camera,
+                     const std::vector<Vector3d>& edge_C,
+                     int axis) {
+  double sum = 0;
+  int count = 0;
+  const auto value = [&](int along, int across) {
+    return axis == 0 ? image(across, along) : image(along, across);
+  };
+  for (std::size_t i = 1; i < edge_C.size(); ++i) {
+    const auto a = camera.Project(edge_C[i - 1]), b = camera.Project(edge_C[i]);
+    if (!a || !b || !camera.IsInside(*b, 8)) continue;
+    const Vector2d step = *b - *a;
+    const int line = static_cast<int>(std::floor(std::max((*a)(1 - axis), (*b)(1 - axis))));
+    if (line <= std::min((*a)(1 - axis), (*b)(1 - axis))) continue;
+    if (std::abs(step(1 - axis)) < 2 * std::abs(step(axis))) continue;
+    const double truth = (*a)(axis) + (line - (*a)(1 - axis)) / step(1 - axis) * step(axis);
+    const int center = static_cast<int>(truth);
+    const float begin = value(center - 4, line), end = value(center + 5, line);
+    if (std::abs(begin - end) < 0.5F) continue;  // a corner of the sheet is near
+    const float half = 0.5F * (begin + end);
+    for (int k = center - 3; k < center + 4; ++k) {
+      const float before = value(k, line) - half, after = value(k + 1, line) - half;
+      if (before * after > 0) continue;
+      sum += k + static_cast<double>(before / (before - after)) - truth;
+      ++count;
+      break;
+    }
+  }
+  return count > 100 ? sum / count : 0;
+}
+
+TEST(ImageRendererTest, EdgesInTheImagesLieWhereTheCameraModelPutsThem) {
+  const StereoRig rig = EurocRig();
+  for (std::size_t c = 0; c < 2; ++c) {
+    const CameraRays camera(rig.cameras[c]);
+    const SE3 T_CB = rig.T_BC[c].Inverse();
+    for (const int num_rays : {3, 4, 8}) {
+      // The shift of the whole image: opposite edges, so that the width of the blur cancels.
+      Vector2d shift_px = Vector2d::Zero();
+      constexpr int kScenes = 4;
+      for (std::uint64_t seed = 1; seed <= kScenes; ++seed) {
+        const SheetScene scene(seed);
+        const std::vector<SE3> poses(static_cast<std::size_t>(num_rays), rig.T_BC[c]);
+        const cv::Mat1f image = scene.renderer->Render(camera, poses, 0.5);
+        for (const double side : {-1.0, 1.0}) {
+          for (const bool is_first : {true, false}) {
+            std::vector<Vector3d> edge_C;
+            for (int i = 0; i <= 4000; ++i) {
+              const double s = i / 2000.0 - 1;
+              edge_C.push_back(T_CB * (is_first ? scene.PointAt(side, s) : scene.PointAt(s, side)));
+            }
+            for (int axis = 0; axis < 2; ++axis)
+              shift_px(axis) += MeanEdgeShift(image, rig.cameras[c], edge_C, axis) / (2 * kScenes);
+          }
+        }
+      }
+      std::printf("camera %zu, %d rays: image shifted by %.4f %.4f px\n",
+                  c,
+                  num_rays,
+                  shift_px.x(),
+                  shift_px.y());
+      EXPECT_LT(shift_px.norm(), 0.05) << num_rays << " rays, camera " << c;
+    }
+  }
+}
+
 TEST(ImageRendererTest, RaysBesidePixelCentresGoWhereTheCameraModelSays) {
   const StereoRig rig = EurocRig();
   for (const CameraModel& model : rig.cameras) {
