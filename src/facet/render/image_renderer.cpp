@@ -31,6 +31,27 @@ std::vector<Eigen::Vector2f> LensOffsets(int count, double blur_px) {
   return offsets;
 }
 
+/// Turns the pattern of the rays by another angle in each pixel of a tile. With the same pattern
+/// everywhere all pixels along an upright edge would err in the same direction.
+class PatternTurns {
+ public:
+  PatternTurns() {
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        const double share = std::fmod(0.7548776662 * x + 0.5698402910 * y, 1.0);
+        turns_[y][x] = Eigen::Rotation2Df(static_cast<float>(std::numbers::pi * share)).matrix();
+      }
+    }
+  }
+  Eigen::Vector2f Turn(int x, int y, const Eigen::Vector2f& offset_px) const {
+    return turns_[y % kSide][x % kSide] * offset_px;
+  }
+
+ private:
+  static constexpr int kSide = 16;
+  Eigen::Matrix2f turns_[kSide][kSide];
+};
+
 /// Logarithm to base 2 of x >= 1, to 0.01.
 float Log2(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
@@ -81,9 +102,10 @@ void ImageRenderer::Fill(const CameraRays& camera,
                          int y,
                          int step_px,
                          RayPacket& packet) const {
+  static const PatternTurns turns;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const int column = std::min(x + lane * step_px, camera.width() - 1);
-    const Eigen::Vector2f xy = camera.At(column, y, offset_px);
+    const Eigen::Vector2f xy = camera.At(column, y, turns.Turn(column, y, offset_px));
     for (int k = 0; k < 3; ++k) {
       packet.origin[k][lane] = view.p_WC(k);
       packet.direction[k][lane] =
