@@ -2,6 +2,7 @@
 // `facet evaluate`: how good a trajectory is against ground truth.
 #include "evaluate.h"
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "facet/eval/evaluation_json.h"
 #include "facet/eval/run_evaluation.h"
 
 namespace facet {
@@ -21,12 +23,27 @@ struct EvaluateArguments {
   std::vector<std::string> against;
   std::vector<double> rpe_lengths_m;
   std::string alignment = ToString(AlignmentKind::kSE3);
+  std::vector<std::string> parts = {"mesh", "planes", "consistency"};
+  bool align_time = false;
 };
 
+EvaluationOptions OptionsOf(const EvaluateArguments& arguments) {
+  const auto wants = [&](const char* part) {
+    return std::ranges::find(arguments.parts, part) != arguments.parts.end();
+  };
+  EvaluationOptions options;
+  options.trajectory.alignment =
+      AlignmentKindFromText(arguments.alignment).value_or(AlignmentKind::kSE3);
+  options.trajectory.rpe_lengths_m = arguments.rpe_lengths_m;
+  options.align_time = arguments.align_time;
+  options.judge_mesh = wants("mesh");
+  options.judge_planes = wants("planes");
+  options.judge_consistency = wants("consistency");
+  return options;
+}
+
 void Evaluate(const EvaluateArguments& arguments) {
-  TrajectoryErrorOptions options;
-  options.alignment = AlignmentKindFromText(arguments.alignment).value_or(AlignmentKind::kSE3);
-  options.rpe_lengths_m = arguments.rpe_lengths_m;
+  const EvaluationOptions options = OptionsOf(arguments);
   const GroundTruth truth = LoadGroundTruth(arguments.truth);
 
   std::vector<RunEvaluation> evaluations = {EvaluateRun(arguments.result, truth, options)};
@@ -46,7 +63,8 @@ void Evaluate(const EvaluateArguments& arguments) {
 }  // namespace
 
 void AddEvaluateCommand(CLI::App& app) {
-  auto* command = app.add_subcommand("evaluate", "Judge a trajectory against ground truth");
+  auto* command =
+      app.add_subcommand("evaluate", "Judge a trajectory, meshes and planes against ground truth");
   auto arguments = std::make_shared<EvaluateArguments>();
   command
       ->add_option(
@@ -66,6 +84,16 @@ void AddEvaluateCommand(CLI::App& app) {
           "path lengths [m] for relative errors; default: 1,2,5,10,20,... as far as the path goes")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
+  command->add_flag("--align-time",
+                    arguments->align_time,
+                    "estimate the offset between the two clocks (at most 0.5 s) and remove it");
+  command
+      ->add_option("--parts",
+                   arguments->parts,
+                   "what to judge beside the trajectory, where there is truth for it: "
+                   "mesh,planes,consistency (default), or trajectory for nothing else")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"trajectory", "mesh", "planes", "consistency"}));
   command->callback([arguments] { Evaluate(*arguments); });
 }
 

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <string>
 
+#include "compare.h"
 #include "config.h"
 #include "evaluate.h"
 #include "run.h"
@@ -36,6 +37,7 @@ int RunProgram(int argc, char** argv) {
   app.require_subcommand(1);
   facet::AddRunCommand(app);
   facet::AddEvaluateCommand(app);
+  facet::AddCompareCommand(app);
   facet::AddConfigCommand(app);
   try {
     if (IsUnknownCommand(app, argc, argv)) {

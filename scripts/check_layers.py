@@ -23,6 +23,7 @@ RANK = {
     "sim": 6,
     "eval": 6,
     "pipeline": 6,
+    "report": 7,
     "viewer": 7,
     "apps": 8,
     "bench": 8,

@@ -2,14 +2,14 @@
 #include "facet/eval/run_evaluation.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
-#include <map>
-#include <numbers>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
-#include "facet/io/csv_reader.h"
+#include "facet/eval/evaluation_json.h"
+#include "facet/eval/mesh_evaluation.h"
+#include "facet/eval/time_alignment.h"
 #include "facet/io/errors.h"
 
 namespace facet {
@@ -19,20 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 // A pose belongs to a frame when their stamps differ by less than this.
 constexpr Duration kSameFrame{1'000'000};
-
-std::vector<Timestamp> ReadFrameStamps(const fs::path& file) {
-  std::vector<Timestamp> stamps;
-  if (!fs::exists(file)) return stamps;
-  CsvReader row(file);
-  while (row.Next()) {
-    if (const auto ns = ParseInteger(row.fields().front())) stamps.push_back({*ns});
-  }
-  std::sort(stamps.begin(), stamps.end());
-  return stamps;
-}
 
 // Stereo frames of the run as `facet run` counted them; empty without a readable summary.
 std::optional<int> FramesOfSummary(const fs::path& file) {
@@ -79,139 +67,75 @@ fs::path TrajectoryFile(const fs::path& result) {
 // them.
 void EvaluateKeyframes(const fs::path& result,
                        const GroundTruth& truth,
-                       const TrajectoryErrorOptions& options,
+                       const EvaluationOptions& options,
                        RunEvaluation& evaluation) {
   const fs::path file = result / "keyframes.tum";
   if (!fs::is_directory(result) || !fs::exists(file)) return;
   try {
-    const Trajectory keyframes = ReadTrajectory(file);
-    const std::string problem = WhatIsWrong(keyframes.poses, truth.poses);
+    const std::vector<StampedPose> keyframes =
+        ShiftInTime(ReadTrajectory(file).poses, evaluation.time_offset.value_or(Duration{}));
+    const std::string problem = WhatIsWrong(keyframes, truth.poses);
     if (!problem.empty()) throw InputError(file.string() + ": " + problem);
-    evaluation.keyframes = EvaluateTrajectory(keyframes.poses, truth.poses, options);
+    evaluation.keyframes = EvaluateTrajectory(keyframes, truth.poses, options.trajectory);
   } catch (const InputError& error) {
     evaluation.warnings.push_back(std::string(error.what()) + "; keyframes are not judged");
   }
 }
 
-ordered_json ToJson(const ErrorStatistics& s) {
-  return {{"rmse_m", s.rmse}, {"median_m", s.median}, {"mean_m", s.mean}, {"max_m", s.max}};
-}
-
-ordered_json ToJson(const RelativeErrors& errors) {
-  const ErrorStatistics translation = Summarize(errors.translation_m);
-  const ErrorStatistics rotation = Summarize(errors.rotation_rad);
-  return {{"length_m", errors.length_m},
-          {"translation_median_m", translation.median},
-          {"translation_rmse_m", translation.rmse},
-          {"rotation_median_deg", rotation.median * kDegPerRad},
-          {"rotation_rmse_deg", rotation.rmse * kDegPerRad},
-          {"pairs", errors.translation_m.size()}};
-}
-
-ordered_json ToJson(const TrajectoryAlignment& alignment, AlignmentKind kind) {
-  const Quaterniond& q = alignment.T_GW.q;
-  const Vector3d& p = alignment.T_GW.p;
-  return {{"kind", ToString(kind)},
-          {"translation_m", {p.x(), p.y(), p.z()}},
-          {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}},
-          {"scale", alignment.scale}};
-}
-
-std::string Text(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
-
-// Rows of the table in order: name and the text of one run.
-std::vector<std::pair<std::string, std::string>> Rows(const RunEvaluation& e) {
-  std::vector<std::pair<std::string, std::string>> rows;
-  rows.emplace_back("poses with truth", std::to_string(e.causal.num_pairs));
-  if (e.coverage) rows.emplace_back("coverage [%]", Text("%.1f", 100 * *e.coverage));
-  rows.emplace_back("path [m]", Text("%.2f", e.causal.path_length_m));
-  rows.emplace_back("ATE rmse [m]", Text("%.4f", e.causal.ate_m.rmse));
-  rows.emplace_back("ATE median [m]", Text("%.4f", e.causal.ate_m.median));
-  rows.emplace_back("ATE mean [m]", Text("%.4f", e.causal.ate_m.mean));
-  rows.emplace_back("ATE max [m]", Text("%.4f", e.causal.ate_m.max));
-  if (e.keyframes) {
-    rows.emplace_back("ATE rmse, keyframes [m]", Text("%.4f", e.keyframes->ate_m.rmse));
+// Planes, mesh and consistency: each where the result and the truth have it.
+void EvaluateParts(const fs::path& result,
+                   const GroundTruth& truth,
+                   const EvaluationOptions& options,
+                   RunEvaluation& evaluation) {
+  if (!fs::is_directory(result)) return;
+  if (options.judge_mesh && truth.surface && HasMesh(result)) {
+    MeshEvaluation meshes =
+        EvaluateMeshes(result, truth, evaluation.pairs, evaluation.causal.alignment);
+    evaluation.mesh = std::move(meshes.mesh);
+    evaluation.map = std::move(meshes.map);
+    std::ranges::move(meshes.warnings, std::back_inserter(evaluation.warnings));
   }
-  for (const RelativeErrors& errors : e.causal.rpe) {
-    const std::string name = "RPE " + Text("%g", errors.length_m) + " m, median";
-    rows.emplace_back(name + " [m]", Text("%.4f", Summarize(errors.translation_m).median));
-    rows.emplace_back(name + " [deg]",
-                      Text("%.3f", Summarize(errors.rotation_rad).median * kDegPerRad));
+  const fs::path planes = result / "planes.csv";
+  if (options.judge_planes && !truth.planes_file.empty() && fs::exists(planes)) {
+    evaluation.planes = EvaluatePlanes(ReadEstimatedPlanes(planes),
+                                       ReadTruePlanes(truth.planes_file),
+                                       evaluation.causal.alignment);
   }
-  if (e.causal.drift_percent) rows.emplace_back("drift [%]", Text("%.2f", *e.causal.drift_percent));
-  if (e.causal.scale_error_percent) {
-    rows.emplace_back("scale error [%]", Text("%+.2f", *e.causal.scale_error_percent));
+  const fs::path states = result / "states.csv";
+  if (options.judge_consistency && !truth.states.empty() && fs::exists(states)) {
+    std::vector<EstimatedState> estimate = ReadStates(states);
+    for (EstimatedState& e : estimate)
+      e.state.t = e.state.t + evaluation.time_offset.value_or(Duration{});
+    evaluation.consistency = EvaluateConsistency(estimate, truth.states);
   }
-  return rows;
-}
-
-std::string ShortName(const fs::path& result) {
-  const fs::path clean = result.has_filename() ? result : result.parent_path();
-  return clean.filename().string();
-}
-
-std::string Pad(const std::string& text, std::size_t width, bool right) {
-  const std::string blanks(text.size() < width ? width - text.size() : 0, ' ');
-  return right ? blanks + text : text + blanks;
 }
 
 }  // namespace
 
-GroundTruth LoadGroundTruth(const std::filesystem::path& sequence_or_file) {
-  GroundTruth truth;
-  truth.path = sequence_or_file;
-  if (!fs::is_directory(sequence_or_file)) {
-    truth.poses = ReadTrajectory(sequence_or_file).poses;
-    return truth;
-  }
-  const fs::path inside = sequence_or_file / "mav0";
-  const fs::path mav0 = fs::is_directory(inside) ? inside : sequence_or_file;
-  const fs::path file = mav0 / "state_groundtruth_estimate0" / "data.csv";
-  if (!fs::exists(file)) {
-    throw InputError(file.string() + ": there is no such file; the sequence has no ground truth");
-  }
-  truth.poses = ReadTrajectory(file).poses;
-  truth.frames = ReadFrameStamps(mav0 / "cam0" / "data.csv");
-  return truth;
-}
-
 RunEvaluation EvaluateRun(const std::filesystem::path& result,
                           const GroundTruth& truth,
-                          const TrajectoryErrorOptions& options) {
-  const Trajectory trajectory = ReadTrajectory(TrajectoryFile(result));
-  const std::string problem = WhatIsWrong(trajectory.poses, truth.poses);
-  if (!problem.empty()) throw InputError(result.string() + ": " + problem);
+                          const EvaluationOptions& options) {
+  Trajectory trajectory = ReadTrajectory(TrajectoryFile(result));
   RunEvaluation evaluation;
   evaluation.result = result;
-  evaluation.alignment = options.alignment;
+  evaluation.alignment = options.trajectory.alignment;
   evaluation.warnings = trajectory.warnings;
   evaluation.coverage = Coverage(result, trajectory.poses, truth);
-  evaluation.causal = EvaluateTrajectory(trajectory.poses, truth.poses, options);
-  EvaluateKeyframes(result, truth, options, evaluation);
-  return evaluation;
-}
-
-nlohmann::ordered_json ToJson(const RunEvaluation& e) {
-  ordered_json json;
-  if (e.coverage) json["coverage"] = *e.coverage;
-  json["poses_with_truth"] = e.causal.num_pairs;
-  json["poses_without_truth"] = e.causal.num_outside + e.causal.num_in_gaps;
-  json["path_length_m"] = e.causal.path_length_m;
-  json["alignment"] = ToJson(e.causal.alignment, e.alignment);
-  json["ate"] = ToJson(e.causal.ate_m);
-  if (e.keyframes) json["ate_keyframes"] = ToJson(e.keyframes->ate_m);
-  json["rpe"] = ordered_json::array();
-  for (const RelativeErrors& errors : e.causal.rpe) {
-    json["rpe"].push_back(ToJson(errors));
+  if (options.align_time) {
+    evaluation.time_offset =
+        EstimateTimeOffset(trajectory.poses, truth.poses, options.trajectory.alignment);
+    trajectory.poses = ShiftInTime(trajectory.poses, *evaluation.time_offset);
   }
-  if (e.causal.drift_percent) json["drift_percent"] = *e.causal.drift_percent;
-  if (e.causal.scale_error_percent) json["scale_error_percent"] = *e.causal.scale_error_percent;
-  json["warnings"] = e.warnings;
-  return json;
+  const std::string problem = WhatIsWrong(trajectory.poses, truth.poses);
+  if (!problem.empty()) {
+    throw InputError(result.string() + ": " + problem + " (truth: " + truth.pose_file.string() +
+                     ")");
+  }
+  evaluation.causal = EvaluateTrajectory(trajectory.poses, truth.poses, options.trajectory);
+  evaluation.pairs = Associate(trajectory.poses, truth.poses).pairs;
+  EvaluateKeyframes(result, truth, options, evaluation);
+  EvaluateParts(result, truth, options, evaluation);
+  return evaluation;
 }
 
 std::filesystem::path EvaluationFile(const std::filesystem::path& result) {
@@ -232,34 +156,6 @@ void WriteEvaluation(const RunEvaluation& evaluation) {
     fs::remove(partial, ignored);
     throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
   }
-}
-
-std::string FormatTable(std::span<const RunEvaluation> evaluations) {
-  std::vector<std::string> names;  // in order of appearance
-  std::vector<std::map<std::string, std::string>> columns;
-  for (const RunEvaluation& evaluation : evaluations) {
-    auto& column = columns.emplace_back();
-    for (auto& [name, text] : Rows(evaluation)) {
-      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-      column[name] = text;
-    }
-  }
-  constexpr std::size_t kNameWidth = 26;
-  std::string table = Pad("", kNameWidth, false);
-  for (const RunEvaluation& evaluation : evaluations) {
-    table += "  " + Pad(ShortName(evaluation.result), 10, true);
-  }
-  table += '\n';
-  for (const std::string& name : names) {
-    table += Pad(name, kNameWidth, false);
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      const std::size_t width = std::max<std::size_t>(10, ShortName(evaluations[c].result).size());
-      const auto text = columns[c].find(name);
-      table += "  " + Pad(text == columns[c].end() ? "-" : text->second, width, true);
-    }
-    table += '\n';
-  }
-  return table;
 }
 
 }  // namespace facet

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "facet/eval/evaluation_json.h"
 #include "facet/io/errors.h"
 
 namespace facet {

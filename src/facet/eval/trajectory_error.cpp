@@ -50,18 +50,9 @@ std::size_t ClosestAfter(const std::vector<double>& values, std::size_t first, d
   return static_cast<std::size_t>((take_below ? below : above) - values.begin());
 }
 
-TrajectoryAlignment Align(std::span<const PosePair> pairs, AlignmentKind kind) {
-  std::vector<Vector3d> p_W, p_G;
-  for (const PosePair& pair : pairs) {
-    p_W.push_back(pair.T_WB.p);
-    p_G.push_back(pair.T_GB.p);
-  }
-  return AlignTrajectory(p_W, p_G, kind);
-}
-
 // Umeyama's scale takes the estimate to the truth; the error is that of the estimate.
 std::optional<double> ScaleErrorPercent(std::span<const PosePair> pairs, double path_length_m) {
-  const double scale = Align(pairs, AlignmentKind::kSim3).scale;
+  const double scale = AlignPairs(pairs, AlignmentKind::kSim3).scale;
   if (path_length_m <= 0 || scale <= 0) return std::nullopt;
   return 100.0 * (1.0 / scale - 1.0);
 }
@@ -127,6 +118,15 @@ ErrorStatistics Summarize(std::vector<double> errors) {
   s.median = n % 2 == 1 ? errors[n / 2] : 0.5 * (errors[n / 2 - 1] + errors[n / 2]);
   s.max = errors.back();
   return s;
+}
+
+TrajectoryAlignment AlignPairs(std::span<const PosePair> pairs, AlignmentKind kind) {
+  std::vector<Vector3d> p_W, p_G;
+  for (const PosePair& pair : pairs) {
+    p_W.push_back(pair.T_WB.p);
+    p_G.push_back(pair.T_GB.p);
+  }
+  return AlignTrajectory(p_W, p_G, kind);
 }
 
 std::vector<double> AbsoluteErrors(std::span<const PosePair> pairs,
@@ -205,7 +205,7 @@ TrajectoryError EvaluateTrajectory(std::span<const StampedPose> estimate,
   result.num_outside = association.num_outside;
   result.num_in_gaps = association.num_in_gaps;
   result.path_length_m = TravelledDistance(pairs).back();
-  result.alignment = Align(pairs, options.alignment);
+  result.alignment = AlignPairs(pairs, options.alignment);
   result.ate_m = Summarize(AbsoluteErrors(pairs, result.alignment));
   const std::vector<double> lengths = options.rpe_lengths_m.empty()
                                           ? DefaultRpeLengths(result.path_length_m)

@@ -39,6 +39,9 @@ struct ErrorStatistics {
 /// At least one value.
 ErrorStatistics Summarize(std::vector<double> errors);
 
+/// Over the positions of all pairs; at least one.
+TrajectoryAlignment AlignPairs(std::span<const PosePair> pairs, AlignmentKind kind);
+
 /// Distances between the truth and the aligned estimate, pair by pair [m].
 std::vector<double> AbsoluteErrors(std::span<const PosePair> pairs,
                                    const TrajectoryAlignment& alignment);

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "facet/base/random.h"
+#include "facet/eval/evaluation_json.h"
 #include "facet/eval/run_evaluation.h"
 #include "facet/testing/data_dir.h"
 

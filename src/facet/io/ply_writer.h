@@ -5,11 +5,16 @@
 #include <filesystem>
 #include <span>
 
-#include "facet/base/types.h"
+#include "facet/mesh/triangle_mesh.h"
 
 namespace facet {
 
 /// Points as float x y z. Throws OutputError when the file cannot be written completely.
 void WritePlyPoints(const std::filesystem::path& file, std::span<const Vector3d> points);
+
+/// A mesh as in mesh.ply and map.ply: float x y z nx ny nz, uchar red green blue; faces with int
+/// plane_id. Parts that the mesh does not have are written as up, grey and -1. CHECKs that the
+/// optional parts are empty or complete; throws OutputError like WritePlyPoints.
+void WritePlyMesh(const std::filesystem::path& file, const TriangleMesh& mesh);
 
 }  // namespace facet

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// `facet compare`: sequences x pipelines x configurations x starts, and what of the differences is
+// real.
+#include "compare.h"
+
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "compare_runs.h"
+#include "load_options.h"
+#include "run.h"
+#include <CLI/CLI.hpp>
+
+#include "facet/eval/ground_truth.h"
+#include "facet/io/asl_dataset.h"
+#include "facet/io/errors.h"
+#include "facet/report/comparison.h"
+
+namespace facet {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+struct CompareArguments {
+  std::vector<std::string> sequences, configs, overrides;
+  std::vector<std::string> pipelines = {"S", "SP", "SPR"};
+  std::vector<std::string> run_options;
+  std::string out, report;
+  int starts = 9, jobs = 1;
+  double duration_s = 0;
+  bool is_quiet = false;
+};
+
+struct NamedConfig {
+  std::string name, file;
+};
+
+struct Combination {
+  std::string name;
+  std::vector<std::string> arguments;
+};
+
+std::vector<NamedConfig> ParseConfigs(const CompareArguments& arguments) {
+  std::vector<NamedConfig> configs;
+  std::set<std::string> names;
+  for (const std::string& text : arguments.configs) {
+    const std::size_t equals = text.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == text.size()) {
+      throw ConfigError("--config " + text + ": NAME=FILE is expected");
+    }
+    NamedConfig config{text.substr(0, equals), text.substr(equals + 1)};
+    if (config.name.find('/') != std::string::npos || !names.insert(config.name).second) {
+      throw ConfigError("--config " + text + ": the name must be new and without '/'");
+    }
+    LoadOptions(config.file, arguments.overrides);  // refuses a bad file before the first run
+    configs.push_back(std::move(config));
+  }
+  if (configs.empty()) LoadOptions("", arguments.overrides);
+  return configs;
+}
+
+std::vector<Combination> Combinations(const CompareArguments& arguments) {
+  std::vector<std::string> common = arguments.run_options;
+  for (const std::string& text : arguments.overrides)
+    common.insert(common.end(), {"--set", text});
+  if (arguments.duration_s > 0) {
+    common.insert(common.end(), {"--duration", std::to_string(arguments.duration_s)});
+  }
+  const std::vector<NamedConfig> configs = ParseConfigs(arguments);
+  std::vector<Combination> combinations;
+  for (const std::string& pipeline : arguments.pipelines) {
+    Combination plain{pipeline, {"--pipeline", pipeline}};
+    plain.arguments.insert(plain.arguments.end(), common.begin(), common.end());
+    if (configs.empty()) combinations.push_back(plain);
+    for (const NamedConfig& config : configs) {
+      Combination named = plain;
+      named.name += "-" + config.name;
+      named.arguments.insert(named.arguments.end(), {"--config", config.file});
+      combinations.push_back(named);
+    }
+  }
+  return combinations;
+}
+
+struct NamedSequence {
+  std::string name;
+  fs::path path;
+  std::vector<StampedPose> truth;
+};
+
+std::vector<NamedSequence> OpenSequences(const CompareArguments& arguments) {
+  std::vector<NamedSequence> sequences;
+  std::set<std::string> names;
+  for (const std::string& text : arguments.sequences) {
+    const fs::path folder = fs::weakly_canonical(FindMav0(text)).parent_path();
+    NamedSequence sequence{folder.filename().string(), folder, LoadGroundTruth(folder).poses};
+    if (!names.insert(sequence.name).second) {
+      throw ConfigError(text + ": another sequence has the name '" + sequence.name + "', too");
+    }
+    sequences.push_back(std::move(sequence));
+  }
+  return sequences;
+}
+
+std::string StartName(int k) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "start_%d.%d", k / 10, k % 10);
+  return text;
+}
+
+// Start by start, so that slow spells of the machine hit all combinations alike.
+std::vector<RunCell> MakeCells(const CompareArguments& arguments,
+                               const std::vector<NamedSequence>& sequences,
+                               const std::vector<Combination>& combinations) {
+  std::vector<RunCell> cells;
+  for (const NamedSequence& sequence : sequences) {
+    for (int k = 0; k < arguments.starts; ++k) {
+      for (const Combination& combination : combinations) {
+        RunCell& cell = cells.emplace_back();
+        cell.sequence = sequence.path;
+        cell.sequence_name = sequence.name;
+        cell.combination = combination.name;
+        cell.start_s = 0.1 * k;
+        cell.arguments = combination.arguments;
+        cell.folder = fs::path(arguments.out) / sequence.name / combination.name / StartName(k);
+      }
+    }
+  }
+  return cells;
+}
+
+ordered_json ReadJson(const fs::path& file) {
+  std::ifstream stream(file);
+  ordered_json json = ordered_json::parse(stream, nullptr, false);
+  return json.is_object() ? json : ordered_json::object();
+}
+
+ComparedRun Load(const RunCell& cell, const NamedSequence& sequence) {
+  ComparedRun run;
+  run.start_s = cell.start_s;
+  run.has_result = cell.has_result;
+  run.message = cell.message;
+  run.folder = cell.folder;
+  if (!cell.has_result) return run;
+  run.evaluation = ReadJson(cell.folder / "evaluation.json");
+  run.summary = ReadJson(cell.folder / "summary.json");
+  run.pairs = Associate(ReadTrajectory(cell.folder / "trajectory.tum").poses, sequence.truth).pairs;
+  return run;
+}
+
+std::vector<ComparedSequence> Collect(const std::vector<RunCell>& cells,
+                                      const std::vector<NamedSequence>& sequences,
+                                      const std::vector<Combination>& combinations) {
+  std::vector<ComparedSequence> compared;
+  for (const NamedSequence& sequence : sequences) {
+    ComparedSequence& entry = compared.emplace_back();
+    entry.name = sequence.name;
+    for (const Combination& combination : combinations) {
+      ComparedCombination& column = entry.combinations.emplace_back();
+      column.name = combination.name;
+      for (const RunCell& cell : cells) {
+        if (cell.sequence_name == sequence.name && cell.combination == combination.name) {
+          column.runs.push_back(Load(cell, sequence));
+        }
+      }
+    }
+  }
+  return compared;
+}
+
+void WriteFile(const fs::path& file, const std::string& text) {
+  const fs::path partial = file.string() + ".partial";
+  std::ofstream stream(partial, std::ios::binary);
+  stream << text;
+  stream.close();
+  std::error_code error;
+  if (stream) fs::rename(partial, file, error);
+  if (!stream || error) {
+    throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
+  }
+}
+
+void WriteTables(const fs::path& out, const ordered_json& comparison) {
+  std::string csv, markdown, html;
+  for (const Table& table : ComparisonTables(comparison)) {
+    std::cout << ToText(table) << '\n';
+    csv += ToCsv(table) + '\n';
+    markdown += ToMarkdown(table);
+    html += ToHtml(table);
+  }
+  WriteFile(out / "comparison.json", comparison.dump(1) + "\n");
+  WriteFile(out / "comparison.csv", csv);
+  WriteFile(out / "comparison.md", markdown);
+  WriteFile(out / "comparison.html", html);
+}
+
+void Compare(const CompareArguments& arguments) {
+  const std::vector<NamedSequence> sequences = OpenSequences(arguments);
+  const std::vector<Combination> combinations = Combinations(arguments);
+  std::error_code error;
+  fs::create_directories(arguments.out, error);
+  if (error) {
+    throw ConfigError("--out " + arguments.out + ": cannot be created: " + error.message());
+  }
+  std::vector<RunCell> cells = MakeCells(arguments, sequences, combinations);
+  ExecuteCells(cells, arguments.jobs, arguments.is_quiet);
+  const std::vector<ComparedSequence> compared = Collect(cells, sequences, combinations);
+  const ordered_json comparison = CompareToJson(compared);
+  WriteTables(arguments.out, comparison);
+  std::cout << "written: " << arguments.out << "/comparison.{json,csv,md,html}\n";
+  if (std::ranges::none_of(cells, &RunCell::has_result)) {
+    constexpr int kEstimator = 4;
+    throw RunEndedError(kEstimator, "no run has a result: " + cells.front().message);
+  }
+}
+
+void AddOptions(CLI::App& command, CompareArguments& a) {
+  command.add_option("SEQUENCE", a.sequences, "folders with ground truth")->required();
+  command.add_option("--pipelines", a.pipelines, "S,SP,SPR; the first one is the reference")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"S", "SP", "SPR"}))
+      ->capture_default_str();
+  command
+      .add_option("--starts", a.starts, "runs per combination, from 0, 0.1, 0.2 ... s; 9 to judge")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_option("--out", a.out, "folder for the runs and the tables; a study goes on there")
+      ->required();
+  command.add_option("--jobs", a.jobs, "runs at the same time, one core each")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command.add_option("--config", a.configs, "NAME=FILE, repeatable: each one with each pipeline")
+      ->allow_extra_args(false);
+  command.add_option("--set", a.overrides, "key.path=value for all runs, repeatable")
+      ->allow_extra_args(false);
+  command
+      .add_option("--run-option",
+                  a.run_options,
+                  "one more argument of facet run for all runs, repeatable: "
+                  "--run-option=--mesh-every=10")
+      ->allow_extra_args(false);
+  command.add_option("--duration", a.duration_s, "seconds of each run")->check(CLI::PositiveNumber);
+  command.add_flag("--quiet", a.is_quiet, "no line per run");
+}
+
+}  // namespace
+
+void AddCompareCommand(CLI::App& app) {
+  auto* command = app.add_subcommand(
+      "compare", "Run sequences with several pipelines, configurations and starts, and compare");
+  auto arguments = std::make_shared<CompareArguments>();
+  AddOptions(*command, *arguments);
+  command->callback([arguments] { Compare(*arguments); });
+}
+
+}  // namespace facet

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/eval/evaluation_json.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+namespace facet {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+ordered_json ToJson(const ErrorStatistics& s) {
+  return {{"rmse_m", s.rmse}, {"median_m", s.median}, {"mean_m", s.mean}, {"max_m", s.max}};
+}
+
+ordered_json ToJson(const RelativeErrors& errors) {
+  const ErrorStatistics translation = Summarize(errors.translation_m);
+  const ErrorStatistics rotation = Summarize(errors.rotation_rad);
+  return {{"length_m", errors.length_m},
+          {"translation_median_m", translation.median},
+          {"translation_rmse_m", translation.rmse},
+          {"rotation_median_deg", rotation.median * kDegPerRad},
+          {"rotation_rmse_deg", rotation.rmse * kDegPerRad},
+          {"pairs", errors.translation_m.size()}};
+}
+
+ordered_json ToJson(const TrajectoryAlignment& alignment, AlignmentKind kind) {
+  const Quaterniond& q = alignment.T_GW.q;
+  const Vector3d& p = alignment.T_GW.p;
+  return {{"kind", ToString(kind)},
+          {"translation_m", {p.x(), p.y(), p.z()}},
+          {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}},
+          {"scale", alignment.scale}};
+}
+
+ordered_json ToJson(const DistanceStatistics& s) {
+  return {{"accuracy_mean_m", s.mean_m},
+          {"accuracy_median_m", s.median_m},
+          {"accuracy_p90_m", s.p90_m},
+          {"accuracy_rmse_m", s.rmse_m}};
+}
+
+ordered_json ToJson(const MeshFigures& figures) {
+  ordered_json json = ToJson(figures.accuracy);
+  json["precision_5cm"] = figures.precision[0];
+  json["precision_10cm"] = figures.precision[1];
+  if (figures.completeness) {
+    json["completeness_5cm"] = (*figures.completeness)[0];
+    json["completeness_10cm"] = (*figures.completeness)[1];
+    json["completeness_20cm"] = (*figures.completeness)[2];
+  }
+  if (figures.fscore) {
+    json["fscore_5cm"] = (*figures.fscore)[0];
+    json["fscore_10cm"] = (*figures.fscore)[1];
+  }
+  for (const RangeBin& bin : figures.by_range) {
+    ordered_json entry = {{"from_m", bin.from_m}, {"to_m", bin.to_m}, {"samples", bin.num_samples}};
+    entry.update(ToJson(bin.accuracy));
+    json["by_range"].push_back(entry);
+  }
+  return json;
+}
+
+ordered_json ToJson(const MeshError& error) {
+  ordered_json json = ToJson(error.aligned);
+  json["area_m2"] = error.area_m2;
+  json["files"] = error.num_files;
+  json["vertices"] = error.num_vertices;
+  json["faces"] = error.num_faces;
+  json["samples"] = error.num_samples;
+  json["truth_points_seen"] = error.num_seen;
+  if (error.doubled_area) json["doubled_area"] = *error.doubled_area;
+  json["icp"] = ToJson(error.icp.figures);
+  json["icp"]["correction_translation_m"] = error.icp.correction_translation_m;
+  json["icp"]["correction_rotation_deg"] = error.icp.correction_rotation_deg;
+  json["icp"]["suspicious"] = error.icp.is_suspicious;
+  return json;
+}
+
+ordered_json ToJson(const PlaneError& error) {
+  ordered_json json = ordered_json::object();
+  if (error.recall) json["recall"] = *error.recall;
+  if (error.precision) json["precision"] = *error.precision;
+  if (error.normal_error_deg_median)
+    json["normal_error_deg_median"] = *error.normal_error_deg_median;
+  if (error.offset_error_m_median) json["offset_error_m_median"] = *error.offset_error_m_median;
+  json["duplicates"] = error.num_duplicates;
+  json["matched"] = error.num_matched;
+  json["estimated"] = error.num_estimated;
+  json["truth"] = error.num_true;
+  return json;
+}
+
+ordered_json ToJson(const NormalizedErrors& errors, const char* rmse) {
+  ordered_json json;
+  if (errors.num_states > 0) {
+    json["nees"] = errors.nees;
+    json["nees_median"] = errors.nees_median;
+    json["within_2_sigma"] = errors.within_two_sigma;
+    json["states"] = errors.num_states;
+  }
+  json[rmse] = errors.rmse;
+  return json;
+}
+
+ordered_json ToJson(const ConsistencyError& error) {
+  ordered_json json = ordered_json::object();
+  if (error.position) json["position"] = ToJson(*error.position, "rmse_m");
+  if (error.orientation) json["orientation"] = ToJson(*error.orientation, "rmse_rad");
+  if (error.velocity) json["velocity"] = ToJson(*error.velocity, "rmse_m_per_s");
+  if (error.gyro_bias) json["gyro_bias"] = ToJson(*error.gyro_bias, "rmse_rad_per_s");
+  if (error.accel_bias) json["accelerometer_bias"] = ToJson(*error.accel_bias, "rmse_m_per_s2");
+  return json;
+}
+
+std::string Text(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof(text), format, value);
+  return text;
+}
+
+// Rows of the table in order: name and the text of one run.
+using Rows = std::vector<std::pair<std::string, std::string>>;
+
+void AddMeshRows(const std::string& name, const MeshError& error, Rows& rows) {
+  const MeshFigures& aligned = error.aligned;
+  rows.emplace_back(name + " accuracy mean [m]", Text("%.4f", aligned.accuracy.mean_m));
+  rows.emplace_back(name + " accuracy p90 [m]", Text("%.4f", aligned.accuracy.p90_m));
+  for (const RangeBin& bin : aligned.by_range) {
+    rows.emplace_back(name + " mean, " + Text("%g", bin.from_m) + "-" + Text("%g m [m]", bin.to_m),
+                      Text("%.4f", bin.accuracy.mean_m));
+  }
+  if (aligned.completeness) {
+    rows.emplace_back(name + " complete 10 cm [%]", Text("%.1f", 100 * (*aligned.completeness)[1]));
+    rows.emplace_back(name + " F-score 10 cm [%]", Text("%.1f", 100 * (*aligned.fscore)[1]));
+  }
+  rows.emplace_back(name + " mean after ICP [m]", Text("%.4f", error.icp.figures.accuracy.mean_m));
+  rows.emplace_back(name + " ICP correction [m]", Text("%.4f", error.icp.correction_translation_m));
+  rows.emplace_back(name + " ICP correction [deg]",
+                    Text("%.3f", error.icp.correction_rotation_deg));
+  rows.emplace_back(name + " area [m2]", Text("%.1f", error.area_m2));
+  if (error.doubled_area) {
+    rows.emplace_back(name + " doubled area [%]", Text("%.2f", 100 * *error.doubled_area));
+  }
+}
+
+void AddPlaneRows(const PlaneError& error, Rows& rows) {
+  if (error.recall) rows.emplace_back("planes recall [%]", Text("%.1f", 100 * *error.recall));
+  if (error.precision) {
+    rows.emplace_back("planes precision [%]", Text("%.1f", 100 * *error.precision));
+  }
+  if (error.normal_error_deg_median) {
+    rows.emplace_back("planes normal, median [deg]", Text("%.2f", *error.normal_error_deg_median));
+    rows.emplace_back("planes offset, median [m]", Text("%.4f", *error.offset_error_m_median));
+  }
+  rows.emplace_back("planes duplicates", std::to_string(error.num_duplicates));
+}
+
+void AddConsistencyRows(const ConsistencyError& error, Rows& rows) {
+  const auto add = [&rows](const char* name, const std::optional<NormalizedErrors>& errors) {
+    if (errors && errors->num_states > 0) {
+      rows.emplace_back(std::string("NEES ") + name, Text("%.2f", errors->nees));
+    }
+  };
+  add("position", error.position);
+  add("orientation", error.orientation);
+  add("velocity", error.velocity);
+  add("gyro bias", error.gyro_bias);
+  add("accelerometer bias", error.accel_bias);
+}
+
+Rows RowsOf(const RunEvaluation& e) {
+  Rows rows;
+  rows.emplace_back("poses with truth", std::to_string(e.causal.num_pairs));
+  if (e.coverage) rows.emplace_back("coverage [%]", Text("%.1f", 100 * *e.coverage));
+  rows.emplace_back("path [m]", Text("%.2f", e.causal.path_length_m));
+  rows.emplace_back("ATE rmse [m]", Text("%.4f", e.causal.ate_m.rmse));
+  rows.emplace_back("ATE median [m]", Text("%.4f", e.causal.ate_m.median));
+  rows.emplace_back("ATE mean [m]", Text("%.4f", e.causal.ate_m.mean));
+  rows.emplace_back("ATE max [m]", Text("%.4f", e.causal.ate_m.max));
+  if (e.keyframes) {
+    rows.emplace_back("ATE rmse, keyframes [m]", Text("%.4f", e.keyframes->ate_m.rmse));
+  }
+  for (const RelativeErrors& errors : e.causal.rpe) {
+    const std::string name = "RPE " + Text("%g", errors.length_m) + " m, median";
+    rows.emplace_back(name + " [m]", Text("%.4f", Summarize(errors.translation_m).median));
+    rows.emplace_back(name + " [deg]",
+                      Text("%.3f", Summarize(errors.rotation_rad).median * kDegPerRad));
+  }
+  if (e.causal.drift_percent) rows.emplace_back("drift [%]", Text("%.2f", *e.causal.drift_percent));
+  if (e.causal.scale_error_percent) {
+    rows.emplace_back("scale error [%]", Text("%+.2f", *e.causal.scale_error_percent));
+  }
+  if (e.time_offset) rows.emplace_back("time offset [s]", Text("%+.6f", ToSeconds(*e.time_offset)));
+  if (e.mesh) AddMeshRows("mesh", *e.mesh, rows);
+  if (e.map) AddMeshRows("map", *e.map, rows);
+  if (e.planes) AddPlaneRows(*e.planes, rows);
+  if (e.consistency) AddConsistencyRows(*e.consistency, rows);
+  return rows;
+}
+
+std::string ShortName(const fs::path& result) {
+  const fs::path clean = result.has_filename() ? result : result.parent_path();
+  return clean.filename().string();
+}
+
+std::string Pad(const std::string& text, std::size_t width, bool right) {
+  const std::string blanks(text.size() < width ? width - text.size() : 0, ' ');
+  return right ? blanks + text : text + blanks;
+}
+
+}  // namespace
+
+nlohmann::ordered_json ToJson(const RunEvaluation& e) {
+  ordered_json json;
+  if (e.coverage) json["coverage"] = *e.coverage;
+  json["poses_with_truth"] = e.causal.num_pairs;
+  json["poses_without_truth"] = e.causal.num_outside + e.causal.num_in_gaps;
+  json["path_length_m"] = e.causal.path_length_m;
+  json["alignment"] = ToJson(e.causal.alignment, e.alignment);
+  if (e.time_offset) json["time_offset_s"] = ToSeconds(*e.time_offset);
+  json["ate"] = ToJson(e.causal.ate_m);
+  if (e.keyframes) json["ate_keyframes"] = ToJson(e.keyframes->ate_m);
+  json["rpe"] = ordered_json::array();
+  for (const RelativeErrors& errors : e.causal.rpe) {
+    json["rpe"].push_back(ToJson(errors));
+  }
+  if (e.causal.drift_percent) json["drift_percent"] = *e.causal.drift_percent;
+  if (e.causal.scale_error_percent) json["scale_error_percent"] = *e.causal.scale_error_percent;
+  if (e.mesh) json["mesh"] = ToJson(*e.mesh);
+  if (e.map) json["map"] = ToJson(*e.map);
+  if (e.planes) json["planes"] = ToJson(*e.planes);
+  if (e.consistency) json["consistency"] = ToJson(*e.consistency);
+  json["warnings"] = e.warnings;
+  return json;
+}
+
+std::string FormatTable(std::span<const RunEvaluation> evaluations) {
+  std::vector<std::string> names;  // in order of appearance
+  std::vector<std::map<std::string, std::string>> columns;
+  for (const RunEvaluation& evaluation : evaluations) {
+    auto& column = columns.emplace_back();
+    for (auto& [name, text] : RowsOf(evaluation)) {
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+      column[name] = text;
+    }
+  }
+  constexpr std::size_t kNameWidth = 30;
+  std::string table = Pad("", kNameWidth, false);
+  for (const RunEvaluation& evaluation : evaluations) {
+    table += "  " + Pad(ShortName(evaluation.result), 10, true);
+  }
+  table += '\n';
+  for (const std::string& name : names) {
+    table += Pad(name, kNameWidth, false);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const std::size_t width = std::max<std::size_t>(10, ShortName(evaluations[c].result).size());
+      const auto text = columns[c].find(name);
+      table += "  " + Pad(text == columns[c].end() ? "-" : text->second, width, true);
+    }
+    table += '\n';
+  }
+  return table;
+}
+
+}  // namespace facet

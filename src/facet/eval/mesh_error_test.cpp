@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Mesh figures against closed forms.
+#include "facet/eval/mesh_error.h"
+
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "facet/base/random.h"
+#include "facet/eval/surface_registration.h"
+#include "facet/eval/visibility.h"
+
+namespace facet {
+namespace {
+
+// A grid of cells x cells squares in the plane z = height over [0, side]^2, shifted in x.
+TriangleMesh Square(double side, double height, int cells, double x0 = 0) {
+  TriangleMesh mesh;
+  for (int r = 0; r <= cells; ++r) {
+    for (int c = 0; c <= cells; ++c)
+      mesh.vertices.emplace_back(x0 + side * c / cells, side * r / cells, height);
+  }
+  for (int r = 0; r < cells; ++r) {
+    for (int c = 0; c < cells; ++c) {
+      const int i = r * (cells + 1) + c;
+      mesh.faces.push_back({i, i + 1, i + cells + 1});
+      mesh.faces.push_back({i + 1, i + cells + 2, i + cells + 1});
+    }
+  }
+  return mesh;
+}
+
+TriangleMesh Sphere(double radius, int rings) {
+  TriangleMesh mesh;
+  const int around = 2 * rings;
+  for (int r = 0; r <= rings; ++r) {
+    const double polar = std::numbers::pi * r / rings;
+    for (int c = 0; c < around; ++c) {
+      const double azimuth = 2 * std::numbers::pi * c / around;
+      mesh.vertices.emplace_back(radius * std::sin(polar) * std::cos(azimuth),
+                                 radius * std::sin(polar) * std::sin(azimuth),
+                                 radius * std::cos(polar));
+    }
+  }
+  for (int r = 0; r < rings; ++r) {
+    for (int c = 0; c < around; ++c) {
+      const int i = r * around + c, j = r * around + (c + 1) % around;
+      mesh.faces.push_back({i, i + around, j});
+      mesh.faces.push_back({j, i + around, j + around});
+    }
+  }
+  return mesh;
+}
+
+TriangleMesh CloudOf(const TriangleMesh& mesh, double points_per_m2) {
+  TriangleMesh cloud;
+  cloud.vertices = Positions(SampleMesh(mesh, points_per_m2, 5'000'000, 99));
+  return cloud;
+}
+
+MeshError Evaluate(const TriangleMesh& mesh, const TriangleMesh& truth) {
+  const auto surface = MakeTruthSurface(truth);
+  MeshUnderTest test;
+  test.mesh_G = mesh;
+  return EvaluateMesh(test, *surface, std::vector<char>(surface->points().size(), 1));
+}
+
+constexpr double kOnePercent = 0.01;
+
+TEST(MeshSamplingTest, UniformOverTheArea) {
+  // Two squares, one of them a hundred times finer: the samples must not notice.
+  TriangleMesh mesh = Square(1, 0, 1);
+  const TriangleMesh fine = Square(1, 0, 10, 1);
+  for (const auto& [i, j, k] : fine.faces)
+    mesh.faces.push_back({i + 4, j + 4, k + 4});
+  mesh.vertices.insert(mesh.vertices.end(), fine.vertices.begin(), fine.vertices.end());
+  const auto samples = SampleMesh(mesh, 1000);
+  EXPECT_NEAR(static_cast<double>(samples.size()), 2000, 1);
+  Vector3d mean = Vector3d::Zero();
+  int num_left = 0;
+  for (const MeshSample& sample : samples) {
+    mean += sample.p / static_cast<double>(samples.size());
+    num_left += sample.p.x() < 1 ? 1 : 0;
+  }
+  EXPECT_NEAR(num_left, 1000, 10);
+  EXPECT_NEAR(mean.x(), 1.0, 0.02);
+  EXPECT_NEAR(mean.y(), 0.5, 0.02);
+}
+
+TEST(MeshErrorTest, ShiftedPlaneAgainstMesh) {
+  const MeshError error = Evaluate(Square(2, 0.04, 7), Square(2, 0, 5));
+  const DistanceStatistics& accuracy = error.aligned.accuracy;
+  for (double value : {accuracy.mean_m, accuracy.median_m, accuracy.p90_m, accuracy.rmse_m})
+    EXPECT_NEAR(value, 0.04, 1e-9);
+  EXPECT_NEAR(error.area_m2, 4, 1e-9);
+  EXPECT_EQ(*error.aligned.completeness, (std::array<double, 3>{1, 1, 1}));
+  EXPECT_EQ(*error.aligned.fscore, (std::array<double, 2>{1, 1}));
+}
+
+TEST(MeshErrorTest, ShiftedPlaneAgainstCloud) {
+  const MeshError error = Evaluate(Square(2, 0.08, 7), CloudOf(Square(2.4, 0, 5, -0.2), 1000));
+  EXPECT_NEAR(error.aligned.accuracy.mean_m, 0.08, kOnePercent * 0.08);
+  EXPECT_NEAR(error.aligned.accuracy.rmse_m, 0.08, kOnePercent * 0.08);
+  EXPECT_EQ(error.aligned.precision[0], 0);
+  EXPECT_NEAR(error.aligned.precision[1], 1, kOnePercent);
+}
+
+TEST(MeshErrorTest, IcpTakesTheShiftAwayAndReportsIt) {
+  const MeshError error = Evaluate(Square(2, 0.08, 7), Square(2, 0, 5));
+  EXPECT_NEAR(error.icp.correction_translation_m, 0.08, 1e-4);
+  EXPECT_NEAR(error.icp.correction_rotation_deg, 0, 1e-3);
+  EXPECT_LT(error.icp.figures.accuracy.mean_m, 1e-4);
+  EXPECT_FALSE(error.icp.is_suspicious);
+}
+
+TEST(MeshErrorTest, HalfCoveredSquare) {
+  // The mesh covers x in [0, 1] of [0, 2]; a point within t of its border counts as covered.
+  TriangleMesh half = Square(1, 0, 4);
+  for (Vector3d& p : half.vertices)
+    p.y() *= 2;
+  const MeshError error = Evaluate(half, Square(2, 0, 60));  // fine: its samples are even
+  for (std::size_t i = 0; i < kCompletenessLimits.size(); ++i) {
+    const double expected = (1 + kCompletenessLimits[i]) / 2;
+    EXPECT_NEAR((*error.aligned.completeness)[i], expected, kOnePercent * expected);
+  }
+  const double recall = (1 + 0.05) / 2;
+  const double fscore = 2 * recall / (1 + recall);
+  EXPECT_NEAR((*error.aligned.fscore)[0], fscore, kOnePercent * fscore);
+  EXPECT_LT(error.aligned.accuracy.rmse_m, 1e-9);
+}
+
+TEST(MeshErrorTest, ConcentricSpheres) {
+  const TriangleMesh truth = Sphere(1, 60), mesh = Sphere(1.05, 60);
+  for (const TriangleMesh& t : {truth, CloudOf(truth, 4000)}) {
+    const MeshError error = Evaluate(mesh, t);
+    EXPECT_NEAR(error.aligned.accuracy.mean_m, 0.05, kOnePercent * 0.05);
+    EXPECT_NEAR(error.aligned.accuracy.rmse_m, 0.05, kOnePercent * 0.05);
+  }
+  const double area = 4 * std::numbers::pi * 1.05 * 1.05;
+  EXPECT_NEAR(Evaluate(mesh, truth).area_m2, area, kOnePercent * area);
+}
+
+TEST(MeshErrorTest, TiltedPlaneHasTheMomentsOfAWedge) {
+  // Distance grows from 0 to 0.2 m: mean 1/2, median 1/2, p90 9/10, rmse 1/sqrt(3) of the largest.
+  TriangleMesh wedge = Square(2, 0, 8);
+  for (Vector3d& p : wedge.vertices)
+    p.z() = 0.1 * p.x();
+  const DistanceStatistics accuracy = Evaluate(wedge, Square(3, 0, 5, -0.5)).aligned.accuracy;
+  EXPECT_NEAR(accuracy.mean_m, 0.1, kOnePercent * 0.1);
+  EXPECT_NEAR(accuracy.median_m, 0.1, kOnePercent * 0.1);
+  EXPECT_NEAR(accuracy.p90_m, 0.18, kOnePercent * 0.18);
+  EXPECT_NEAR(accuracy.rmse_m, 0.2 / std::sqrt(3), kOnePercent * 0.2 / std::sqrt(3));
+}
+
+TEST(MeshErrorTest, BinsByRange) {
+  const auto surface = MakeTruthSurface(Square(10, 0, 5));
+  MeshUnderTest test;
+  test.mesh_G = Square(10, 0.03, 20);
+  test.range_m = [](const Vector3d& p, int) { return p.x(); };
+  const MeshError error = EvaluateMesh(test, *surface, {});
+  EXPECT_FALSE(error.aligned.completeness);
+  ASSERT_EQ(error.aligned.by_range.size(), 3u);
+  const double samples = static_cast<double>(error.num_samples);
+  for (const RangeBin& bin : error.aligned.by_range) {
+    const double expected = samples * (bin.to_m - bin.from_m) / 10;
+    EXPECT_NEAR(static_cast<double>(bin.num_samples), expected, kOnePercent * expected);
+    EXPECT_NEAR(bin.accuracy.mean_m, 0.03, 1e-9);
+  }
+}
+
+TEST(MeshErrorTest, DoubledArea) {
+  TriangleMesh mesh = Square(1, 0, 3);
+  const auto add = [&mesh](const TriangleMesh& other) {
+    const int offset = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+    for (const auto& [i, j, k] : other.faces)
+      mesh.faces.push_back({i + offset, j + offset, k + offset});
+  };
+  EXPECT_EQ(DoubledArea(mesh, TriangleIndex(mesh)), 0);
+  add(Square(1, 0.05, 3, 0.5));  // covers half of the first one: a half of both is doubled
+  EXPECT_NEAR(DoubledArea(mesh, TriangleIndex(mesh)), 0.5, 0.01);
+  add(Square(1, 0.5, 3, 5));  // alone
+  EXPECT_NEAR(DoubledArea(mesh, TriangleIndex(mesh)), 1.0 / 3, 0.01);
+}
+
+TEST(SurfaceRegistrationTest, FindsASmallMotion) {
+  const auto surface = MakeTruthSurface([] {
+    TriangleMesh box = Square(2, 0, 4);  // a floor and two walls: all six directions are determined
+    const std::size_t n = box.vertices.size(), faces = box.faces.size();
+    for (int wall = 1; wall <= 2; ++wall) {
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vector3d p = box.vertices[i];
+        box.vertices.push_back(wall == 1 ? Vector3d(0, p.x(), p.y()) : Vector3d(p.x(), 0, p.y()));
+      }
+      for (std::size_t f = 0; f < faces; ++f) {
+        const auto [i, j, k] = box.faces[f];
+        const int offset = static_cast<int>(n) * wall;
+        box.faces.push_back({i + offset, j + offset, k + offset});
+      }
+    }
+    return box;
+  }());
+  const SE3 T_GM(ExpSO3({0.02, -0.03, 0.04}), {0.05, -0.04, 0.06});
+  std::vector<Vector3d> points_M;
+  for (std::size_t i = 0; i < surface->points().size(); i += 3)
+    points_M.push_back(T_GM.Inverse() * surface->points()[i]);
+  const SE3 found = RegisterToSurface(points_M, *surface);
+  EXPECT_LT((found.p - T_GM.p).norm(), 1e-3);
+  EXPECT_LT(LogSO3(found.q * T_GM.q.conjugate()).norm(), 1e-3);
+}
+
+StereoRig RigLookingAlongX() {
+  CameraIntrinsics k;
+  k.width = 752;
+  k.height = 480;
+  k.fx = k.fy = 458;
+  k.cx = 376;
+  k.cy = 240;
+  StereoRig rig;
+  rig.cameras = {CameraModel(k), CameraModel(k)};
+  const Matrix3d R_BC = (Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished();
+  rig.T_BC = {SE3(Quaterniond(R_BC), {0, 0, 0}), SE3(Quaterniond(R_BC), {0, -0.1, 0})};
+  return rig;
+}
+
+TEST(VisibilityTest, NearWallHidesTheFarOne) {
+  // Walls at x = 2 (y in [-1, 0]) and x = 4 (y in [-2, 2]); one more behind the camera.
+  const auto wall = [](double x, double y0, double y1) {
+    TriangleMesh mesh;
+    mesh.vertices = {{x, y0, -1}, {x, y1, -1}, {x, y1, 1}, {x, y0, 1}};
+    mesh.faces = {{0, 1, 2}, {0, 2, 3}};
+    return mesh;
+  };
+  TriangleMesh scene;
+  for (const TriangleMesh& m : {wall(2, -1, 0), wall(4, -2, 2), wall(-2, -1, 1), wall(6, -5, 5)}) {
+    const int offset = static_cast<int>(scene.vertices.size());
+    scene.vertices.insert(scene.vertices.end(), m.vertices.begin(), m.vertices.end());
+    for (const auto& [i, j, k] : m.faces)
+      scene.faces.push_back({i + offset, j + offset, k + offset});
+  }
+  for (const TriangleMesh& truth : {scene, CloudOf(scene, 2000)}) {
+    const auto surface = MakeTruthSurface(truth);
+    const std::vector<SE3> poses = {SE3()};
+    const auto seen = SeenPoints(*surface, RigLookingAlongX(), poses);
+    int num_wrong = 0, num_seen = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const Vector3d& p = surface->points()[i];
+      const bool in_near_wall = p.x() < 3 && p.x() > 0;
+      const bool free_of_border = p.y() > 0.35 || (p.y() < -0.1 && p.y() > -1.7);
+      if (p.x() > 0 && !in_near_wall && !free_of_border) continue;
+      const bool expected = in_near_wall || (p.x() > 3 && p.x() < 5 && p.y() > 0.35);
+      num_wrong += static_cast<bool>(seen[i]) != expected ? 1 : 0;
+      num_seen += seen[i] ? 1 : 0;
+    }
+    EXPECT_LT(num_wrong, 0.01 * static_cast<double>(seen.size()));
+    EXPECT_GT(num_seen, 0.1 * static_cast<double>(seen.size()));
+  }
+}
+
+TEST(MeshErrorTest, LargeMeshAgainstLargeCloudInTime) {
+  // A wavy floor of 200k faces against a scan of 2 million points; thread CPU time, so that other
+  // programs on the machine do not matter.
+  TriangleMesh mesh = Square(14, 0, 317), dense = Square(14, 0, 100);
+  for (TriangleMesh* m : {&mesh, &dense}) {
+    for (Vector3d& p : m->vertices)
+      p.z() = 0.3 * std::sin(p.x()) * std::cos(p.y());
+  }
+  TriangleMesh cloud = CloudOf(dense, 10300);
+  ASSERT_GT(mesh.faces.size(), 200'000u);
+  ASSERT_GT(cloud.vertices.size(), 2'000'000u);
+  const std::clock_t begin = std::clock();
+  const auto surface = MakeTruthSurface(std::move(cloud));
+  std::vector<SE3> poses;
+  for (int i = 0; i < 100; ++i)
+    poses.emplace_back(ExpSO3({0, 0.6, 0.06 * i}), Vector3d(7, 7, 2));
+  MeshUnderTest test;
+  test.mesh_G = std::move(mesh);
+  const auto seen = SeenPoints(*surface, RigLookingAlongX(), poses);
+  const MeshError error = EvaluateMesh(test, *surface, std::vector<char>(seen.size(), 1));
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  std::cout << "200k faces against 2M points: " << seconds << " s\n";
+  EXPECT_LT(seconds, 20);
+  EXPECT_LT(error.aligned.accuracy.mean_m, 0.005);
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/io/planes_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "facet/io/csv_reader.h"
+#include "facet/io/errors.h"
+
+namespace facet {
+namespace {
+
+constexpr double kMaxNormError = 0.01;
+
+double Number(const CsvReader& row, std::size_t column, const char* name) {
+  if (column >= row.fields().size()) {
+    throw InputError(row.Where() + ": " + std::to_string(row.fields().size()) +
+                     " columns; column " + std::to_string(column + 1) + " (" + name +
+                     ") is missing");
+  }
+  const auto value = ParseDouble(row.fields()[column]);
+  if (!value || !std::isfinite(*value)) {
+    throw InputError(row.Where() + ": column " + std::to_string(column + 1) + " (" + name +
+                     ") is '" + std::string(row.fields()[column]) +
+                     "', a finite number is expected");
+  }
+  return *value;
+}
+
+std::string Text(const CsvReader& row, std::size_t column) {
+  return column < row.fields().size() ? std::string(row.fields()[column]) : "";
+}
+
+// Columns 2 to 5 of both files: a unit normal and the distance.
+std::pair<Vector3d, double> NormalAndDistance(const CsvReader& row) {
+  const Vector3d n(Number(row, 1, "nx"), Number(row, 2, "ny"), Number(row, 3, "nz"));
+  const double norm = n.norm();
+  if (std::abs(norm - 1) > kMaxNormError) {
+    throw InputError(row.Where() + ": the normal has norm " + std::to_string(norm) +
+                     " instead of 1; columns 2 to 5 must be nx, ny, nz, d");
+  }
+  return {n / norm, Number(row, 4, "d") / norm};
+}
+
+}  // namespace
+
+std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& file) {
+  std::vector<EstimatedPlane> planes;
+  CsvReader row(file);
+  while (row.Next()) {
+    EstimatedPlane plane;
+    plane.id = static_cast<std::int64_t>(Number(row, 0, "id"));
+    std::tie(plane.n_W, plane.d_W) = NormalAndDistance(row);
+    plane.centre_W = {Number(row, 5, "cx"), Number(row, 6, "cy"), Number(row, 7, "cz")};
+    plane.orientation = Text(row, 8);
+    plane.label = Text(row, 9);
+    plane.area_m2 = Number(row, 13, "area_m2");
+    planes.push_back(std::move(plane));
+  }
+  return planes;
+}
+
+std::vector<TruePlane> ReadTruePlanes(const std::filesystem::path& file) {
+  std::vector<TruePlane> planes;
+  CsvReader row(file);
+  while (row.Next()) {
+    TruePlane plane;
+    std::tie(plane.n_G, plane.d_G) = NormalAndDistance(row);
+    plane.area_m2 = Number(row, 5, "area");
+    plane.seen_area_m2 = Number(row, 6, "seen area");
+    plane.label = Text(row, 7);
+    planes.push_back(std::move(plane));
+  }
+  if (planes.empty()) {
+    throw InputError(file.string() + ":" + std::to_string(std::max(1, row.line())) +
+                     ": the truth holds no plane; columns 'plane,nx,ny,nz,d,area,seen area,label' "
+                     "are expected, or no such file at all");
+  }
+  return planes;
+}
+
+}  // namespace facet

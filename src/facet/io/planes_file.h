@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Lists of planes: planes.csv of a result folder and truth/planes.csv of a sequence.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "facet/base/types.h"
+
+namespace facet {
+
+/// A plane of a run: n_W . p_W = d_W, seen around centre_W.
+struct EstimatedPlane {
+  std::int64_t id = -1;
+  Vector3d n_W = Vector3d::UnitZ();
+  double d_W = 0;
+  Vector3d centre_W = Vector3d::Zero();
+  std::string orientation, label;
+  double area_m2 = 0;
+};
+
+/// A true planar surface.
+struct TruePlane {
+  Vector3d n_G = Vector3d::UnitZ();
+  double d_G = 0;
+  double area_m2 = 0;
+  double seen_area_m2 = 0;
+  std::string label;
+};
+
+/// planes.csv of `facet run`: columns id, nx, ny, nz, d, cx, cy, cz, orientation, label,
+/// first_seen_ns, last_seen_ns, landmarks, area_m2, ... A file with nothing but the header is an
+/// answer: no plane was found. Throws InputError with file and line for missing columns, numbers
+/// that are not finite and normals that are not of unit norm (within 1 %).
+std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& file);
+
+/// Columns by position: plane, nx, ny, nz, d, area, seen area, label, ... Throws InputError like
+/// ReadEstimatedPlanes, and for a file that holds no plane.
+std::vector<TruePlane> ReadTruePlanes(const std::filesystem::path& file);
+
+}  // namespace facet
