@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/pipeline/front_stage.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "facet/imu/preintegration.h"
 
 namespace facet {
@@ -9,6 +12,12 @@ namespace {
 // The newest image may come this much before the IMU sample that follows it.
 constexpr double kMaxExtrapolation_s = 0.03;
 constexpr double kMinDepth_m = 0.05;
+
+std::uint8_t GreyValueAt(const cv::Mat& image, const Vector2d& px) {
+  const int x = std::clamp(static_cast<int>(std::lround(px.x())), 0, image.cols - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(px.y())), 0, image.rows - 1);
+  return image.at<std::uint8_t>(y, x);
+}
 }  // namespace
 
 FrontStage::FrontStage(const StereoRig& rig, const VioOptions& options)
@@ -25,6 +34,11 @@ FrontPacket FrontStage::Process(const StereoFrame& frame) {
     hint = Predict(packet.imu);
   }
   packet.frontend = frontend_.Process(frame, hint, packet.times);
+  if (packet.frontend.observations.is_keyframe) {
+    const ScopedStage stage(packet.times, Stage::kMesh);
+    for (const FeatureObservation& feature : packet.frontend.observations.features)
+      packet.intensities.push_back(GreyValueAt(frame.left, feature.px_left));
+  }
   previous_t_ = t_imu;
   has_previous_ = true;
   ++next_frame_;

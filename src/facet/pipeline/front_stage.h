@@ -22,6 +22,8 @@ struct Feedback {
 /// What the front stage hands to the back stage.
 struct FrontPacket {
   FrontendResult frontend;
+  /// Grey values of the left image at the observations; on keyframes only.
+  std::vector<std::uint8_t> intensities;
   ImuInterval imu;  ///< from the previous frame to this one
   StageTimes times;
 };
