@@ -119,6 +119,33 @@ struct SurfaceMapOptions {
   }
 };
 
+/// Points besides the tracked corners, matched left to right in each keyframe.
+struct SupportOptions {
+  bool enabled = true;
+  /// Side of a cell with at most one support point, if it holds no corner. Smaller: more points,
+  /// more time. (!)
+  int cell_px = 32;
+  /// Mean difference between pixels two apart along the rows that a place must have [grey values].
+  double min_contrast = 4;
+  /// A triangle whose corners' inverse depths differ by more is also searched around the nearest
+  /// and the farthest of them [1/m].
+  double min_depth_step = 0.06;
+  /// Largest 1-sigma of the depth over the depth.
+  double max_depth_sigma = 0.03;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "match points left to right between the corners");
+    v.Field("cell_px", cell_px, Range{12, 400}, "side of a cell with at most one support point");
+    v.Field("min_contrast", min_contrast, Range{0, 255}, "contrast along the rows [grey values]");
+    v.Field("min_depth_step",
+            min_depth_step,
+            Range{0, 100},
+            "step in inverse depth that widens the search [1/m]");
+    v.Field("max_depth_sigma", max_depth_sigma, Range{1e-4, 1}, "1-sigma of depth over depth");
+  }
+};
+
 struct MeshOptions {
   bool enabled = true;
   /// Keyframes' landmarks with fewer observations have no vertex.
@@ -126,6 +153,7 @@ struct MeshOptions {
   FaceLimits faces;
   FaceLimits voting = StrictFaceLimits();
   ContradictionOptions contradictions;
+  SupportOptions support;
   SurfaceMapOptions map;
 
   template <class Visitor>
@@ -135,6 +163,7 @@ struct MeshOptions {
     v.Group("faces", faces);
     v.Group("voting", voting);
     v.Group("contradictions", contradictions);
+    v.Group("support", support);
     v.Group("map", map);
   }
 };

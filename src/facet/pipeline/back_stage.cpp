@@ -18,7 +18,7 @@ VioOutput BackStage::Process(const FrontPacket& packet) {
   if (out.was_reset) mesh_.Reset();
   if (out.snapshot) {
     const ScopedStage stage(out.times, Stage::kMesh);
-    out.mesh = mesh_.Process(packet.frontend.observations, packet.intensities, *out.snapshot);
+    out.mesh = mesh_.Process(packet.frontend.observations, packet.mesh, *out.snapshot);
   }
   return out;
 }

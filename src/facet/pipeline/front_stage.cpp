@@ -21,7 +21,11 @@ std::uint8_t GreyValueAt(const cv::Mat& image, const Vector2d& px) {
 }  // namespace
 
 FrontStage::FrontStage(const StereoRig& rig, const VioOptions& options)
-    : rig_(rig), max_gap_s_(options.estimator.imu.max_gap_s), frontend_(rig, options.frontend) {}
+    : rig_(rig),
+      max_gap_s_(options.estimator.imu.max_gap_s),
+      mesh_options_(options.mesh),
+      frontend_(rig, options.frontend),
+      support_places_(options.mesh.support) {}
 
 FrontPacket FrontStage::Process(const StereoFrame& frame) {
   FrontPacket packet;
@@ -34,10 +38,8 @@ FrontPacket FrontStage::Process(const StereoFrame& frame) {
     hint = Predict(packet.imu);
   }
   packet.frontend = frontend_.Process(frame, hint, packet.times);
-  if (packet.frontend.observations.is_keyframe) {
-    const ScopedStage stage(packet.times, Stage::kMesh);
-    for (const FeatureObservation& feature : packet.frontend.observations.features)
-      packet.intensities.push_back(GreyValueAt(frame.left, feature.px_left));
+  if (packet.frontend.observations.is_keyframe && mesh_options_.enabled) {
+    FillMeshPacket(frame, packet);
   }
   previous_t_ = t_imu;
   has_previous_ = true;
@@ -46,6 +48,23 @@ FrontPacket FrontStage::Process(const StereoFrame& frame) {
     imu_.DropBefore(std::min(feedback_.front().state.t, previous_t_));
   }
   return packet;
+}
+
+void FrontStage::FillMeshPacket(const StereoFrame& frame, FrontPacket& packet) {
+  const ScopedStage stage(packet.times, Stage::kMesh);
+  const std::vector<FeatureObservation>& features = packet.frontend.observations.features;
+  MeshPacket& mesh = packet.mesh;
+  mesh.intensities.reserve(features.size());
+  for (const FeatureObservation& feature : features)
+    mesh.intensities.push_back(GreyValueAt(frame.left, feature.px_left));
+  if (!mesh_options_.support.enabled) return;
+  const std::vector<DepthQuery>& places =
+      support_places_.Choose(frame.left, features, packet.frontend.inverse_depths);
+  mesh.support.reserve(places.size());
+  frontend_.MatchDepths(places, mesh.support);
+  mesh.support_intensities.reserve(mesh.support.size());
+  for (const DepthPoint& point : mesh.support)
+    mesh.support_intensities.push_back(GreyValueAt(frame.left, point.px));
 }
 
 void FrontStage::TakeFeedback() {

@@ -12,7 +12,7 @@ MeshStage::MeshStage(const StereoRig& rig, const MeshOptions& options)
 
 // Both lists are sorted by landmark.
 void MeshStage::FillView(const FrameObservations& observations,
-                         std::span<const std::uint8_t> intensities,
+                         const MeshPacket& images,
                          const MapSnapshot& snapshot) {
   view_.frame = observations.frame;
   view_.t = observations.t;
@@ -34,15 +34,30 @@ void MeshStage::FillView(const FrameObservations& observations,
                             undistorted->xy,
                             T_CW * known->p_W,
                             known->sigma_depth_m,
-                            i < intensities.size() ? intensities[i] : std::uint8_t{0}});
+                            images.intensities[i]});
+  }
+}
+
+void MeshStage::AddSupport(const MeshPacket& images) {
+  for (std::size_t i = 0; i < images.support.size(); ++i) {
+    const DepthPoint& point = images.support[i];
+    const double z = 1 / point.inverse_depth;
+    const double sigma_m = z * z * point.sigma_inverse_depth;
+    if (!(sigma_m <= options_.support.max_depth_sigma * z)) continue;
+    view_.points.push_back({LandmarkId{next_support_id_++},
+                            point.xy,
+                            z * Vector3d(point.xy.x(), point.xy.y(), 1),
+                            sigma_m,
+                            images.support_intensities[i]});
   }
 }
 
 std::shared_ptr<const MeshSnapshot> MeshStage::Process(const FrameObservations& observations,
-                                                       std::span<const std::uint8_t> intensities,
+                                                       const MeshPacket& images,
                                                        const MapSnapshot& snapshot) {
   if (!options_.enabled) return nullptr;
-  FillView(observations, intensities, snapshot);
+  FillView(observations, images, snapshot);
+  AddSupport(images);
   horizon_.Update(view_, snapshot, T_BC_);
   KeepLostFaces();
   return std::make_shared<const MeshSnapshot>(MakeMeshSnapshot(view_, horizon_));

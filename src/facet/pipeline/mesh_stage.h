@@ -2,10 +2,8 @@
 // Joins what the front end saw with what the estimator knows, for the mesh.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include "facet/camera/stereo_rig.h"
 #include "facet/map/map_snapshot.h"
@@ -13,6 +11,7 @@
 #include "facet/mesh/horizon_mesh.h"
 #include "facet/mesh/mesh_snapshot.h"
 #include "facet/mesh/surface_map.h"
+#include "facet/pipeline/front_stage.h"
 
 namespace facet {
 
@@ -21,10 +20,9 @@ class MeshStage {
  public:
   MeshStage(const StereoRig& rig, const MeshOptions& options);
 
-  /// A keyframe with a pose. `intensities`: grey values of the left image at the features, one each
-  /// or none at all. Null when the mesh is switched off.
+  /// A keyframe with a pose. Null when the mesh is switched off.
   std::shared_ptr<const MeshSnapshot> Process(const FrameObservations& observations,
-                                              std::span<const std::uint8_t> intensities,
+                                              const MeshPacket& images,
                                               const MapSnapshot& snapshot);
 
   /// The estimator started over: what was in the horizon stays in the map as it is.
@@ -36,8 +34,9 @@ class MeshStage {
  private:
   void KeepLostFaces();
   void FillView(const FrameObservations& observations,
-                std::span<const std::uint8_t> intensities,
+                const MeshPacket& images,
                 const MapSnapshot& snapshot);
+  void AddSupport(const MeshPacket& images);
 
   MeshOptions options_;
   CameraModel camera_;
@@ -45,6 +44,7 @@ class MeshStage {
   HorizonMesh horizon_;
   SurfaceMap map_;
   MeshView view_;
+  std::int64_t next_support_id_ = kFirstSupportId;
 };
 
 }  // namespace facet
