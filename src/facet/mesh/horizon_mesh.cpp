@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include "facet/mesh/vertex_normals.h"
 
@@ -41,7 +43,7 @@ HorizonMesh::HorizonMesh(const MeshOptions& options)
 
 void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC) {
   lost_.clear();
-  RefreshVertices(snapshot, T_BC);
+  RefreshVertices(view.t, snapshot, T_BC);
   DropFaces();
   AddViewVertices(view);
   TriangulateView(view);
@@ -54,7 +56,7 @@ void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, cons
 void HorizonMesh::Clear() {
   lost_.clear();
   for (const MeshFace& face : faces_)
-    lost_.push_back(MakeLost(face));
+    Lose(face);
   faces_.clear();
   vertices_.clear();
 }
@@ -62,6 +64,10 @@ void HorizonMesh::Clear() {
 std::array<Vector3d, 3> HorizonMesh::Corners(const MeshFace& face) const {
   const auto [a, b, c] = face.CounterClockwise();
   return {vertices_[a].p_W, vertices_[b].p_W, vertices_[c].p_W};
+}
+
+void HorizonMesh::Lose(const MeshFace& face) {
+  if (face.votes_against == 0) lost_.push_back(MakeLost(face));
 }
 
 LostFace HorizonMesh::MakeLost(const MeshFace& face) const {
@@ -76,28 +82,30 @@ LostFace HorizonMesh::MakeLost(const MeshFace& face) const {
   return lost;
 }
 
-// Newest positions. A vertex that the horizon lost keeps its last one and is marked.
-void HorizonMesh::RefreshVertices(const MapSnapshot& snapshot, const SE3& T_BC) {
+// Newest positions. A vertex that the estimator has forgotten keeps its last one, and expires.
+void HorizonMesh::RefreshVertices(Timestamp t, const MapSnapshot& snapshot, const SE3& T_BC) {
   is_expired_.assign(vertices_.size(), 0);
+  const Duration horizon = FromSeconds(options_.horizon_s);
   auto landmark = snapshot.landmarks.begin();
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     MeshVertex& vertex = vertices_[i];
+    bool is_known = false;
     if (vertex.host.IsValid()) {
       const auto host = std::find_if(snapshot.keyframes.begin(),
                                      snapshot.keyframes.end(),
                                      [&](const KeyframePose& k) { return k.id == vertex.host; });
-      is_expired_[i] = host == snapshot.keyframes.end() ? 1 : 0;
-      if (is_expired_[i] == 0) vertex.p_W = host->T_WB * (T_BC * vertex.p_H);
-      continue;
+      is_known = host != snapshot.keyframes.end();
+      if (is_known) vertex.p_W = host->T_WB * (T_BC * vertex.p_H);
+    } else {
+      while (landmark != snapshot.landmarks.end() && landmark->id < vertex.id)
+        ++landmark;
+      is_known = landmark != snapshot.landmarks.end() && landmark->id == vertex.id &&
+                 landmark->p_W.allFinite();
+      if (is_known) vertex.p_W = landmark->p_W;
+      if (is_known) vertex.sigma_depth_m = landmark->sigma_depth_m;
     }
-    while (landmark != snapshot.landmarks.end() && landmark->id < vertex.id)
-      ++landmark;
-    const bool is_known = landmark != snapshot.landmarks.end() && landmark->id == vertex.id &&
-                          landmark->p_W.allFinite();
-    is_expired_[i] = is_known ? 0 : 1;
-    if (!is_known) continue;
-    vertex.p_W = landmark->p_W;
-    vertex.sigma_depth_m = landmark->sigma_depth_m;
+    if (is_known) vertex.last_known = t;
+    is_expired_[i] = !is_known && t - vertex.last_known >= horizon ? 1 : 0;
   }
 }
 
@@ -108,7 +116,7 @@ void HorizonMesh::DropFaces() {
     const auto [a, b, c] = face.corners;
     const bool has_good_shape = JudgeShape(Corners(face), options_.faces) == FaceVerdict::kAccepted;
     if (is_expired_[a] == 0 && is_expired_[b] == 0 && is_expired_[c] == 0) return !has_good_shape;
-    if (has_good_shape && face.votes_against == 0) lost_.push_back(MakeLost(face));
+    if (has_good_shape) Lose(face);
     return true;
   });
 }
@@ -151,6 +159,7 @@ void HorizonMesh::AddViewVertices(const MeshView& view) {
     vertex.intensity = point.intensity;
     vertex.host = IsSupport(point.id) ? view.frame : FrameId{};
     vertex.p_H = point.p_C;
+    vertex.last_known = view.t;
     vertex_of_point_.push_back(static_cast<int>(merged_vertices_.size()) - 1);
     point_of_vertex_.back() = i;
   }
@@ -163,25 +172,71 @@ void HorizonMesh::AddViewVertices(const MeshView& view) {
   }
 }
 
-HorizonMesh::ViewFace HorizonMesh::MakeViewFace(const MeshView& view,
-                                                const std::array<int, 3>& triangle) {
-  ViewFace made;
-  CameraFace seen;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const MeshPoint& point = view.points[points_[triangle[i]]];
-    seen.p_C[i] = point.p_C;
-    seen.sigma_depth_m[i] = point.sigma_depth_m;
-    made.face.corners[i] = vertex_of_point_[triangle[i]];
+void HorizonMesh::JudgeTriangles(const MeshView& view) {
+  triangles_.clear();
+  for (const std::array<int, 3>& corners : delaunay_.Triangulate(grid_)) {
+    PlacedTriangle& triangle = triangles_.emplace_back();
+    triangle.points = corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const MeshPoint& point = view.points[points_[corners[i]]];
+      triangle.seen.p_C[i] = point.p_C;
+      triangle.seen.sigma_depth_m[i] = point.sigma_depth_m;
+    }
+    triangle.verdict = JudgeFace(triangle.seen, options_.faces);
   }
+}
+
+// Lists the triangles around each point.
+void HorizonMesh::FindStars() {
+  first_in_star_.assign(points_.size() + 1, 0);
+  for (const PlacedTriangle& triangle : triangles_) {
+    for (int point : triangle.points)
+      ++first_in_star_[point + 1];
+  }
+  std::partial_sum(first_in_star_.begin(), first_in_star_.end(), first_in_star_.begin());
+  star_.resize(3 * triangles_.size());
+  next_in_star_.assign(first_in_star_.begin(), first_in_star_.end() - 1);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    for (int point : triangles_[t].points)
+      star_[next_in_star_[point]++] = static_cast<int>(t);
+  }
+}
+
+// Whether all points around one of the corners lie in the triangle's plane.
+bool HorizonMesh::HasPlaneCorner(const MeshView& view, const PlacedTriangle& triangle) const {
+  constexpr int kMinStar = 4;  // fewer triangles around a corner say little
+  const auto& [a, b, c] = triangle.seen.p_C;
+  const Vector3d n_C = (b - a).cross(c - a).normalized();
+  const double slope = std::tan(options_.plane_rescue.max_deviation_deg * std::numbers::pi / 180);
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const int centre = triangle.points[corner];
+    const int begin = first_in_star_[centre], end = first_in_star_[centre + 1];
+    if (end - begin < kMinStar) continue;
+    bool is_plane = true;
+    for (int k = begin; k < end && is_plane; ++k) {
+      for (int other : triangles_[star_[k]].points) {
+        const MeshPoint& point = view.points[points_[other]];
+        const Vector3d d = point.p_C - triangle.seen.p_C[corner];
+        const double noise = std::abs(n_C.dot(point.p_C)) / point.p_C.z() * point.sigma_depth_m;
+        if (!(std::abs(n_C.dot(d)) <= slope * d.norm() + noise)) is_plane = false;
+      }
+    }
+    if (is_plane) return true;
+  }
+  return false;
+}
+
+HorizonMesh::ViewFace HorizonMesh::MakeViewFace(const PlacedTriangle& triangle) const {
+  ViewFace made;
+  for (std::size_t i = 0; i < 3; ++i)
+    made.face.corners[i] = vertex_of_point_[triangle.points[i]];
   // In the image y points down: turning from x to y is clockwise seen by the camera.
   made.face.is_flipped = true;
   SortCorners(made.face);
   made.face.in_view = true;
-  const FaceVerdict verdict = JudgeFace(seen, options_.faces);
-  ++verdicts_[static_cast<std::size_t>(verdict)];
-  made.is_accepted = verdict == FaceVerdict::kAccepted;
+  made.is_accepted = triangle.verdict == FaceVerdict::kAccepted;
   made.face.may_vote =
-      made.is_accepted && JudgeFace(seen, options_.voting) == FaceVerdict::kAccepted;
+      made.is_accepted && JudgeFace(triangle.seen, options_.voting) == FaceVerdict::kAccepted;
   return made;
 }
 
@@ -192,13 +247,33 @@ void HorizonMesh::TriangulateView(const MeshView& view) {
     grid_.push_back({static_cast<std::int32_t>(std::lround(place.x())),
                      static_cast<std::int32_t>(std::lround(place.y()))});
   }
+  JudgeTriangles(view);
+  if (options_.plane_rescue.enabled) RescuePlanes(view);
   view_faces_.clear();
   verdicts_.fill(0);
-  for (const std::array<int, 3>& triangle : delaunay_.Triangulate(grid_))
-    view_faces_.push_back(MakeViewFace(view, triangle));
+  for (const PlacedTriangle& triangle : triangles_) {
+    ++verdicts_[static_cast<std::size_t>(triangle.verdict)];
+    view_faces_.push_back(MakeViewFace(triangle));
+  }
   std::sort(view_faces_.begin(), view_faces_.end(), [](const ViewFace& a, const ViewFace& b) {
     return ComesBefore(a.face, b.face);
   });
+}
+
+void HorizonMesh::RescuePlanes(const MeshView& view) {
+  FindStars();
+  FaceLimits limits = options_.faces;
+  limits.min_elongation = options_.plane_rescue.min_elongation;
+  limits.max_grazing_deg = options_.plane_rescue.max_grazing_deg;
+  limits.max_side_per_depth = options_.plane_rescue.max_side_per_depth;
+  for (PlacedTriangle& triangle : triangles_) {
+    if (triangle.verdict == FaceVerdict::kAccepted || triangle.verdict == FaceVerdict::kNotFinite)
+      continue;
+    if (JudgeFace(triangle.seen, limits) == FaceVerdict::kAccepted &&
+        HasPlaneCorner(view, triangle)) {
+      triangle.verdict = FaceVerdict::kAccepted;
+    }
+  }
 }
 
 // An old face whose corners are all seen must be a triangle of the view; if not, the view has

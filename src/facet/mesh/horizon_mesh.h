@@ -23,6 +23,7 @@ struct MeshVertex {
   Vector3d p_W = Vector3d::Zero();
   double sigma_depth_m = 0;
   std::uint8_t intensity = 0;
+  Timestamp last_known;  ///< newest keyframe after which the estimator still had it
   /// Support points are carried by the keyframe that saw them; landmarks have none.
   FrameId host;
   Vector3d p_H = Vector3d::Zero();  ///< in the host's left camera
@@ -56,8 +57,8 @@ struct LostFace {
 /// Not thread-safe. Never throws for any content of the view.
 ///
 /// Between calls: vertices are sorted by id and each is a corner of some face; faces are sorted by
-/// their corners, no two are the same, and every vertex is a landmark of the last snapshot or a
-/// support point of one of its keyframes.
+/// their corners, no two are the same, and every vertex is a landmark of the last snapshot, a
+/// support point of one of its keyframes, or was so at most options.horizon_s ago.
 class HorizonMesh {
  public:
   explicit HorizonMesh(const MeshOptions& options);
@@ -86,16 +87,26 @@ class HorizonMesh {
     MeshFace face;
     bool is_accepted = false;
   };
+  struct PlacedTriangle {
+    std::array<int, 3> points;  // into points_
+    CameraFace seen;
+    FaceVerdict verdict = FaceVerdict::kAccepted;
+  };
 
-  void RefreshVertices(const MapSnapshot& snapshot, const SE3& T_BC);
+  void RefreshVertices(Timestamp t, const MapSnapshot& snapshot, const SE3& T_BC);
   void DropFaces();
   void AddViewVertices(const MeshView& view);
   void TriangulateView(const MeshView& view);
-  ViewFace MakeViewFace(const MeshView& view, const std::array<int, 3>& triangle);
+  void JudgeTriangles(const MeshView& view);
+  void FindStars();
+  bool HasPlaneCorner(const MeshView& view, const PlacedTriangle& triangle) const;
+  ViewFace MakeViewFace(const PlacedTriangle& triangle) const;
   void DropUntriangulated();
   void DropContradicted(const MeshView& view);
   void MergeViewFaces();
   void DropUnusedVertices();
+  void RescuePlanes(const MeshView& view);
+  void Lose(const MeshFace& face);
   LostFace MakeLost(const MeshFace& face) const;
   std::array<Vector3d, 3> Corners(const MeshFace& face) const;
 
@@ -114,6 +125,9 @@ class HorizonMesh {
   std::vector<int> point_of_vertex_;  // index into the view's points, -1: not seen
   std::vector<int> new_index_;
   std::vector<MeshVertex> merged_vertices_;
+  std::vector<PlacedTriangle> triangles_;
+  std::vector<int> first_in_star_;  // by point: triangles with that corner, in star_
+  std::vector<int> star_, next_in_star_;
   std::vector<ViewFace> view_faces_;
   std::vector<MeshFace> merged_faces_;
 };

@@ -27,6 +27,13 @@ MeshView ViewOf(std::vector<MeshPoint> points, std::int64_t frame = 0) {
   return view;
 }
 
+/// As in the paper: faces leave with their landmarks.
+MeshOptions StrictHorizon() {
+  MeshOptions options;
+  options.horizon_s = 0;
+  return options;
+}
+
 /// The snapshot in which every point of the view is a landmark.
 MapSnapshot SnapshotOf(const MeshView& view) {
   MapSnapshot snapshot;
@@ -104,7 +111,7 @@ TEST(HorizonMesh, CoversAWallAndLooksAtTheCamera) {
 }
 
 TEST(HorizonMesh, FacesOfALandmarkThatLeftTheHorizonLeaveToo) {
-  HorizonMesh mesh{MeshOptions()};
+  HorizonMesh mesh(StrictHorizon());
   const MeshView view = ViewOf(WallPoints(2));
   mesh.Update(view, SnapshotOf(view), SE3());
   MapSnapshot later = SnapshotOf(view);
@@ -113,6 +120,21 @@ TEST(HorizonMesh, FacesOfALandmarkThatLeftTheHorizonLeaveToo) {
   ExpectInvariants(mesh, later);
   EXPECT_EQ(mesh.faces().size() + mesh.lost().size(), 32u);
   EXPECT_GE(mesh.lost().size(), 4u);
+}
+
+TEST(HorizonMesh, ForgottenFacesStayForTheHorizonAndNotLonger) {
+  MeshOptions options;
+  options.horizon_s = 5;
+  HorizonMesh mesh(options);
+  const MeshView view = ViewOf(WallPoints(2));
+  mesh.Update(view, SnapshotOf(view), SE3());
+  for (int second = 1; second <= 6; ++second) {
+    MeshView empty = ViewOf({}, second);
+    empty.t = view.t + FromSeconds(second);
+    mesh.Update(empty, MapSnapshot(), SE3());
+    EXPECT_EQ(mesh.faces().size(), second < 5 ? 32u : 0u);
+    EXPECT_EQ(mesh.lost().size(), second == 5 ? 32u : 0u);
+  }
 }
 
 TEST(HorizonMesh, VerticesFollowTheEstimates) {
@@ -176,7 +198,7 @@ TEST(HorizonMesh, AFaceThatLandmarksAreSeenThroughGoesAfterSeveralVotes) {
 }
 
 TEST(HorizonMesh, SupportPointsLiveAsLongAsTheirKeyframe) {
-  HorizonMesh mesh{MeshOptions()};
+  HorizonMesh mesh(StrictHorizon());
   std::vector<MeshPoint> points = WallPoints(2);
   points[12].id.value += kFirstSupportId;
   const MeshView view = ViewOf(points, 7);
@@ -196,7 +218,7 @@ TEST(HorizonMesh, SupportPointsLiveAsLongAsTheirKeyframe) {
 TEST(HorizonMesh, InvariantsHoldOverRandomSequences) {
   Rng rng(5);
   for (int sequence = 0; sequence < 20; ++sequence) {
-    HorizonMesh mesh{MeshOptions()};
+    HorizonMesh mesh(StrictHorizon());
     std::vector<Vector3d> world;
     for (int i = 0; i < 300; ++i)
       world.push_back({rng.Uniform(-4, 4), rng.Uniform(-2, 2), rng.Uniform(2, 6)});

@@ -12,7 +12,7 @@ struct FaceLimits {
   double min_side_ratio = 0.1;
   /// Extent across the view over extent in depth. Raising it removes faces that lead away from the
   /// camera, first of all those between a near and a far surface. (!)
-  double min_elongation = 0.35;
+  double min_elongation = 0.8;
   /// Longest side [m].
   double max_side_m = 2.0;
   /// Longest side over the smallest depth; 0.44 is about 200 px with EuRoC's cameras.
@@ -65,6 +65,28 @@ inline FaceLimits StrictFaceLimits() {
   return limits;
 }
 
+/// Faces that look like the gap between a near and a far surface (size, elongation, grazing angle),
+/// and yet may be a floor or a wall seen at a flat angle: kept if a corner's surroundings are
+/// plane. A corner of a gap always has other surfaces around it.
+struct PlaneRescueOptions {
+  bool enabled = true;
+  /// Deviation of the surrounding points from the face's plane, seen from the corner [deg].
+  double max_deviation_deg = 6;
+  /// The same limits as for other faces, but wider.
+  double min_elongation = 0.08;
+  double max_grazing_deg = 86;
+  double max_side_per_depth = 0.8;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "keep steep faces whose surroundings are plane");
+    v.Field("max_deviation_deg", max_deviation_deg, Range{0, 45}, "deviation from the plane [deg]");
+    v.Field("min_elongation", min_elongation, Range{0, 100}, "extent across over extent in depth");
+    v.Field("max_grazing_deg", max_grazing_deg, Range{0, 90}, "normal against line of sight [deg]");
+    v.Field("max_side_per_depth", max_side_per_depth, Range{0.01, 1e3}, "longest side over depth");
+  }
+};
+
 /// Which old faces give way to what the newest keyframe sees (view_check.h).
 struct ContradictionOptions {
   /// Faces whose vertices are all seen but which the newest triangulation lacks are removed.
@@ -101,9 +123,9 @@ struct ContradictionOptions {
 struct SurfaceMapOptions {
   bool enabled = true;
   /// Side of a voxel [m]. Smaller: finer, and memory grows with its inverse square. (!)
-  double voxel_m = 0.06;
+  double voxel_m = 0.08;
   /// Distance up to which surfaces are merged [m].
-  double truncation_m = 0.15;
+  double truncation_m = 0.16;
   /// Weight below which a voxel is not part of the surface.
   double min_weight = 0.2;
   /// Holes with at most this perimeter are closed if their rim is plane [m]; 0: none.
@@ -126,7 +148,7 @@ struct SupportOptions {
   /// more time. (!)
   int cell_px = 32;
   /// Mean difference between pixels two apart along the rows that a place must have [grey values].
-  double min_contrast = 4;
+  double min_contrast = 2.5;
   /// A triangle whose corners' inverse depths differ by more is also searched around the nearest
   /// and the farthest of them [1/m].
   double min_depth_step = 0.06;
@@ -148,10 +170,14 @@ struct SupportOptions {
 
 struct MeshOptions {
   bool enabled = true;
+  /// How long faces stay, where they were, after the estimator has forgotten a vertex [s]. 0: they
+  /// go with it, as in the paper. (!)
+  double horizon_s = 5;
   /// Keyframes' landmarks with fewer observations have no vertex.
   int min_observations = 2;
   FaceLimits faces;
   FaceLimits voting = StrictFaceLimits();
+  PlaneRescueOptions plane_rescue;
   ContradictionOptions contradictions;
   SupportOptions support;
   SurfaceMapOptions map;
@@ -159,9 +185,11 @@ struct MeshOptions {
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Field("enabled", enabled, Range{}, "build the mesh");
+    v.Field("horizon_s", horizon_s, Range{0, 1e3}, "faces stay after the estimator forgot them");
     v.Field("min_observations", min_observations, Range{1, 100}, "frames that saw a vertex");
     v.Group("faces", faces);
     v.Group("voting", voting);
+    v.Group("plane_rescue", plane_rescue);
     v.Group("contradictions", contradictions);
     v.Group("support", support);
     v.Group("map", map);

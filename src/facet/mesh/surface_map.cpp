@@ -47,6 +47,17 @@ struct FlatFace {
     }
   }
 
+  /// Whether the foot of p on the plane is inside or at most `border` outside; its barycentric
+  /// coordinates then, clamped to the face.
+  bool Contains(const Vector3d& p, double border, std::array<double, 3>& share) const {
+    for (std::size_t s = 0; s < 3; ++s) {
+      const double inside = inward[s].dot(p) - offset[s];
+      if (inside < -border) return false;
+      share[s] = std::clamp(inside / height[s], 0.0, 1.0);
+    }
+    return true;
+  }
+
   Vector3d a, n;
   std::array<Vector3d, 3> inward;  // of the side opposite to corner i, in the face's plane
   std::array<double, 3> offset{}, height{};
@@ -105,13 +116,7 @@ void SurfaceMap::Add(const LostFace& face) {
         p[v] = j * voxel;
         p[w] = k * voxel;
         std::array<double, 3> share{};
-        bool is_inside = true;
-        for (std::size_t s = 0; s < 3; ++s) {
-          const double inside = flat.inward[s].dot(p) - flat.offset[s];
-          is_inside = is_inside && inside >= -border;
-          share[s] = std::clamp(inside / flat.height[s], 0.0, 1.0);
-        }
-        if (!is_inside) continue;
+        if (!flat.Contains(p, border, share)) continue;
         std::array<std::int32_t, 3> c{};
         c[u] = i;
         c[v] = j;
