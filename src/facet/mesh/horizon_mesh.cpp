@@ -56,7 +56,7 @@ void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, cons
 void HorizonMesh::Clear() {
   lost_.clear();
   for (const MeshFace& face : faces_)
-    Lose(face);
+    lost_.push_back(MakeLost(face));
   faces_.clear();
   vertices_.clear();
 }
@@ -64,10 +64,6 @@ void HorizonMesh::Clear() {
 std::array<Vector3d, 3> HorizonMesh::Corners(const MeshFace& face) const {
   const auto [a, b, c] = face.CounterClockwise();
   return {vertices_[a].p_W, vertices_[b].p_W, vertices_[c].p_W};
-}
-
-void HorizonMesh::Lose(const MeshFace& face) {
-  if (face.votes_against == 0) lost_.push_back(MakeLost(face));
 }
 
 LostFace HorizonMesh::MakeLost(const MeshFace& face) const {
@@ -116,7 +112,7 @@ void HorizonMesh::DropFaces() {
     const auto [a, b, c] = face.corners;
     const bool has_good_shape = JudgeShape(Corners(face), options_.faces) == FaceVerdict::kAccepted;
     if (is_expired_[a] == 0 && is_expired_[b] == 0 && is_expired_[c] == 0) return !has_good_shape;
-    if (has_good_shape) Lose(face);
+    if (has_good_shape) lost_.push_back(MakeLost(face));
     return true;
   });
 }
@@ -314,6 +310,7 @@ void HorizonMesh::DropContradicted(const MeshView& view) {
     const FaceSighting sighting =
         check_.Judge(projected, {vertices_[a].id, vertices_[b].id, vertices_[c].id});
     face.votes_against += sighting.votes_against;
+    if (sighting.is_replaced) lost_.push_back(MakeLost(face));
     return sighting.is_replaced || face.votes_against >= options_.contradictions.min_votes;
   });
 }

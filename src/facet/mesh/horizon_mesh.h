@@ -46,7 +46,7 @@ struct MeshFace {
   }
 };
 
-/// A face that left the horizon, with its last estimate. Nothing was ever held against it.
+/// A face that left the horizon, with its last estimate, without having been proven wrong.
 struct LostFace {
   std::array<Vector3d, 3> p_W;  ///< counter-clockwise seen by the camera
   std::array<std::uint8_t, 3> intensity{};
@@ -72,7 +72,8 @@ class HorizonMesh {
 
   const std::vector<MeshVertex>& vertices() const { return vertices_; }
   const std::vector<MeshFace>& faces() const { return faces_; }
-  /// Faces that the last call took away because a vertex left the horizon.
+  /// Faces that the last call took away because a vertex left the horizon, or because newer faces
+  /// cover them.
   const std::vector<LostFace>& lost() const { return lost_; }
   /// How the triangles of the last view were judged.
   const std::array<int, static_cast<int>(FaceVerdict::kCount)>& verdicts() const {
@@ -106,7 +107,6 @@ class HorizonMesh {
   void MergeViewFaces();
   void DropUnusedVertices();
   void RescuePlanes(const MeshView& view);
-  void Lose(const MeshFace& face);
   LostFace MakeLost(const MeshFace& face) const;
   std::array<Vector3d, 3> Corners(const MeshFace& face) const;
 

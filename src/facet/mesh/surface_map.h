@@ -69,6 +69,12 @@ class SurfaceMap {
   std::size_t memory_bytes() const { return blocks_.capacity() * sizeof(Block); }
 
  private:
+  /// What one face says about one voxel.
+  struct Sample {
+    float distance = 0, weight = 0, intensity = 0;
+    int plane_id = -1;
+  };
+  static void Merge(const Sample& sample, Voxel& voxel);
   Voxel& At(const CubeIndex& corner);
 
   SurfaceMapOptions options_;
