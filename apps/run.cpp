@@ -19,6 +19,7 @@
 
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
+#include "facet/io/glb_writer.h"
 #include "facet/io/ply_writer.h"
 #include "facet/io/result_folder.h"
 #include "facet/io/result_writer.h"
@@ -35,6 +36,7 @@ struct RunArguments {
   RunRange range;
   int threads = 1;
   int mesh_every = 0;
+  std::string mesh_format = "ply";
   bool quiet = false, verbose = false;
 };
 
@@ -76,20 +78,33 @@ void LogFrame(spdlog::logger& log, const VioOutput& output) {
             output.reason);
 }
 
+/// Beside mesh.ply and map.ply.
+void WriteGlbMeshes(const std::filesystem::path& folder, const RunRecord& record) {
+  if (record.mesh) WriteGlbMesh(folder / "mesh.glb", *record.mesh);
+  if (record.map) WriteGlbMesh(folder / "map.glb", *record.map);
+}
+
 /// Writes every n-th keyframe's mesh while the run goes on.
 class MeshFiles {
  public:
-  MeshFiles(const std::filesystem::path& folder, int every) : folder_(folder), every_(every) {}
+  MeshFiles(const std::filesystem::path& folder, int every, bool as_glb)
+      : folder_(folder), every_(every), as_glb_(as_glb) {}
 
   void Add(const VioOutput& output) {
     if (every_ == 0 || !output.mesh || num_seen_++ % every_ != 0) return;
     std::filesystem::create_directories(folder_);
-    WritePlyMesh(folder_ / (std::to_string(output.t.ns) + ".ply"), output.mesh->mesh);
+    const std::string stem = std::to_string(output.t.ns);
+    if (as_glb_) {
+      WriteGlbMesh(folder_ / (stem + ".glb"), output.mesh->mesh);
+    } else {
+      WritePlyMesh(folder_ / (stem + ".ply"), output.mesh->mesh);
+    }
   }
 
  private:
   std::filesystem::path folder_;
   int every_;
+  bool as_glb_;
   int num_seen_ = 0;
 };
 
@@ -167,13 +182,15 @@ void Run(const RunArguments& arguments) {
   ResultFolder folder(arguments.out.empty() ? "runs/" + dataset.name() + "-" + arguments.pipeline
                                             : arguments.out);
 
-  MeshFiles mesh_files(folder.staging() / "meshes", arguments.mesh_every);
+  MeshFiles mesh_files(
+      folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
   SequenceRun run = RunPipeline(dataset, options, arguments, mesh_files, *log);
   run.record.version = FACET_VERSION;
   run.record.pipeline = arguments.pipeline;
   run.record.threads = arguments.threads;
   run.record.config = FormatOptions(options);
   WriteResult(folder.staging(), run.record);
+  if (arguments.mesh_format == "glb") WriteGlbMeshes(folder.staging(), run.record);
   folder.Commit();
 
   if (run.end != RunEnd::kComplete) throw RunEndedError(ExitCode(run.end), run.message);
@@ -211,6 +228,11 @@ void AddOptions(CLI::App& command, RunArguments& a) {
                   a.mesh_every,
                   "also write meshes/<timestamp_ns>.ply every N keyframes; 0: none")
       ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--mesh-format",
+                  a.mesh_format,
+                  "ply; or glb: meshes/ in that format, and mesh.glb and map.glb besides the .ply")
+      ->check(CLI::IsMember({"ply", "glb"}));
   auto* quiet = command.add_flag("--quiet", a.quiet, "no progress bar");
   command.add_flag("--verbose", a.verbose, "debug log")->excludes(quiet);
 }

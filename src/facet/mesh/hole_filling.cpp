@@ -7,7 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "facet/base/types.h"
+#include "facet/mesh/triangle_index.h"
 
 namespace facet {
 namespace {
@@ -76,12 +76,6 @@ std::vector<Rim> FindRims(const std::vector<BorderSide>& border) {
     if (is_simple && at == start && rim.size() >= 3) rims.push_back(std::move(rim));
   }
   return rims;
-}
-
-Vector3d FaceNormal(const TriangleMesh& mesh, int face) {
-  const auto& [i, j, k] = mesh.faces[face];
-  const Vector3d& a = mesh.vertices[i];
-  return (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).normalized();
 }
 
 /// Ear clipping of one hole.

@@ -146,7 +146,7 @@ struct SupportOptions {
   bool enabled = true;
   /// Side of a cell with at most one support point, if it holds no corner. Smaller: more points,
   /// more time. (!)
-  int cell_px = 32;
+  int cell_px = 28;
   /// Mean difference between pixels two apart along the rows that a place must have [grey values].
   double min_contrast = 2.5;
   /// A triangle whose corners' inverse depths differ by more is also searched around the nearest
@@ -172,7 +172,7 @@ struct MeshOptions {
   bool enabled = true;
   /// How long faces stay, where they were, after the estimator has forgotten a vertex [s]. 0: they
   /// go with it, as in the paper. (!)
-  double horizon_s = 5;
+  double horizon_s = 3;
   /// Keyframes' landmarks with fewer observations have no vertex.
   int min_observations = 2;
   FaceLimits faces;

@@ -39,7 +39,7 @@ namespace facet {
 /// Not thread-safe. The same faces in the same order give the same map.
 class SurfaceMap {
  public:
-  static constexpr int kBlockSide = 4;  ///< voxels along the side of a block
+  static constexpr int kBlockSide = 8;  ///< voxels along the side of a block
 
   /// A corner of the grid.
   struct Voxel {
