@@ -54,7 +54,7 @@ struct RunRecord {
   std::optional<TriangleMesh> map;     ///< of the whole run, in W
   /// Surface of the horizon mesh and of the newest keyframe's own faces, by keyframe [m^2].
   std::vector<double> mesh_areas_m2, view_areas_m2;
-  std::string config;                  ///< YAML of every parameter in force
+  std::string config;  ///< YAML of every parameter in force
 
   std::vector<StampedPose> CausalTrajectory() const;  ///< of the frames with a pose
   /// Seconds from first_pair to the first pose.
@@ -62,8 +62,9 @@ struct RunRecord {
 };
 
 /// Writes trajectory.tum, keyframes.tum, states.csv, timing.csv, landmarks.ply, summary.json,
-/// config.yaml and, where there are some, mesh.ply and map.ply into an existing folder. Everything but timing.csv and summary.json depends on the
-/// estimates alone. Throws OutputError naming the file that could not be written completely.
+/// config.yaml and, where there are some, mesh.ply and map.ply into an existing folder. Everything
+/// but timing.csv and summary.json depends on the estimates alone. Throws OutputError naming the
+/// file that could not be written completely.
 void WriteResult(const std::filesystem::path& folder, const RunRecord& run);
 
 }  // namespace facet
