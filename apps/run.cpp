@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -18,6 +19,8 @@
 
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
+#include "facet/io/glb_writer.h"
+#include "facet/io/ply_writer.h"
 #include "facet/io/result_folder.h"
 #include "facet/io/result_writer.h"
 #include "facet/pipeline/threaded_vio.h"
@@ -32,6 +35,8 @@ struct RunArguments {
   std::vector<std::string> overrides;
   RunRange range;
   int threads = 1;
+  int mesh_every = 0;
+  std::string mesh_format = "ply";
   bool quiet = false, verbose = false;
 };
 
@@ -73,19 +78,52 @@ void LogFrame(spdlog::logger& log, const VioOutput& output) {
             output.reason);
 }
 
+/// Beside mesh.ply and map.ply.
+void WriteGlbMeshes(const std::filesystem::path& folder, const RunRecord& record) {
+  if (record.mesh) WriteGlbMesh(folder / "mesh.glb", *record.mesh);
+  if (record.map) WriteGlbMesh(folder / "map.glb", *record.map);
+}
+
+/// Writes every n-th keyframe's mesh while the run goes on.
+class MeshFiles {
+ public:
+  MeshFiles(const std::filesystem::path& folder, int every, bool as_glb)
+      : folder_(folder), every_(every), as_glb_(as_glb) {}
+
+  void Add(const VioOutput& output) {
+    if (every_ == 0 || !output.mesh || num_seen_++ % every_ != 0) return;
+    std::filesystem::create_directories(folder_);
+    const std::string stem = std::to_string(output.t.ns);
+    if (as_glb_) {
+      WriteGlbMesh(folder_ / (stem + ".glb"), output.mesh->mesh);
+    } else {
+      WritePlyMesh(folder_ / (stem + ".ply"), output.mesh->mesh);
+    }
+  }
+
+ private:
+  std::filesystem::path folder_;
+  int every_;
+  bool as_glb_;
+  int num_seen_ = 0;
+};
+
 /// Runs the sequence with VioPipeline or ThreadedVio.
 template <class Vio>
 SequenceRun RunWith(Vio& vio,
                     VioFunctions functions,
                     AslDataset& dataset,
                     const RunArguments& arguments,
+                    MeshFiles& mesh_files,
                     spdlog::logger& log) {
   functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
   functions.window_keyframes = [&] { return vio.WindowKeyframes(); };
+  functions.map = [&] { return vio.Map(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
   const auto observer = [&](int done, int total, const VioOutput& output) {
     LogFrame(log, output);
+    mesh_files.Add(output);
     bar.Update(done, total, ToString(output.status));
     return interrupted == 0;
   };
@@ -100,18 +138,19 @@ SequenceRun RunWith(Vio& vio,
 SequenceRun RunPipeline(AslDataset& dataset,
                         const VioOptions& options,
                         const RunArguments& arguments,
+                        MeshFiles& mesh_files,
                         spdlog::logger& log) {
   VioFunctions functions;
   if (arguments.threads == 1) {
     VioPipeline vio(dataset.rig(), dataset.imu_noise(), options);
     functions.add_stereo = [&](const StereoFrame& f) { return std::vector{vio.AddStereo(f)}; };
     functions.finish = [] { return std::vector<VioOutput>(); };
-    return RunWith(vio, functions, dataset, arguments, log);
+    return RunWith(vio, functions, dataset, arguments, mesh_files, log);
   }
   ThreadedVio vio(dataset.rig(), dataset.imu_noise(), options);
   functions.add_stereo = [&](const StereoFrame& f) { return vio.AddStereo(f); };
   functions.finish = [&] { return vio.Finish(); };
-  return RunWith(vio, functions, dataset, arguments, log);
+  return RunWith(vio, functions, dataset, arguments, mesh_files, log);
 }
 
 void PrintOutcome(const RunRecord& record, const std::string& folder) {
@@ -143,12 +182,15 @@ void Run(const RunArguments& arguments) {
   ResultFolder folder(arguments.out.empty() ? "runs/" + dataset.name() + "-" + arguments.pipeline
                                             : arguments.out);
 
-  SequenceRun run = RunPipeline(dataset, options, arguments, *log);
+  MeshFiles mesh_files(
+      folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
+  SequenceRun run = RunPipeline(dataset, options, arguments, mesh_files, *log);
   run.record.version = FACET_VERSION;
   run.record.pipeline = arguments.pipeline;
   run.record.threads = arguments.threads;
   run.record.config = FormatOptions(options);
   WriteResult(folder.staging(), run.record);
+  if (arguments.mesh_format == "glb") WriteGlbMeshes(folder.staging(), run.record);
   folder.Commit();
 
   if (run.end != RunEnd::kComplete) throw RunEndedError(ExitCode(run.end), run.message);
@@ -181,6 +223,16 @@ void AddOptions(CLI::App& command, RunArguments& a) {
   command
       .add_option("--imu-history", a.range.imu_history_s, "seconds of IMU before the first pair")
       ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--mesh-every",
+                  a.mesh_every,
+                  "also write meshes/<timestamp_ns>.ply every N keyframes; 0: none")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--mesh-format",
+                  a.mesh_format,
+                  "ply; or glb: meshes/ in that format, and mesh.glb and map.glb besides the .ply")
+      ->check(CLI::IsMember({"ply", "glb"}));
   auto* quiet = command.add_flag("--quiet", a.quiet, "no progress bar");
   command.add_flag("--verbose", a.verbose, "debug log")->excludes(quiet);
 }

@@ -28,7 +28,23 @@ void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
   for (const KeyframePose& k : output.finished_keyframes)
     keyframes_.push_back({k.t, k.T_WB});
   if (output.snapshot) last_snapshot_ = output.snapshot;
+  if (output.mesh) AddMesh(output.mesh);
   if (output.has_pose && output.status != TrackingStatus::kLost) last_good_ = output.t;
+}
+
+void RunRecorder::AddMesh(const std::shared_ptr<const MeshSnapshot>& snapshot) {
+  last_mesh_ = snapshot;
+  const TriangleMesh& mesh = snapshot->mesh;
+  double area_m2 = 0, view_area_m2 = 0;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const Vector3d& a = mesh.vertices[mesh.faces[f][0]];
+    const Vector3d u = mesh.vertices[mesh.faces[f][1]] - a, v = mesh.vertices[mesh.faces[f][2]] - a;
+    const double face_m2 = 0.5 * u.cross(v).norm();
+    area_m2 += face_m2;
+    if (snapshot->in_view[f] != 0) view_area_m2 += face_m2;
+  }
+  mesh_areas_m2_.push_back(area_m2);
+  view_areas_m2_.push_back(view_area_m2);
 }
 
 void RunRecorder::Finish(const std::vector<KeyframePose>& window) {
@@ -45,6 +61,9 @@ void RunRecorder::MoveInto(RunRecord& record) {
   record.keyframes = std::move(keyframes_);
   record.num_resets = num_resets_;
   record.num_imu_gaps = num_imu_gaps_;
+  if (last_mesh_) record.mesh = last_mesh_->mesh;
+  record.mesh_areas_m2 = std::move(mesh_areas_m2_);
+  record.view_areas_m2 = std::move(view_areas_m2_);
   record.landmarks.clear();
   if (!last_snapshot_) return;
   for (const LandmarkEstimate& l : last_snapshot_->landmarks)

@@ -34,9 +34,13 @@ class RunRecorder {
   void MoveInto(RunRecord& record);
 
  private:
+  void AddMesh(const std::shared_ptr<const MeshSnapshot>& snapshot);
+
   std::vector<FrameRecord> frames_;
   std::vector<StampedPose> keyframes_;
   std::shared_ptr<const MapSnapshot> last_snapshot_;
+  std::shared_ptr<const MeshSnapshot> last_mesh_;
+  std::vector<double> mesh_areas_m2_, view_areas_m2_;
   std::optional<Timestamp> last_good_;
   int num_resets_ = 0;
   int num_imu_gaps_ = 0;

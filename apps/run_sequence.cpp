@@ -107,6 +107,7 @@ class SequenceRunner {
     run_.record.cpu_s = ProcessCpuSeconds() - cpu_start_s;
     run_.record.peak_rss_mb = PeakRssMb();
     recorder_.Finish(vio_.window_keyframes());
+    if (vio_.map) run_.record.map = vio_.map();
     SummarizeProblems();
     if (run_.end == RunEnd::kComplete) JudgeTracking();
     if (!run_.message.empty()) run_.record.warnings.push_back(run_.message);

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct VioFunctions {
   std::function<std::vector<VioOutput>(const StereoFrame&)> add_stereo;
   std::function<std::vector<VioOutput>()> finish;
   std::function<std::vector<KeyframePose>()> window_keyframes;
+  std::function<std::optional<TriangleMesh>()> map;  ///< may be empty
 };
 
 /// Which part of a recording is run and how fast.

@@ -49,4 +49,20 @@ bool InitializeDepth(const FrameGeometry& geometry, WindowLandmark& landmark) {
   return true;
 }
 
+double InverseDistanceInformation(const WindowLandmark& landmark,
+                                  const Vector3d& ray_W,
+                                  const std::vector<CameraCentres>& centres) {
+  const Vector3d& host_W = centres[landmark.host][0];
+  double information = 0;
+  for (const WindowObservation& observation : landmark.observations) {
+    for (int camera = 0; camera < (observation.has_right ? 2 : 1); ++camera) {
+      const Vector3d baseline_W = centres[observation.frame][camera] - host_W;
+      const double across2 = baseline_W.squaredNorm() - std::pow(baseline_W.dot(ray_W), 2);
+      // The determinant of the root of the information of two equal axes is that of one axis.
+      information += across2 * std::abs(observation.sqrt_info[camera].determinant());
+    }
+  }
+  return information;
+}
+
 }  // namespace facet

@@ -2,6 +2,9 @@
 // First distance of a landmark: from its stereo pair or from parallax between frames.
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "facet/estimator/vision_factor.h"
 
 namespace facet {
@@ -11,5 +14,15 @@ namespace facet {
 /// squares on the epipolar plane residual; points at infinity get inverse distance 0. Returns
 /// has_depth.
 bool InitializeDepth(const FrameGeometry& geometry, WindowLandmark& landmark);
+
+/// Centres of both cameras at one frame, in W.
+using CameraCentres = std::array<Vector3d, 2>;
+
+/// Information (inverse variance) on the inverse distance of a landmark [m^2], from its
+/// observations with all poses taken as known. First order in baseline over distance: the baseline
+/// across the ray over the angular noise, squared and summed. `centres` by frame of the window.
+double InverseDistanceInformation(const WindowLandmark& landmark,
+                                  const Vector3d& ray_W,
+                                  const std::vector<CameraCentres>& centres);
 
 }  // namespace facet

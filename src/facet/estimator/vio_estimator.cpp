@@ -497,13 +497,20 @@ MapSnapshot VioEstimator::Snapshot() const {
   for (const WindowFrame& frame : window_.frames) {
     if (frame.is_keyframe) snapshot.keyframes.push_back({frame.id, frame.x.t, frame.x.T_WB});
   }
+  std::vector<CameraCentres> centres;
+  for (const WindowFrame& frame : window_.frames)
+    centres.push_back({frame.x.T_WB * rig_.T_BC[0].p, frame.x.T_WB * rig_.T_BC[1].p});
   constexpr double kMinInverseDistance = 1e-3;
   for (const WindowLandmark& landmark : window_.landmarks()) {
-    if (!landmark.has_depth || landmark.inverse_distance < kMinInverseDistance) continue;
+    const double rho = landmark.inverse_distance;
+    if (!landmark.has_depth || rho < kMinInverseDistance) continue;
     const SE3 T_WC = window_.frames[landmark.host].x.T_WB * rig_.T_BC[0];
+    const Vector3d ray_W = T_WC.q * landmark.bearing_H;
+    const double information = InverseDistanceInformation(landmark, ray_W, centres);
     snapshot.landmarks.push_back({landmark.id,
-                                  T_WC * (landmark.bearing_H / landmark.inverse_distance),
-                                  static_cast<int>(landmark.observations.size())});
+                                  T_WC.p + ray_W / rho,
+                                  static_cast<int>(landmark.observations.size()),
+                                  1 / (rho * rho * std::sqrt(information + 1e-12))});
   }
   for (const WindowPlane& plane : window_.planes)
     snapshot.planes.push_back({plane.id, plane.plane()});

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "facet/base/random.h"
-#include "facet/eval/triangle_index.h"
+#include "facet/mesh/triangle_index.h"
 
 namespace facet {
 namespace {

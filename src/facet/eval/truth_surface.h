@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "facet/eval/triangle_index.h"
+#include "facet/mesh/triangle_index.h"
 
 namespace facet {
 

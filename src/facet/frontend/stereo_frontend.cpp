@@ -25,7 +25,8 @@ struct StereoFrontend::Impl {
   void DetectNew(const cv::Mat& left, FrontendResult& result);
   void MatchStereo(const cv::Mat& right);
   void StartKeyframe();
-  void FillObservations(FrontendResult& result) const;
+  void FillObservations(FrontendResult& result);
+  void MatchDepths(std::span<const DepthQuery> queries, std::vector<DepthPoint>& found);
   int CountShared() const;
 
   StereoRig rig;
@@ -42,9 +43,12 @@ struct StereoFrontend::Impl {
   ImagePyramid previous, now, right_pyramid;
   SE3 T_Bprev_Bnow;         // predicted motion since the image in `previous`
   Quaterniond R_C_kf_prev;  // rotation of the left camera, last keyframe from previous frame
+  bool has_right = false;   // right_pyramid belongs to `now`
+  Track depth_place;        // of MatchDepths
   std::int64_t next_landmark = 0;
   std::int64_t next_frame = 0;
   // Buffers
+  std::vector<std::size_t> order;
   std::vector<Vector2d> occupied;
   std::vector<BearingPair> pairs;
   std::vector<std::size_t> pair_slots;
@@ -140,6 +144,7 @@ void StereoFrontend::Impl::DetectNew(const cv::Mat& left, FrontendResult& result
 void StereoFrontend::Impl::MatchStereo(const cv::Mat& right) {
   if (!IsUsable(right, rig.cameras[1])) return;
   right_pyramid.Build(right, options.klt.num_levels);
+  has_right = true;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     Track& track = tracks[i];
     if (!track.id.IsValid()) continue;
@@ -160,14 +165,20 @@ void StereoFrontend::Impl::StartKeyframe() {
   keyframe_policy.SetKeyframeSize(size);
 }
 
-void StereoFrontend::Impl::FillObservations(FrontendResult& result) const {
+void StereoFrontend::Impl::FillObservations(FrontendResult& result) {
   const auto sigma = [this](double base_px, int level, double residual_px) {
     return std::hypot(base_px * (1 << level), options.noise.residual_factor * residual_px);
   };
-  result.observations.features.reserve(tracks.size());
+  order.clear();
   for (std::size_t i = 0; i < tracks.size(); ++i) {
+    if (tracks[i].id.IsValid()) order.push_back(i);
+  }
+  std::sort(order.begin(), order.end(), [this](std::size_t i, std::size_t j) {
+    return tracks[i].id < tracks[j].id;
+  });
+  result.observations.features.reserve(order.size());
+  for (std::size_t i : order) {
     const Track& track = tracks[i];
-    if (!track.id.IsValid()) continue;
     FeatureObservation observation;
     observation.landmark = track.id;
     observation.px_left = track.px;
@@ -179,10 +190,27 @@ void StereoFrontend::Impl::FillObservations(FrontendResult& result) const {
       ++result.num_stereo;
     }
     result.observations.features.push_back(observation);
+    if (result.observations.is_keyframe)
+      result.inverse_depths.push_back(track.inverse_depth.value_or(0));
   }
-  std::sort(result.observations.features.begin(),
-            result.observations.features.end(),
-            [](const auto& a, const auto& b) { return a.landmark < b.landmark; });
+}
+
+void StereoFrontend::Impl::MatchDepths(std::span<const DepthQuery> queries,
+                                       std::vector<DepthPoint>& found) {
+  if (!has_right) return;
+  const double baseline_focal_px = rig.baseline_m() * rig.cameras[1].mean_focal_px();
+  for (const DepthQuery& query : queries) {
+    const auto ray = rig.cameras[0].Undistort(query.px);
+    if (!ray) continue;
+    depth_place.px = query.px;
+    depth_place.ray = *ray;
+    const std::span depths(query.inverse_depths.data(), static_cast<std::size_t>(query.num_depths));
+    const auto match = stereo_matcher.MatchNear(depth_place, depths, now, right_pyramid);
+    if (!match || match->level != 0 || !(match->inverse_depth > 0)) continue;
+    const double sigma_px =
+        std::hypot(options.noise.right_base_px, options.noise.residual_factor * match->sigma_px);
+    found.push_back({query.px, ray->xy, match->inverse_depth, sigma_px / baseline_focal_px});
+  }
 }
 
 FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
@@ -196,6 +224,7 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
   result.image_ok = IsUsable(frame.left, rig.cameras[0]);
   if (!result.image_ok) return result;
   std::fill(matches.begin(), matches.end(), std::nullopt);
+  has_right = false;
   {
     const ScopedStage stage(times, Stage::kTrack);
     FollowTracks(frame.left, result);
@@ -220,6 +249,11 @@ StereoFrontend::StereoFrontend(const StereoRig& rig, const FrontendOptions& opti
     : impl_(std::make_unique<Impl>(rig, options)) {}
 
 StereoFrontend::~StereoFrontend() = default;
+
+void StereoFrontend::MatchDepths(std::span<const DepthQuery> queries,
+                                 std::vector<DepthPoint>& found) {
+  impl_->MatchDepths(queries, found);
+}
 
 FrontendResult StereoFrontend::Process(const StereoFrame& frame,
                                        const FrontendHint& hint,

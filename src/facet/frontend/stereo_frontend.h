@@ -4,12 +4,15 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <unordered_map>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "facet/base/stage_timer.h"
 #include "facet/camera/stereo_rig.h"
+#include "facet/frontend/depth_query.h"
 #include "facet/frontend/frontend_options.h"
 #include "facet/frontend/keyframe_policy.h"
 #include "facet/frontend/tracking_summary.h"
@@ -43,10 +46,12 @@ struct FrontendResult {
   FrameObservations observations;
   KeyframeReason keyframe_reason = KeyframeReason::kNone;
   TrackingSummary tracking;  ///< points of the previous frame; num_tracked without the outliers
-  int num_outliers = 0;      ///< points removed because they contradict the motion of the others
-  int num_new = 0;           ///< points that begin in this frame
-  int num_stereo = 0;        ///< observations with a right pixel
-  bool image_ok = true;      ///< false: no left image, or one of the wrong size or type
+  /// On keyframes: [1/m] along z of the left camera, one per observation; 0 where not known.
+  std::vector<double> inverse_depths;
+  int num_outliers = 0;  ///< points removed because they contradict the motion of the others
+  int num_new = 0;       ///< points that begin in this frame
+  int num_stereo = 0;    ///< observations with a right pixel
+  bool image_ok = true;  ///< false: no left image, or one of the wrong size or type
 };
 
 /// Owns the tracks. Deterministic: the same frames and hints give the same observations on every
@@ -65,6 +70,11 @@ class StereoFrontend {
   /// A left image that cannot be used gives empty observations. The tracks are kept and sought in
   /// the next frame; the hints of both frames are composed.
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
+
+  /// Matches further places of the newest left image in its right image, with the same tests as the
+  /// tracks; appends what was found. Finds nothing unless the last frame was a keyframe with a
+  /// usable right image.
+  void MatchDepths(std::span<const DepthQuery> queries, std::vector<DepthPoint>& found);
 
  private:
   struct Impl;

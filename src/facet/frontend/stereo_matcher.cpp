@@ -143,4 +143,19 @@ std::optional<StereoMatch> StereoMatcher::Match(const Track& track,
   return best;
 }
 
+std::optional<StereoMatch> StereoMatcher::MatchNear(const Track& track,
+                                                    std::span<const double> inverse_depths,
+                                                    const ImagePyramid& left,
+                                                    const ImagePyramid& right) {
+  patch_.Invalidate();
+  const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
+  tracker_.Extract(left, x, y, {kSeededLevel, track.level}, patch_);
+  float zncc = -1;
+  for (double inverse_depth : inverse_depths) {
+    auto match = Refine(track, inverse_depth, kSeededLevel, left, right, &zncc);
+    if (match) return match;
+  }
+  return std::nullopt;
+}
+
 }  // namespace facet

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "facet/camera/stereo_rig.h"
@@ -29,6 +30,13 @@ class StereoMatcher {
   std::optional<StereoMatch> Match(const Track& track,
                                    const ImagePyramid& left,
                                    const ImagePyramid& right);
+
+  /// Only around the given inverse depths [1/m], the first success counts. Of the track, px, ray
+  /// and level are used.
+  std::optional<StereoMatch> MatchNear(const Track& track,
+                                       std::span<const double> inverse_depths,
+                                       const ImagePyramid& left,
+                                       const ImagePyramid& right);
 
  private:
   struct Candidate {

@@ -177,6 +177,15 @@ Json Summary(const RunRecord& run) {
   json["stages"] = StagesSummary(frames);
   if (const auto init_s = run.InitSeconds()) json["init_s"] = *init_s;
   if (!landmarks.empty()) json["landmarks_median"] = Median(landmarks);
+  if (run.mesh) json["mesh_faces"] = run.mesh->faces.size();
+  if (!run.mesh_areas_m2.empty()) {
+    json["mesh_area_m2_median"] = Median(run.mesh_areas_m2);
+    json["view_mesh_area_m2_median"] = Median(run.view_areas_m2);
+  }
+  if (run.map) {
+    json["map_faces"] = run.map->faces.size();
+    json["map_vertices"] = run.map->vertices.size();
+  }
   json["resets"] = run.num_resets;
   json["dropped_frames"] = run.num_dropped;
   json["damaged_frames"] = run.num_damaged;
@@ -208,6 +217,8 @@ void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   WriteText(folder / "states.csv", StatesCsv(run.frames));
   WriteText(folder / "timing.csv", TimingCsv(run.frames));
   WritePlyPoints(folder / "landmarks.ply", run.landmarks);
+  if (run.mesh) WritePlyMesh(folder / "mesh.ply", *run.mesh);
+  if (run.map) WritePlyMesh(folder / "map.ply", *run.map);
   WriteText(folder / "config.yaml", run.config);
   // Text from file names may be in any encoding; what is not UTF-8 is replaced, not refused.
   WriteText(folder / "summary.json",

@@ -10,6 +10,7 @@
 #include "facet/base/stage_timer.h"
 #include "facet/imu/imu_types.h"
 #include "facet/io/trajectory_file.h"
+#include "facet/mesh/triangle_mesh.h"
 
 namespace facet {
 
@@ -49,16 +50,21 @@ struct RunRecord {
   std::vector<FrameRecord> frames;     ///< processed frames in order of time
   std::vector<StampedPose> keyframes;  ///< smoothed, in order of time
   std::vector<Vector3d> landmarks;     ///< of the horizon at the end, in W
-  std::string config;                  ///< YAML of every parameter in force
+  std::optional<TriangleMesh> mesh;    ///< of the horizon at the end, in W
+  std::optional<TriangleMesh> map;     ///< of the whole run, in W
+  /// Surface of the horizon mesh and of the newest keyframe's own faces, by keyframe [m^2].
+  std::vector<double> mesh_areas_m2, view_areas_m2;
+  std::string config;  ///< YAML of every parameter in force
 
   std::vector<StampedPose> CausalTrajectory() const;  ///< of the frames with a pose
   /// Seconds from first_pair to the first pose.
   std::optional<double> InitSeconds() const;
 };
 
-/// Writes trajectory.tum, keyframes.tum, states.csv, timing.csv, landmarks.ply, summary.json and
-/// config.yaml into an existing folder. Everything but timing.csv and summary.json depends on the
-/// estimates alone. Throws OutputError naming the file that could not be written completely.
+/// Writes trajectory.tum, keyframes.tum, states.csv, timing.csv, landmarks.ply, summary.json,
+/// config.yaml and, where there are some, mesh.ply and map.ply into an existing folder. Everything
+/// but timing.csv and summary.json depends on the estimates alone. Throws OutputError naming the
+/// file that could not be written completely.
 void WriteResult(const std::filesystem::path& folder, const RunRecord& run);
 
 }  // namespace facet

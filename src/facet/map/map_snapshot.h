@@ -13,6 +13,8 @@ struct LandmarkEstimate {
   LandmarkId id;
   Vector3d p_W = Vector3d::Zero();
   int num_observations = 0;
+  double sigma_depth_m =
+      0;  ///< 1-sigma of the distance from its cameras, their poses taken as known
 };
 
 struct KeyframePose {

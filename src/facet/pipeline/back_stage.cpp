@@ -6,15 +6,26 @@
 namespace facet {
 
 BackStage::BackStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
-    : time_offset_(rig.time_offset), estimator_(rig, noise, options.estimator) {}
+    : time_offset_(rig.time_offset),
+      estimator_(rig, noise, options.estimator),
+      mesh_(rig, options.mesh) {}
 
 VioOutput BackStage::Process(const FrontPacket& packet) {
-  const FrameObservations& observations = packet.frontend.observations;
   VioOutput out;
   out.times = packet.times;
-  EstimatorResult result = estimator_.AddFrame(observations, packet.imu, out.times);
+  EstimatorResult result = estimator_.AddFrame(packet.frontend.observations, packet.imu, out.times);
+  FillOutput(packet, std::move(result), out);
+  if (out.was_reset) mesh_.Reset();
+  if (out.snapshot) {
+    const ScopedStage stage(out.times, Stage::kMesh);
+    out.mesh = mesh_.Process(packet.frontend.observations, packet.mesh, *out.snapshot);
+  }
+  return out;
+}
 
-  ScopedStage stage(out.times, Stage::kOutput);
+void BackStage::FillOutput(const FrontPacket& packet, EstimatorResult result, VioOutput& out) {
+  const ScopedStage stage(out.times, Stage::kOutput);
+  const FrameObservations& observations = packet.frontend.observations;
   out.frame = observations.frame;
   out.t = observations.t;
   out.is_keyframe = observations.is_keyframe;
@@ -37,7 +48,6 @@ VioOutput BackStage::Process(const FrontPacket& packet) {
     feedback_->state.t = out.t + time_offset_;
     out.snapshot = std::move(snapshot);
   }
-  return out;
 }
 
 }  // namespace facet

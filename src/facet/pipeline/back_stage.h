@@ -4,6 +4,7 @@
 
 #include "facet/estimator/vio_estimator.h"
 #include "facet/pipeline/front_stage.h"
+#include "facet/pipeline/mesh_stage.h"
 #include "facet/pipeline/vio_output.h"
 
 namespace facet {
@@ -20,9 +21,14 @@ class BackStage {
 
   std::vector<KeyframePose> WindowKeyframes() const { return estimator_.Snapshot().keyframes; }
 
+  std::optional<TriangleMesh> Map() const { return mesh_.Map(); }
+
  private:
+  void FillOutput(const FrontPacket& packet, EstimatorResult result, VioOutput& out);
+
   Duration time_offset_;
   VioEstimator estimator_;
+  MeshStage mesh_;
   std::optional<Feedback> feedback_;
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/pipeline/front_stage.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "facet/imu/preintegration.h"
 
 namespace facet {
@@ -9,10 +12,20 @@ namespace {
 // The newest image may come this much before the IMU sample that follows it.
 constexpr double kMaxExtrapolation_s = 0.03;
 constexpr double kMinDepth_m = 0.05;
+
+std::uint8_t GreyValueAt(const cv::Mat& image, const Vector2d& px) {
+  const int x = std::clamp(static_cast<int>(std::lround(px.x())), 0, image.cols - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(px.y())), 0, image.rows - 1);
+  return image.at<std::uint8_t>(y, x);
+}
 }  // namespace
 
 FrontStage::FrontStage(const StereoRig& rig, const VioOptions& options)
-    : rig_(rig), max_gap_s_(options.estimator.imu.max_gap_s), frontend_(rig, options.frontend) {}
+    : rig_(rig),
+      max_gap_s_(options.estimator.imu.max_gap_s),
+      mesh_options_(options.mesh),
+      frontend_(rig, options.frontend),
+      support_places_(options.mesh.support) {}
 
 FrontPacket FrontStage::Process(const StereoFrame& frame) {
   FrontPacket packet;
@@ -25,6 +38,9 @@ FrontPacket FrontStage::Process(const StereoFrame& frame) {
     hint = Predict(packet.imu);
   }
   packet.frontend = frontend_.Process(frame, hint, packet.times);
+  if (packet.frontend.observations.is_keyframe && mesh_options_.enabled) {
+    FillMeshPacket(frame, packet);
+  }
   previous_t_ = t_imu;
   has_previous_ = true;
   ++next_frame_;
@@ -32,6 +48,23 @@ FrontPacket FrontStage::Process(const StereoFrame& frame) {
     imu_.DropBefore(std::min(feedback_.front().state.t, previous_t_));
   }
   return packet;
+}
+
+void FrontStage::FillMeshPacket(const StereoFrame& frame, FrontPacket& packet) {
+  const ScopedStage stage(packet.times, Stage::kMesh);
+  const std::vector<FeatureObservation>& features = packet.frontend.observations.features;
+  MeshPacket& mesh = packet.mesh;
+  mesh.intensities.reserve(features.size());
+  for (const FeatureObservation& feature : features)
+    mesh.intensities.push_back(GreyValueAt(frame.left, feature.px_left));
+  if (!mesh_options_.support.enabled) return;
+  const std::vector<DepthQuery>& places =
+      support_places_.Choose(frame.left, features, packet.frontend.inverse_depths);
+  mesh.support.reserve(places.size());
+  frontend_.MatchDepths(places, mesh.support);
+  mesh.support_intensities.reserve(mesh.support.size());
+  for (const DepthPoint& point : mesh.support)
+    mesh.support_intensities.push_back(GreyValueAt(frame.left, point.px));
 }
 
 void FrontStage::TakeFeedback() {

@@ -8,6 +8,7 @@
 #include "facet/frontend/stereo_frontend.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/map/map_snapshot.h"
+#include "facet/pipeline/support_points.h"
 #include "facet/pipeline/vio_options.h"
 
 namespace facet {
@@ -19,9 +20,17 @@ struct Feedback {
   std::vector<LandmarkEstimate> landmarks;
 };
 
+/// What the mesh needs from the images of a keyframe.
+struct MeshPacket {
+  std::vector<std::uint8_t> intensities;  ///< of the left image at the observations
+  std::vector<DepthPoint> support;        ///< points between them
+  std::vector<std::uint8_t> support_intensities;
+};
+
 /// What the front stage hands to the back stage.
 struct FrontPacket {
   FrontendResult frontend;
+  MeshPacket mesh;  ///< on keyframes only
   ImuInterval imu;  ///< from the previous frame to this one
   StageTimes times;
 };
@@ -41,13 +50,16 @@ class FrontStage {
   FrontPacket Process(const StereoFrame& frame);
 
  private:
+  void FillMeshPacket(const StereoFrame& frame, FrontPacket& packet);
   ImuInterval IntervalTo(Timestamp t_imu) const;
   FrontendHint Predict(const ImuInterval& now);
   void TakeFeedback();
 
   StereoRig rig_;
   double max_gap_s_;
+  MeshOptions mesh_options_;
   StereoFrontend frontend_;
+  SupportPlaces support_places_;
   ImuBuffer imu_;
   std::deque<Feedback> feedback_;  ///< front: in use (if its frame is old enough)
   bool has_feedback_ = false;

@@ -103,6 +103,10 @@ std::vector<KeyframePose> ThreadedVio::WindowKeyframes() const {
   return impl_->back.WindowKeyframes();
 }
 
+std::optional<TriangleMesh> ThreadedVio::Map() const {
+  return impl_->back.Map();
+}
+
 int ThreadedVio::num_refused_imu() const {
   return impl_->num_refused_imu;
 }

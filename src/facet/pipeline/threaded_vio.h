@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "facet/pipeline/vio_pipeline.h"
@@ -29,6 +30,9 @@ class ThreadedVio {
 
   /// The keyframes that are still in the window, oldest first; after Finish.
   std::vector<KeyframePose> WindowKeyframes() const;
+
+  /// The mesh of the whole run so far; empty when the map is switched off. After Finish.
+  std::optional<TriangleMesh> Map() const;
 
   int num_refused_imu() const;
 

@@ -4,17 +4,20 @@
 
 #include "facet/estimator/estimator_options.h"
 #include "facet/frontend/frontend_options.h"
+#include "facet/mesh/mesh_options.h"
 
 namespace facet {
 
 struct VioOptions {
   FrontendOptions frontend;
   EstimatorOptions estimator;
+  MeshOptions mesh;
 
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Group("frontend", frontend);
     v.Group("estimator", estimator);
+    v.Group("mesh", mesh);
   }
 };
 

@@ -9,6 +9,7 @@
 #include "facet/base/stage_timer.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/tracking_status.h"
+#include "facet/mesh/mesh_snapshot.h"
 
 namespace facet {
 
@@ -32,6 +33,8 @@ struct VioOutput {
   std::vector<KeyframePose> finished_keyframes;
   /// Set on keyframes.
   std::shared_ptr<const MapSnapshot> snapshot;
+  /// Set on keyframes with a snapshot, unless the mesh is switched off.
+  std::shared_ptr<const MeshSnapshot> mesh;
   StageTimes times;
 };
 

@@ -34,6 +34,10 @@ std::vector<KeyframePose> VioPipeline::WindowKeyframes() const {
   return impl_->back.WindowKeyframes();
 }
 
+std::optional<TriangleMesh> VioPipeline::Map() const {
+  return impl_->back.Map();
+}
+
 int VioPipeline::num_refused_imu() const {
   return impl_->num_refused_imu;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "facet/camera/stereo_rig.h"
@@ -31,6 +32,9 @@ class VioPipeline {
 
   /// The keyframes that are still in the window, oldest first; for the end of a run.
   std::vector<KeyframePose> WindowKeyframes() const;
+
+  /// The mesh of the whole run so far; empty when the map is switched off.
+  std::optional<TriangleMesh> Map() const;
 
   /// Samples that AddImu refused.
   int num_refused_imu() const;

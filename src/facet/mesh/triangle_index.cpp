@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/eval/triangle_index.h"
+#include "facet/mesh/triangle_index.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Depth of a place in the left image that is not tracked: question and answer.
+#pragma once
+
+#include <array>
+
+#include "facet/base/types.h"
+
+namespace facet {
+
+struct DepthQuery {
+  Vector2d px = Vector2d::Zero();  ///< in the newest left image
+  /// Where to look along the epipolar line [1/m], best guess first; each is the centre of a search
+  /// over some pixels.
+  std::array<double, 3> inverse_depths{};
+  int num_depths = 0;
+};
+
+struct DepthPoint {
+  Vector2d px = Vector2d::Zero();
+  Vector2d xy = Vector2d::Zero();  ///< undistorted, on the plane z = 1 of the left camera
+  double inverse_depth = 0;        ///< [1/m] along z of the left camera, above 0
+  double sigma_inverse_depth = 0;  ///< 1-sigma
+};
+
+}  // namespace facet

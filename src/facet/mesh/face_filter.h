@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Which triangles of the image are surfaces (paper II-A.1; docs/mesh.md shows what each test
+// removes). A triangle in the image is one in space whether there is a surface or not.
+#pragma once
+
+#include <array>
+
+#include "facet/base/types.h"
+#include "facet/mesh/mesh_options.h"
+
+namespace facet {
+
+/// Why a face is not part of the mesh, in the order of the tests.
+enum class FaceVerdict {
+  kAccepted,
+  kNotFinite,  ///< a NaN, or a vertex that is not in front of the camera
+  kUncertain,  ///< a vertex's depth is not known well enough
+  kTooLarge,   ///< longest side, absolute or relative to the depth
+  kNarrow,     ///< side ratio or smallest angle
+  kElongated,  ///< extends further in depth than across
+  kGrazing,    ///< seen at too flat an angle
+  kCount
+};
+
+/// A face in the frame of the camera that looks at it.
+struct CameraFace {
+  std::array<Vector3d, 3> p_C;
+  std::array<double, 3> sigma_depth_m{};
+};
+
+/// Every test; sees the face as the camera does.
+FaceVerdict JudgeFace(const CameraFace& face, const FaceLimits& limits);
+
+/// The tests that do not depend on the view (size and shape), for faces of older views whose
+/// vertices moved. Points in any frame.
+FaceVerdict JudgeShape(const std::array<Vector3d, 3>& p, const FaceLimits& limits);
+
+}  // namespace facet

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The mesh over the landmarks of the estimator's horizon (paper II-A.1 and II-A.2): each keyframe's
+// triangles are lifted, filtered and merged in; faces go when a vertex leaves the horizon or when
+// newer sightings contradict them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "facet/map/map_snapshot.h"
+#include "facet/mesh/delaunay.h"
+#include "facet/mesh/face_filter.h"
+#include "facet/mesh/mesh_view.h"
+#include "facet/mesh/triangle_mesh.h"
+#include "facet/mesh/view_check.h"
+
+namespace facet {
+
+struct MeshVertex {
+  LandmarkId id;
+  Vector3d p_W = Vector3d::Zero();
+  double sigma_depth_m = 0;
+  std::uint8_t intensity = 0;
+  Timestamp last_known;  ///< newest keyframe after which the estimator still had it
+  /// Support points are carried by the keyframe that saw them; landmarks have none.
+  FrameId host;
+  Vector3d p_H = Vector3d::Zero();  ///< in the host's left camera
+};
+
+struct MeshFace {
+  /// Vertex indices, ascending.
+  std::array<int, 3> corners{};
+  /// Whether the corners must be read backwards to go counter-clockwise seen by the camera.
+  bool is_flipped = false;
+  bool may_vote = false;  ///< passed the strict limits: may vote for planes
+  bool in_view = false;   ///< one of the newest keyframe's own faces
+  int votes_against = 0;  ///< sightings through it
+  int plane_id = -1;
+
+  /// Corners counter-clockwise as the camera saw them; the normal points to the camera.
+  std::array<int, 3> CounterClockwise() const {
+    if (is_flipped) return {corners[0], corners[2], corners[1]};
+    return corners;
+  }
+};
+
+/// A face that left the horizon, with its last estimate, without having been proven wrong.
+struct LostFace {
+  std::array<Vector3d, 3> p_W;  ///< counter-clockwise seen by the camera
+  std::array<std::uint8_t, 3> intensity{};
+  double sigma_depth_m = 0;  ///< mean of the vertices
+  int plane_id = -1;
+};
+
+/// Not thread-safe. Never throws for any content of the view.
+///
+/// Between calls: vertices are sorted by id and each is a corner of some face; faces are sorted by
+/// their corners, no two are the same, and every vertex is a landmark of the last snapshot, a
+/// support point of one of its keyframes, or was so at most options.horizon_s ago.
+class HorizonMesh {
+ public:
+  explicit HorizonMesh(const MeshOptions& options);
+
+  /// The points of a new keyframe and what the estimator knows after it. T_BC: left camera of the
+  /// rig.
+  void Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC);
+
+  /// Every face leaves: the world has changed or the run is over.
+  void Clear();
+
+  const std::vector<MeshVertex>& vertices() const { return vertices_; }
+  const std::vector<MeshFace>& faces() const { return faces_; }
+  /// Faces that the last call took away because a vertex left the horizon, or because newer faces
+  /// cover them.
+  const std::vector<LostFace>& lost() const { return lost_; }
+  /// How the triangles of the last view were judged.
+  const std::array<int, static_cast<int>(FaceVerdict::kCount)>& verdicts() const {
+    return verdicts_;
+  }
+
+  /// With normals, intensities as grey, plane ids.
+  TriangleMesh ToTriangleMesh() const;
+
+ private:
+  struct ViewFace {
+    MeshFace face;
+    bool is_accepted = false;
+  };
+  struct PlacedTriangle {
+    std::array<int, 3> points;  // into points_
+    CameraFace seen;
+    FaceVerdict verdict = FaceVerdict::kAccepted;
+  };
+
+  void RefreshVertices(Timestamp t, const MapSnapshot& snapshot, const SE3& T_BC);
+  void DropFaces();
+  void AddViewVertices(const MeshView& view);
+  void TriangulateView(const MeshView& view);
+  void JudgeTriangles(const MeshView& view);
+  void FindStars();
+  bool HasPlaneCorner(const MeshView& view, const PlacedTriangle& triangle) const;
+  ViewFace MakeViewFace(const PlacedTriangle& triangle) const;
+  void DropUntriangulated();
+  void DropContradicted(const MeshView& view);
+  void MergeViewFaces();
+  void DropUnusedVertices();
+  void RescuePlanes(const MeshView& view);
+  LostFace MakeLost(const MeshFace& face) const;
+  std::array<Vector3d, 3> Corners(const MeshFace& face) const;
+
+  MeshOptions options_;
+  Delaunay delaunay_;
+  ViewCheck check_;
+  std::vector<MeshVertex> vertices_;
+  std::vector<MeshFace> faces_;
+  std::vector<LostFace> lost_;
+  std::array<int, static_cast<int>(FaceVerdict::kCount)> verdicts_{};
+  // Buffers
+  std::vector<char> is_expired_;      // by vertex
+  std::vector<int> points_;           // usable points of the view, sorted by id
+  std::vector<GridPoint> grid_;       // of points_
+  std::vector<int> vertex_of_point_;  // of points_
+  std::vector<int> point_of_vertex_;  // index into the view's points, -1: not seen
+  std::vector<int> new_index_;
+  std::vector<MeshVertex> merged_vertices_;
+  std::vector<PlacedTriangle> triangles_;
+  std::vector<int> first_in_star_;  // by point: triangles with that corner, in star_
+  std::vector<int> star_, next_in_star_;
+  std::vector<ViewFace> view_faces_;
+  std::vector<MeshFace> merged_faces_;
+};
+
+}  // namespace facet

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Every knob of the mesh. (!) marks the ones worth tuning.
+#pragma once
+
+#include "facet/base/options.h"
+
+namespace facet {
+
+/// Limits of one face in 3D (face_filter.h). The defaults are the loose level, for the mesh.
+struct FaceLimits {
+  /// Shortest over longest side. Raising it removes narrow faces.
+  double min_side_ratio = 0.1;
+  /// Extent across the view over extent in depth. Raising it removes faces that lead away from the
+  /// camera, first of all those between a near and a far surface. (!)
+  double min_elongation = 0.8;
+  /// Longest side [m].
+  double max_side_m = 2.0;
+  /// Longest side over the smallest depth; 0.44 is about 200 px with EuRoC's cameras.
+  double max_side_per_depth = 0.5;
+  /// Smallest angle [deg].
+  double min_angle_deg = 6;
+  /// Largest angle between the normal and the line of sight [deg].
+  double max_grazing_deg = 82;
+  /// Largest 1-sigma of a vertex's depth over the depth. (!)
+  double max_depth_sigma = 0.06;
+  /// Differences in depth below this many sigma are noise and not held against a face.
+  double noise_sigmas = 1;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("min_side_ratio", min_side_ratio, Range{0, 1}, "shortest over longest side");
+    v.Field("min_elongation",
+            min_elongation,
+            Range{0, 100},
+            "extent across the view over extent in depth");
+    v.Field("max_side_m", max_side_m, Range{0.01, 1e3}, "longest side [m]");
+    v.Field("max_side_per_depth",
+            max_side_per_depth,
+            Range{0.01, 1e3},
+            "longest side over the smallest depth");
+    v.Field("min_angle_deg", min_angle_deg, Range{0, 60}, "smallest angle of a face [deg]");
+    v.Field("max_grazing_deg",
+            max_grazing_deg,
+            Range{0, 90},
+            "angle between normal and line of sight [deg]");
+    v.Field("max_depth_sigma",
+            max_depth_sigma,
+            Range{1e-4, 1e3},
+            "1-sigma of a vertex's depth over the depth");
+    v.Field("noise_sigmas", noise_sigmas, Range{0, 10}, "depth differences below this are noise");
+  }
+};
+
+/// The strict level: faces whose normals may be trusted enough to vote for planes.
+inline FaceLimits StrictFaceLimits() {
+  FaceLimits limits;
+  limits.min_side_ratio = 0.3;
+  limits.min_elongation = 0.8;
+  limits.max_side_m = 0.6;
+  limits.max_side_per_depth = 0.3;
+  limits.min_angle_deg = 15;
+  limits.max_grazing_deg = 78;
+  limits.max_depth_sigma = 0.02;
+  limits.noise_sigmas = 0;
+  return limits;
+}
+
+/// Faces that look like the gap between a near and a far surface (size, elongation, grazing angle),
+/// and yet may be a floor or a wall seen at a flat angle: kept if a corner's surroundings are
+/// plane. A corner of a gap always has other surfaces around it.
+struct PlaneRescueOptions {
+  bool enabled = true;
+  /// Deviation of the surrounding points from the face's plane, seen from the corner [deg].
+  double max_deviation_deg = 6;
+  /// The same limits as for other faces, but wider.
+  double min_elongation = 0.08;
+  double max_grazing_deg = 86;
+  double max_side_per_depth = 0.8;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "keep steep faces whose surroundings are plane");
+    v.Field("max_deviation_deg", max_deviation_deg, Range{0, 45}, "deviation from the plane [deg]");
+    v.Field("min_elongation", min_elongation, Range{0, 100}, "extent across over extent in depth");
+    v.Field("max_grazing_deg", max_grazing_deg, Range{0, 90}, "normal against line of sight [deg]");
+    v.Field("max_side_per_depth", max_side_per_depth, Range{0.01, 1e3}, "longest side over depth");
+  }
+};
+
+/// Which old faces give way to what the newest keyframe sees (view_check.h).
+struct ContradictionOptions {
+  /// Faces whose vertices are all seen but which the newest triangulation lacks are removed.
+  bool by_triangulation = true;
+  /// Faces that lie on the newest keyframe's faces, or before what it sees, are removed.
+  bool by_view = true;
+  /// Sightings through a face that prove it wrong. More: wrong faces stay longer.
+  int min_votes = 3;
+  /// Share of a face that must be seen again for the newer faces to replace it.
+  double min_covered = 0.7;
+  /// Relative difference in inverse depth that counts as another surface.
+  double depth_tolerance = 0.06;
+  /// Cells of the view, in pixels. Larger is faster and coarser.
+  double cell_px = 8;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("by_triangulation",
+            by_triangulation,
+            Range{},
+            "faces of seen vertices that the triangulation lacks go");
+    v.Field("by_view", by_view, Range{}, "faces that newer ones cover or sight proves wrong go");
+    v.Field("min_votes", min_votes, Range{1, 100}, "sightings that prove a face wrong");
+    v.Field("min_covered", min_covered, Range{0.01, 1}, "share that is seen again");
+    v.Field("depth_tolerance",
+            depth_tolerance,
+            Range{0, 1},
+            "relative difference in inverse depth of another surface");
+    v.Field("cell_px", cell_px, Range{1, 64}, "cells of the view [px]");
+  }
+};
+
+/// The map of the whole run (surface_map.h).
+struct SurfaceMapOptions {
+  bool enabled = true;
+  /// Side of a voxel [m]. Smaller: finer, and memory grows with its inverse square. (!)
+  double voxel_m = 0.08;
+  /// Distance up to which surfaces are merged [m].
+  double truncation_m = 0.16;
+  /// Weight below which a voxel is not part of the surface.
+  double min_weight = 0.2;
+  /// Holes with at most this perimeter are closed if their rim is plane [m]; 0: none.
+  double max_hole_m = 2.0;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "keep the surfaces that leave the horizon");
+    v.Field("voxel_m", voxel_m, Range{0.01, 1}, "side of a voxel [m]");
+    v.Field("truncation_m", truncation_m, Range{0.01, 5}, "surfaces nearer than this merge [m]");
+    v.Field("min_weight", min_weight, Range{0, 1e6}, "weight of a voxel that counts");
+    v.Field("max_hole_m", max_hole_m, Range{0, 100}, "perimeter of plane holes that close [m]");
+  }
+};
+
+/// Points besides the tracked corners, matched left to right in each keyframe.
+struct SupportOptions {
+  bool enabled = true;
+  /// Side of a cell with at most one support point, if it holds no corner. Smaller: more points,
+  /// more time. (!)
+  int cell_px = 28;
+  /// Mean difference between pixels two apart along the rows that a place must have [grey values].
+  double min_contrast = 2.5;
+  /// A triangle whose corners' inverse depths differ by more is also searched around the nearest
+  /// and the farthest of them [1/m].
+  double min_depth_step = 0.06;
+  /// Largest 1-sigma of the depth over the depth.
+  double max_depth_sigma = 0.03;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "match points left to right between the corners");
+    v.Field("cell_px", cell_px, Range{12, 400}, "side of a cell with at most one support point");
+    v.Field("min_contrast", min_contrast, Range{0, 255}, "contrast along the rows [grey values]");
+    v.Field("min_depth_step",
+            min_depth_step,
+            Range{0, 100},
+            "step in inverse depth that widens the search [1/m]");
+    v.Field("max_depth_sigma", max_depth_sigma, Range{1e-4, 1}, "1-sigma of depth over depth");
+  }
+};
+
+struct MeshOptions {
+  bool enabled = true;
+  /// How long faces stay, where they were, after the estimator has forgotten a vertex [s]. 0: they
+  /// go with it, as in the paper. (!)
+  double horizon_s = 3;
+  /// Keyframes' landmarks with fewer observations have no vertex.
+  int min_observations = 2;
+  FaceLimits faces;
+  FaceLimits voting = StrictFaceLimits();
+  PlaneRescueOptions plane_rescue;
+  ContradictionOptions contradictions;
+  SupportOptions support;
+  SurfaceMapOptions map;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "build the mesh");
+    v.Field("horizon_s", horizon_s, Range{0, 1e3}, "faces stay after the estimator forgot them");
+    v.Field("min_observations", min_observations, Range{1, 100}, "frames that saw a vertex");
+    v.Group("faces", faces);
+    v.Group("voting", voting);
+    v.Group("plane_rescue", plane_rescue);
+    v.Group("contradictions", contradictions);
+    v.Group("support", support);
+    v.Group("map", map);
+  }
+};
+
+}  // namespace facet

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Immutable copy of the horizon mesh after a keyframe: for planners, plane detection, viewers,
+// files.
+#pragma once
+
+#include <vector>
+
+#include "facet/mesh/horizon_mesh.h"
+#include "facet/mesh/triangle_mesh.h"
+
+namespace facet {
+
+struct MeshSnapshot {
+  FrameId frame;
+  Timestamp t;
+  TriangleMesh mesh;                   ///< in W, with normals, colours and plane ids
+  std::vector<LandmarkId> vertex_ids;  ///< one per vertex, ascending; see IsSupport
+  std::vector<char> may_vote;          ///< one per face: passed the strict limits
+  std::vector<char> in_view;           ///< one per face: triangulated in this keyframe
+};
+
+MeshSnapshot MakeMeshSnapshot(const MeshView& view, const HorizonMesh& horizon);
+
+}  // namespace facet

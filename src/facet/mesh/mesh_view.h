@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the mesh is built from: the points that one keyframe sees, as plain data.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "facet/geometry/se3.h"
+#include "facet/map/map_snapshot.h"
+
+namespace facet {
+
+/// Ids from here on belong to support points: matched left to right in one keyframe, never tracked,
+/// unknown to the estimator.
+inline constexpr std::int64_t kFirstSupportId = std::int64_t{1} << 40;
+
+inline bool IsSupport(LandmarkId id) {
+  return id.value >= kFirstSupportId;
+}
+
+/// A point of the left image with a depth.
+struct MeshPoint {
+  LandmarkId id;
+  Vector2d xy = Vector2d::Zero();   ///< where it is seen, undistorted, on the plane z = 1
+  Vector3d p_C = Vector3d::Zero();  ///< best estimate, in the left camera [m]
+  double sigma_depth_m = 0;         ///< 1-sigma along z
+  std::uint8_t intensity = 0;       ///< of the image there
+};
+
+/// One keyframe's points, in any order; each id at most once. Values that are not finite are
+/// allowed and ignored.
+struct MeshView {
+  FrameId frame;
+  Timestamp t;
+  SE3 T_WC;             ///< left camera
+  double focal_px = 0;  ///< for sizes in pixels
+  std::vector<MeshPoint> points;
+};
+
+}  // namespace facet

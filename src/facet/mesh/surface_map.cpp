@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/mesh/surface_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace facet {
+namespace {
+
+constexpr float kMaxWeight = 50;
+// The weight of a face is 1 where the depth is this uncertain [m].
+constexpr double kUnitSigma_m = 0.02;
+constexpr double kMinFaceWeight = 1e-3, kMaxFaceWeight = 4;
+// Faces reach this many voxels beyond their border: neighbours must meet.
+constexpr double kBorderVoxels = 0.75;
+constexpr double kMaxCoordinate_m = 1e5;
+
+std::int32_t FloorDivide(std::int32_t a, std::int32_t b) {
+  return a >= 0 ? a / b : -((-a + b - 1) / b);
+}
+
+CubeIndex BlockOf(const CubeIndex& c) {
+  constexpr int n = SurfaceMap::kBlockSide;
+  return {FloorDivide(c.x, n), FloorDivide(c.y, n), FloorDivide(c.z, n)};
+}
+
+std::size_t VoxelOf(const CubeIndex& c, const CubeIndex& block) {
+  constexpr int n = SurfaceMap::kBlockSide;
+  return static_cast<std::size_t>(((c.z - block.z * n) * n + (c.y - block.y * n)) * n +
+                                  (c.x - block.x * n));
+}
+
+/// A face as a plane with a border, seen along the axis of the grid that its normal is nearest to.
+struct FlatFace {
+  explicit FlatFace(const std::array<Vector3d, 3>& p) : a(p[0]) {
+    const Vector3d twice_area = (p[1] - p[0]).cross(p[2] - p[0]);
+    for (const Vector3d& corner : p)
+      is_valid = is_valid && corner.cwiseAbs().maxCoeff() < kMaxCoordinate_m;
+    is_valid = is_valid && twice_area.norm() > 1e-9;
+    if (!is_valid) return;
+    n = twice_area.normalized();
+    n.cwiseAbs().maxCoeff(&w);
+    u = (w + 1) % 3;
+    v = (w + 2) % 3;
+    const double side = n[w] > 0 ? 1 : -1;  // corners are counter-clockwise seen against n
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3d& from = p[(i + 1) % 3];
+      const Vector3d along = p[(i + 2) % 3] - from;
+      inward[i] = side * Vector2d(-along[v], along[u]).normalized();
+      offset[i] = inward[i].dot(Vector2d(from[u], from[v]));
+      height[i] = std::max(inward[i].dot(Vector2d(p[i][u], p[i][v])) - offset[i], 1e-9);
+    }
+  }
+
+  /// Whether the column of the grid meets the face or passes at most `border` beside it; its
+  /// barycentric coordinates then, clamped to the face.
+  bool Contains(const Vector2d& column, double border, std::array<double, 3>& share) const {
+    for (std::size_t s = 0; s < 3; ++s) {
+      const double inside = inward[s].dot(column) - offset[s];
+      if (inside < -border) return false;
+      share[s] = std::clamp(inside / height[s], 0.0, 1.0);
+    }
+    return true;
+  }
+
+  Vector3d a, n = Vector3d::Zero();
+  int u = 0, v = 1, w = 2;         // axes across the columns, and along them
+  std::array<Vector2d, 3> inward;  // of the side opposite to corner i, across the columns
+  std::array<double, 3> offset{}, height{};
+  bool is_valid = true;
+};
+
+}  // namespace
+
+const SurfaceMap::Voxel* SurfaceMap::Find(const CubeIndex& corner) const {
+  const CubeIndex block = BlockOf(corner);
+  const auto found = index_.find(block);
+  if (found == index_.end()) return nullptr;
+  const Voxel& voxel = blocks_[found->second].voxels[VoxelOf(corner, block)];
+  return voxel.weight > 0 ? &voxel : nullptr;
+}
+
+SurfaceMap::Voxel& SurfaceMap::At(const CubeIndex& corner) {
+  const CubeIndex block = BlockOf(corner);
+  if (last_block_ < 0 || block != last_index_) {
+    const auto [found, is_new] = index_.try_emplace(block, static_cast<int>(blocks_.size()));
+    if (is_new) {
+      blocks_.emplace_back();
+      blocks_.back().index = block;
+    }
+    last_block_ = found->second;
+    last_index_ = block;
+  }
+  return blocks_[last_block_].voxels[VoxelOf(corner, block)];
+}
+
+void SurfaceMap::Add(const LostFace& face) {
+  const FlatFace flat(face.p_W);
+  if (!flat.is_valid) return;
+  const double voxel = options_.voxel_m, border = kBorderVoxels * voxel;
+  const double sigma = std::max(face.sigma_depth_m, 1e-3);
+  Sample sample;
+  sample.weight = static_cast<float>(
+      std::clamp(std::pow(kUnitSigma_m / sigma, 2), kMinFaceWeight, kMaxFaceWeight));
+  sample.plane_id = face.plane_id;
+  const Vector3d low = face.p_W[0].cwiseMin(face.p_W[1]).cwiseMin(face.p_W[2]);
+  const Vector3d high = face.p_W[0].cwiseMax(face.p_W[1]).cwiseMax(face.p_W[2]);
+  const auto [u, v, w] = std::array{flat.u, flat.v, flat.w};
+  const auto floor_index = [voxel](double x) { return static_cast<int>(std::floor(x / voxel)); };
+  const double half = options_.truncation_m / std::abs(flat.n[w]);
+  std::array<std::int32_t, 3> c{};
+  std::array<double, 3> share{};
+  for (c[u] = floor_index(low[u] - border) + 1; c[u] <= floor_index(high[u] + border); ++c[u]) {
+    for (c[v] = floor_index(low[v] - border) + 1; c[v] <= floor_index(high[v] + border); ++c[v]) {
+      const Vector2d column(c[u] * voxel, c[v] * voxel);
+      if (!flat.Contains(column, border, share)) continue;
+      sample.intensity =
+          static_cast<float>((share[0] * face.intensity[0] + share[1] * face.intensity[1] +
+                              share[2] * face.intensity[2]) /
+                             std::max(share[0] + share[1] + share[2], 1e-6));
+      // Where the column meets the plane; the part of it within the truncation is merged.
+      const double centre =
+          flat.a[w] -
+          (flat.n[u] * (column.x() - flat.a[u]) + flat.n[v] * (column.y() - flat.a[v])) / flat.n[w];
+      for (c[w] = floor_index(centre - half) + 1; c[w] <= floor_index(centre + half); ++c[w]) {
+        sample.distance = static_cast<float>(flat.n[w] * (c[w] * voxel - centre));
+        Merge(sample, At({c[0], c[1], c[2]}));
+      }
+    }
+  }
+}
+
+void SurfaceMap::Merge(const Sample& sample, Voxel& voxel) {
+  const float total = voxel.weight + sample.weight, share = sample.weight / total;
+  voxel.distance += (sample.distance - voxel.distance) * share;
+  voxel.intensity += (sample.intensity - voxel.intensity) * share;
+  voxel.weight = std::min(total, kMaxWeight);
+  if (sample.plane_id >= 0) voxel.plane_id = sample.plane_id;
+}
+
+}  // namespace facet

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The map of the whole run: the surfaces that left the horizon, at the places where the poses of
+// their keyframes put them when these became final. Faces are merged into a grid of signed
+// distances (Curless & Levoy, SIGGRAPH 1996) that exists near surfaces only: where the camera
+// returns, new and old faces become one surface, and memory is bounded by the mapped area.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "facet/mesh/horizon_mesh.h"
+#include "facet/mesh/mesh_options.h"
+#include "facet/mesh/triangle_mesh.h"
+
+namespace facet {
+
+/// Place in a grid of cubes.
+struct CubeIndex {
+  std::int32_t x = 0, y = 0, z = 0;
+  auto operator<=>(const CubeIndex&) const = default;
+};
+
+}  // namespace facet
+
+template <>
+struct std::hash<facet::CubeIndex> {
+  std::size_t operator()(const facet::CubeIndex& c) const noexcept {
+    std::uint64_t h = static_cast<std::uint32_t>(c.x) * 0x9E3779B97F4A7C15ULL;
+    h = (h ^ static_cast<std::uint32_t>(c.y)) * 0xBF58476D1CE4E5B9ULL;
+    h = (h ^ (h >> 29) ^ static_cast<std::uint32_t>(c.z)) * 0x94D049BB133111EBULL;
+    return h ^ (h >> 32);
+  }
+};
+
+namespace facet {
+
+/// Not thread-safe. The same faces in the same order give the same map.
+class SurfaceMap {
+ public:
+  static constexpr int kBlockSide = 8;  ///< voxels along the side of a block
+
+  /// A corner of the grid.
+  struct Voxel {
+    float distance = 0;  ///< to the surface [m], positive on the side of the camera
+    float weight = 0;    ///< 0: nothing known
+    float intensity = 0;
+    std::int32_t plane_id = -1;
+  };
+  struct Block {
+    CubeIndex index;
+    std::array<Voxel, kBlockSide * kBlockSide * kBlockSide> voxels;
+  };
+
+  explicit SurfaceMap(const SurfaceMapOptions& options) : options_(options) {}
+
+  /// Merges a face. Faces that are not finite are ignored.
+  void Add(const LostFace& face);
+
+  /// Null where nothing is known.
+  const Voxel* Find(const CubeIndex& corner) const;
+  Vector3d Position(const CubeIndex& corner) const {
+    return options_.voxel_m * Vector3d(corner.x, corner.y, corner.z);
+  }
+
+  const SurfaceMapOptions& options() const { return options_; }
+  const std::vector<Block>& blocks() const { return blocks_; }
+  std::size_t memory_bytes() const { return blocks_.capacity() * sizeof(Block); }
+
+ private:
+  /// What one face says about one voxel.
+  struct Sample {
+    float distance = 0, weight = 0, intensity = 0;
+    int plane_id = -1;
+  };
+  static void Merge(const Sample& sample, Voxel& voxel);
+  Voxel& At(const CubeIndex& corner);
+
+  SurfaceMapOptions options_;
+  std::vector<Block> blocks_;  // in the order in which they were needed
+  std::unordered_map<CubeIndex, int> index_;
+  CubeIndex last_index_;  // cache of At
+  int last_block_ = -1;
+};
+
+/// The surface of the map as triangles of about the size of a voxel, with normals, colours and
+/// plane ids; holes are closed as the options say.
+TriangleMesh ExtractSurface(const SurfaceMap& map);
+
+}  // namespace facet

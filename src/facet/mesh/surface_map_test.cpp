@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/mesh/surface_map.h"
+
+#include <functional>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "facet/base/random.h"
+#include "facet/mesh/hole_filling.h"
+
+namespace facet {
+namespace {
+
+LostFace FaceOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  LostFace face;
+  face.p_W = {a, b, c};
+  face.intensity = {50, 100, 150};
+  face.sigma_depth_m = 0.02;
+  return face;
+}
+
+/// A square floor of side 2 m at height z, in `cells` x `cells` squares of two faces each; the
+/// camera is above it.
+void AddFloor(double z, double noise, Rng& rng, SurfaceMap& map, int cells = 8) {
+  std::vector<Vector3d> p;
+  for (int y = 0; y <= cells; ++y) {
+    for (int x = 0; x <= cells; ++x)
+      p.push_back({2.0 * x / cells - 1, 2.0 * y / cells - 1, z + noise * rng.Normal()});
+  }
+  for (int y = 0; y < cells; ++y) {
+    for (int x = 0; x < cells; ++x) {
+      const int i = y * (cells + 1) + x;
+      map.Add(FaceOf(p[i], p[i + 1], p[i + cells + 2]));
+      map.Add(FaceOf(p[i], p[i + cells + 2], p[i + cells + 1]));
+    }
+  }
+}
+
+double AreaOf(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const auto& [i, j, k] : mesh.faces) {
+    const Vector3d& a = mesh.vertices[i];
+    area += 0.5 * (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).norm();
+  }
+  return area;
+}
+
+TEST(SurfaceMap, AFloorComesBackWhereItWasAndLooksUp) {
+  Rng rng(1);
+  for (double z : {0.0, 0.031, -1.2345}) {
+    SurfaceMap map{SurfaceMapOptions()};
+    AddFloor(z, 0, rng, map);
+    const TriangleMesh mesh = ExtractSurface(map);
+    EXPECT_NEAR(AreaOf(mesh), 4, 0.3);
+    for (const Vector3d& p : mesh.vertices)
+      ASSERT_NEAR(p.z(), z, 1e-5);
+    for (const Vector3d& n : mesh.normals)
+      ASSERT_GT(n.z(), 0.999);
+    for (const auto& colour : mesh.colours)
+      ASSERT_TRUE(colour[0] >= 49 && colour[0] <= 151);
+  }
+}
+
+TEST(SurfaceMap, SlantedPlanesInEveryDirectionComeBack) {
+  Rng rng(2);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Quaterniond q(Eigen::AngleAxisd(rng.Uniform(0, 3), rng.UnitVector()));
+    const Vector3d t = rng.Normal3();
+    SurfaceMap map{SurfaceMapOptions()};
+    const Vector3d a = q * Vector3d(-1, -1, 0) + t, b = q * Vector3d(1, -1, 0) + t,
+                   c = q * Vector3d(0, 1, 0) + t, n = q * Vector3d::UnitZ();
+    map.Add(FaceOf(a, b, c));
+    const TriangleMesh mesh = ExtractSurface(map);
+    EXPECT_NEAR(AreaOf(mesh), 2, 0.5);
+    for (const Vector3d& p : mesh.vertices)
+      ASSERT_NEAR(n.dot(p - t), 0, 1e-4);
+    for (const auto& [i, j, k] : mesh.faces) {
+      const Vector3d twice_area =
+          (mesh.vertices[j] - mesh.vertices[i]).cross(mesh.vertices[k] - mesh.vertices[i]);
+      if (twice_area.norm() < 1e-5) continue;  // a sliver has no direction
+      ASSERT_GT(twice_area.normalized().dot(n), 0.99);
+    }
+  }
+}
+
+TEST(SurfaceMap, ReturningWithDriftMakesOneSurfaceAndNoMoreMemory) {
+  Rng rng(3);
+  SurfaceMap map{SurfaceMapOptions()};
+  AddFloor(0, 0.01, rng, map);
+  const double area_m2 = AreaOf(ExtractSurface(map));
+  const std::size_t blocks = map.blocks().size();
+  AddFloor(0.04, 0.01, rng, map);
+  EXPECT_NEAR(AreaOf(ExtractSurface(map)), area_m2, 0.05 * area_m2);
+  for (int lap = 0; lap < 20; ++lap)
+    AddFloor(0.02, 0.01, rng, map);
+  EXPECT_LT(10 * map.blocks().size(), 13 * blocks);
+  for (const Vector3d& p : ExtractSurface(map).vertices)
+    EXPECT_NEAR(p.z(), 0.02, 0.02);
+}
+
+TEST(SurfaceMap, ParallelSurfacesFarApartStayTwo) {
+  Rng rng(4);
+  SurfaceMap map{SurfaceMapOptions()};
+  AddFloor(0, 0, rng, map);
+  AddFloor(0.72, 0, rng, map);
+  EXPECT_NEAR(AreaOf(ExtractSurface(map)), 8, 0.6);
+}
+
+TEST(SurfaceMap, PlaneIdsReachTheFaces) {
+  SurfaceMap map{SurfaceMapOptions()};
+  LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+  face.plane_id = 7;
+  map.Add(face);
+  const TriangleMesh mesh = ExtractSurface(map);
+  ASSERT_EQ(mesh.plane_ids.size(), mesh.faces.size());
+  for (int id : mesh.plane_ids)
+    EXPECT_EQ(id, 7);
+}
+
+TEST(SurfaceMap, IgnoresFacesThatAreNoFaces) {
+  SurfaceMap map{SurfaceMapOptions()};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  map.Add(FaceOf({0, 0, nan}, {1, 0, 0}, {0, 1, 0}));
+  map.Add(FaceOf({0, 0, 1e300}, {1, 0, 0}, {0, 1, 0}));
+  map.Add(FaceOf({0, 0, 0}, {1, 0, 0}, {2, 0, 0}));
+  map.Add(FaceOf({0, 0, 0}, {0, 0, 0}, {0, 0, 0}));
+  EXPECT_TRUE(map.blocks().empty());
+  EXPECT_TRUE(ExtractSurface(map).faces.empty());
+}
+
+/// A grid of squares of 0.1 m, without those for which `is_open`.
+TriangleMesh Sheet(int cells, const std::function<bool(int, int)>& is_open) {
+  TriangleMesh mesh;
+  for (int y = 0; y <= cells; ++y) {
+    for (int x = 0; x <= cells; ++x)
+      mesh.vertices.push_back({0.1 * x, 0.1 * y, 0});
+  }
+  for (int y = 0; y < cells; ++y) {
+    for (int x = 0; x < cells; ++x) {
+      if (is_open(x, y)) continue;
+      const int i = y * (cells + 1) + x;
+      mesh.faces.push_back({i, i + 1, i + cells + 2});
+      mesh.faces.push_back({i, i + cells + 2, i + cells + 1});
+    }
+  }
+  mesh.plane_ids.assign(mesh.faces.size(), 3);
+  return mesh;
+}
+
+TEST(HoleFilling, ClosesAPlaneHoleAndNotTheOutside) {
+  TriangleMesh mesh = Sheet(8, [](int x, int y) { return x >= 3 && x < 6 && y >= 2 && y < 4; });
+  EXPECT_NEAR(AreaOf(mesh), 0.58, 1e-9);
+  EXPECT_EQ(CloseHoles(10, 0.02, mesh), 1);
+  EXPECT_NEAR(AreaOf(mesh), 0.64, 1e-9);
+  EXPECT_EQ(mesh.plane_ids.size(), mesh.faces.size());
+  EXPECT_EQ(mesh.plane_ids.back(), 3);
+  for (const auto& [i, j, k] : mesh.faces) {
+    const Vector3d& a = mesh.vertices[i];
+    EXPECT_GT((mesh.vertices[j] - a).cross(mesh.vertices[k] - a).z(), 0);
+  }
+  EXPECT_EQ(CloseHoles(10, 0.02, mesh), 0);
+}
+
+TEST(HoleFilling, LeavesLargeAndUnevenHolesOpen) {
+  const auto open = [](int x, int y) { return x >= 2 && x < 6 && y >= 2 && y < 6; };
+  TriangleMesh mesh = Sheet(8, open);
+  EXPECT_EQ(CloseHoles(1.5, 0.02, mesh), 0);
+  mesh.vertices[2 * 9 + 3].z() = 0.3;
+  EXPECT_EQ(CloseHoles(10, 0.02, mesh), 0);
+}
+
+TEST(HoleFilling, ClosesAConcaveHole) {
+  TriangleMesh mesh = Sheet(
+      8, [](int x, int y) { return (x >= 2 && x < 6 && y == 2) || (x == 2 && y >= 2 && y < 6); });
+  EXPECT_EQ(CloseHoles(10, 0.02, mesh), 1);
+  EXPECT_NEAR(AreaOf(mesh), 0.64, 1e-9);
+}
+
+}  // namespace
+}  // namespace facet

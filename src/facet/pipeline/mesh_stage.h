@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Joins what the front end saw with what the estimator knows, for the mesh.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "facet/camera/stereo_rig.h"
+#include "facet/map/map_snapshot.h"
+#include "facet/map/observation.h"
+#include "facet/mesh/horizon_mesh.h"
+#include "facet/mesh/mesh_snapshot.h"
+#include "facet/mesh/surface_map.h"
+#include "facet/pipeline/front_stage.h"
+
+namespace facet {
+
+/// Not thread-safe. Never throws for any content of the observations.
+class MeshStage {
+ public:
+  MeshStage(const StereoRig& rig, const MeshOptions& options);
+
+  /// A keyframe with a pose. Null when the mesh is switched off.
+  std::shared_ptr<const MeshSnapshot> Process(const FrameObservations& observations,
+                                              const MeshPacket& images,
+                                              const MapSnapshot& snapshot);
+
+  /// The estimator started over: what was in the horizon stays in the map as it is.
+  void Reset();
+
+  /// The map of the run so far, horizon included; empty when it is switched off.
+  std::optional<TriangleMesh> Map() const;
+
+ private:
+  void KeepLostFaces();
+  void FillView(const FrameObservations& observations,
+                const MeshPacket& images,
+                const MapSnapshot& snapshot);
+  void AddSupport(const MeshPacket& images);
+
+  MeshOptions options_;
+  CameraModel camera_;
+  SE3 T_BC_;
+  HorizonMesh horizon_;
+  SurfaceMap map_;
+  MeshView view_;
+  std::int64_t next_support_id_ = kFirstSupportId;
+};
+
+}  // namespace facet

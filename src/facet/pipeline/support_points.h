@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Chooses where the mesh needs more points than the tracked corners, and what depth to expect
+// there: the front end's tracks of this keyframe span triangles, which predict the depth between
+// them.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "facet/frontend/depth_query.h"
+#include "facet/map/observation.h"
+#include "facet/mesh/delaunay.h"
+#include "facet/mesh/mesh_options.h"
+
+namespace facet {
+
+/// Not thread-safe; keeps its buffers.
+class SupportPlaces {
+ public:
+  explicit SupportPlaces(const SupportOptions& options) : options_(options) {}
+
+  /// At most one place for each cell of the image that holds no feature: the one with the strongest
+  /// contrast along the rows, if that is enough. `inverse_depths`: of the features, 0 where not
+  /// known. The result is valid until the next call.
+  const std::vector<DepthQuery>& Choose(const cv::Mat& left,
+                                        std::span<const FeatureObservation> features,
+                                        std::span<const double> inverse_depths);
+
+ private:
+  void MarkOccupied(std::span<const FeatureObservation> features);
+  void FindPlaces(const cv::Mat& left);
+  void PredictDepths(std::span<const FeatureObservation> features,
+                     std::span<const double> inverse_depths);
+  void PredictInside(const std::array<Vector2d, 3>& px, const std::array<double, 3>& depths);
+
+  SupportOptions options_;
+  int columns_ = 0, rows_ = 0;
+  std::vector<char> is_occupied_;  // by cell
+  std::vector<int> place_;         // by cell; index into queries_ or -1
+  std::vector<DepthQuery> queries_;
+  Delaunay delaunay_;
+  std::vector<GridPoint> grid_;
+  std::vector<int> known_;  // features with a depth
+};
+
+}  // namespace facet
