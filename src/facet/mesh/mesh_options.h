@@ -126,8 +126,8 @@ struct SurfaceMapOptions {
   double voxel_m = 0.08;
   /// Distance up to which surfaces are merged [m].
   double truncation_m = 0.16;
-  /// Weight below which a voxel is not part of the surface; a face whose depth is known to 2 cm adds
-  /// 1, to 14 cm 0.02.
+  /// Weight below which a voxel is not part of the surface; a face whose depth is known to 2 cm
+  /// adds 1, to 14 cm 0.02.
   double min_weight = 0.02;
   /// Holes with at most this perimeter are closed if their rim is plane [m]; 0: none.
   double max_hole_m = 2.0;
@@ -145,8 +145,8 @@ struct SurfaceMapOptions {
 /// Points besides the tracked corners, matched left to right in each keyframe.
 struct SupportOptions {
   bool enabled = true;
-  /// Side of a cell with at most one support point, if it holds no corner. The cells take turns over
-  /// two keyframes. Smaller: more points, more time. (!)
+  /// Side of a cell with at most one support point, if it holds no corner. The cells take turns
+  /// over two keyframes. Smaller: more points, more time. (!)
   int cell_px = 26;
   /// Mean difference between pixels two apart along the rows that a place must have [grey values].
   double min_contrast = 1.5;
