@@ -6,11 +6,9 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "program_run.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-
-#include "facet/io/test_sequence.h"
 
 namespace facet {
 namespace {
@@ -20,27 +18,6 @@ using testing::HasSubstr;
 using testing::Not;
 
 const char* const kProgram = FACET_PROGRAM;
-
-struct ProgramRun {
-  int exit_code = -1;
-  std::string out, err;
-};
-
-/// Runs a shell command in which "facet" stands for the built program.
-ProgramRun RunShell(const std::string& command) {
-  const TempFolder folder;
-  const std::string redirected = command + " >" + (folder / "out").string() + " 2>" +
-                                 (folder / "err").string() + " </dev/null";
-  // The command consists of constants and temporary folders of this test.
-  const int status = std::system(redirected.c_str());  // NOLINT(concurrency-mt-unsafe)
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-          ReadText(folder / "out"),
-          ReadText(folder / "err")};
-}
-
-ProgramRun RunFacet(const std::string& arguments) {
-  return RunShell(std::string(kProgram) + " " + arguments);
-}
 
 class BadInputTest : public testing::Test {
  protected:

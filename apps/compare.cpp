@@ -19,6 +19,7 @@
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
 #include "facet/report/comparison.h"
+#include "facet/report/report_page.h"
 
 namespace facet {
 namespace {
@@ -93,11 +94,19 @@ struct NamedSequence {
   std::vector<StampedPose> truth;
 };
 
+// The folder that holds mav0/, by the name that the user gave it (links are not followed).
+fs::path SequenceFolder(const std::string& text) {
+  fs::path folder = fs::absolute(text).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  return folder.filename() == "mav0" ? folder.parent_path() : folder;
+}
+
 std::vector<NamedSequence> OpenSequences(const CompareArguments& arguments) {
   std::vector<NamedSequence> sequences;
   std::set<std::string> names;
   for (const std::string& text : arguments.sequences) {
-    const fs::path folder = fs::weakly_canonical(FindMav0(text)).parent_path();
+    FindMav0(text);  // throws where there is no sequence
+    const fs::path folder = SequenceFolder(text);
     NamedSequence sequence{folder.filename().string(), folder, LoadGroundTruth(folder).poses};
     if (!names.insert(sequence.name).second) {
       throw ConfigError(text + ": another sequence has the name '" + sequence.name + "', too");
@@ -186,17 +195,44 @@ void WriteFile(const fs::path& file, const std::string& text) {
 }
 
 void WriteTables(const fs::path& out, const ordered_json& comparison) {
-  std::string csv, markdown, html;
+  std::string csv, markdown;
   for (const Table& table : ComparisonTables(comparison)) {
     std::cout << ToText(table) << '\n';
     csv += ToCsv(table) + '\n';
     markdown += ToMarkdown(table);
-    html += ToHtml(table);
   }
   WriteFile(out / "comparison.json", comparison.dump(1) + "\n");
   WriteFile(out / "comparison.csv", csv);
   WriteFile(out / "comparison.md", markdown);
-  WriteFile(out / "comparison.html", html);
+  WriteFile(out / "runs.csv", RunsCsv(comparison));
+}
+
+// The first start of every combination that has one stands for it in the figures.
+ReportSection MakeSection(const NamedSequence& sequence, const ComparedSequence& compared) {
+  ReportSection section;
+  section.name = sequence.name;
+  section.truth = sequence.path.string();
+  section.remark = " Figures and numbers of the first start of each combination.";
+  const GroundTruth truth = LoadGroundTruth(sequence.path);
+  for (const ComparedCombination& combination : compared.combinations) {
+    const auto run = std::ranges::find_if(combination.runs, &ComparedRun::has_result);
+    if (run == combination.runs.end()) continue;
+    section.runs.push_back(MakeReportRun(combination.name, EvaluateRun(run->folder, truth, {})));
+  }
+  return section;
+}
+
+Report MakeReport(const std::vector<NamedSequence>& sequences,
+                  const std::vector<ComparedSequence>& compared,
+                  const ordered_json& comparison) {
+  Report report;
+  report.title = "Comparison";
+  report.comparison = comparison;
+  for (std::size_t i = 0; i < sequences.size(); ++i) {
+    ReportSection section = MakeSection(sequences[i], compared[i]);
+    if (!section.runs.empty()) report.sections.push_back(std::move(section));
+  }
+  return report;
 }
 
 void Compare(const CompareArguments& arguments) {
@@ -212,7 +248,13 @@ void Compare(const CompareArguments& arguments) {
   const std::vector<ComparedSequence> compared = Collect(cells, sequences, combinations);
   const ordered_json comparison = CompareToJson(compared);
   WriteTables(arguments.out, comparison);
-  std::cout << "written: " << arguments.out << "/comparison.{json,csv,md,html}\n";
+  std::cout << "written: " << arguments.out << "/comparison.{json,csv,md,html}, runs.csv\n";
+  const Report report = MakeReport(sequences, compared, comparison);
+  WriteFile(fs::path(arguments.out) / "comparison.html", ReportHtml(report));
+  if (!arguments.report.empty()) {
+    WriteReport(arguments.report, report);
+    std::cout << "written: " << arguments.report << "/report.html\n";
+  }
   if (std::ranges::none_of(cells, &RunCell::has_result)) {
     constexpr int kEstimator = 4;
     throw RunEndedError(kEstimator, "no run has a result: " + cells.front().message);
@@ -245,6 +287,8 @@ void AddOptions(CLI::App& command, CompareArguments& a) {
                   "--run-option=--mesh-every=10")
       ->allow_extra_args(false);
   command.add_option("--duration", a.duration_s, "seconds of each run")->check(CLI::PositiveNumber);
+  command.add_option(
+      "--report", a.report, "folder for report.html with figures of each sequence's first start");
   command.add_flag("--quiet", a.is_quiet, "no line per run");
 }
 

@@ -72,6 +72,7 @@ std::string Reason(const fs::path& file) {
 int Call(const Program& program, std::vector<std::string> arguments, const fs::path& log) {
   arguments.insert(arguments.begin(), program.path);
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments)
     argv.push_back(argument.data());
   argv.push_back(nullptr);
@@ -129,9 +130,21 @@ bool IsDone(RunCell& cell, const ordered_json& key) {
   return true;
 }
 
+// A mesh that cannot be judged (an empty one, for example) does not take the trajectory with it.
+void Evaluate(RunCell& cell, const Program& program, const fs::path& log) {
+  std::vector<std::string> arguments = {
+      "evaluate", cell.folder.string(), "--truth", cell.sequence.string()};
+  cell.has_result = Call(program, arguments, log) == 0;
+  if (cell.has_result) return;
+  cell.message = Reason(log);
+  arguments.insert(arguments.end(), {"--parts", "trajectory"});
+  cell.has_result = Call(program, arguments, log) == 0;
+}
+
 void Execute(RunCell& cell, const Program& program, const ordered_json& key) {
   std::error_code ignored;
-  fs::remove_all(cell.folder, ignored);
+  // Only a result is ever deleted; anything else makes `facet run` refuse the folder.
+  if (fs::exists(cell.folder / "summary.json")) fs::remove_all(cell.folder, ignored);
   fs::remove(Beside(cell.folder, ".cell.json"), ignored);
   fs::create_directories(cell.folder.parent_path(), ignored);
   const fs::path log = Beside(cell.folder, ".log");
@@ -144,12 +157,10 @@ void Execute(RunCell& cell, const Program& program, const ordered_json& key) {
                                         "--quiet"};
   arguments.insert(arguments.end(), cell.arguments.begin(), cell.arguments.end());
   cell.exit_code = Call(program, arguments, log);
-  cell.message = Reason(log);
-  if (!fs::exists(cell.folder / "trajectory.tum")) return;
-  const int evaluated =
-      Call(program, {"evaluate", cell.folder.string(), "--truth", cell.sequence.string()}, log);
-  if (evaluated != 0) cell.message = Reason(log);
-  cell.has_result = evaluated == 0;
+  if (cell.exit_code != 0) cell.message = Reason(log);
+  constexpr int kUsage = 2;
+  if (cell.exit_code == kUsage || !fs::exists(cell.folder / "trajectory.tum")) return;
+  Evaluate(cell, program, log);
   if (!cell.has_result) return;
   std::ofstream(Beside(cell.folder, ".cell.json"))
       << ordered_json{{"key", key}, {"exit_code", cell.exit_code}, {"message", cell.message}}.dump(
@@ -208,6 +219,7 @@ void ExecuteCells(std::vector<RunCell>& cells, int jobs, bool is_quiet) {
     }
   };
   std::vector<std::thread> workers;
+  workers.reserve(static_cast<std::size_t>(jobs));
   for (int j = 0; j < jobs; ++j)
     workers.emplace_back(work, cores[static_cast<std::size_t>(j) % cores.size()]);
   for (std::thread& worker : workers)

@@ -12,6 +12,7 @@
 
 #include "facet/eval/evaluation_json.h"
 #include "facet/eval/run_evaluation.h"
+#include "facet/report/report_page.h"
 
 namespace facet {
 
@@ -25,6 +26,7 @@ struct EvaluateArguments {
   std::string alignment = ToString(AlignmentKind::kSE3);
   std::vector<std::string> parts = {"mesh", "planes", "consistency"};
   bool align_time = false;
+  std::string report;
 };
 
 EvaluationOptions OptionsOf(const EvaluateArguments& arguments) {
@@ -40,6 +42,28 @@ EvaluationOptions OptionsOf(const EvaluateArguments& arguments) {
   options.judge_planes = wants("planes");
   options.judge_consistency = wants("consistency");
   return options;
+}
+
+std::string NameOf(const std::filesystem::path& result) {
+  const auto clean = std::filesystem::absolute(result).lexically_normal();
+  return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
+}
+
+Report MakeReport(const EvaluateArguments& arguments, std::vector<RunEvaluation> evaluations) {
+  Report report;
+  ReportSection& section = report.sections.emplace_back();
+  section.name = NameOf(arguments.truth);
+  section.truth = arguments.truth;
+  for (RunEvaluation& evaluation : evaluations) {
+    std::string name = NameOf(evaluation.result);
+    const auto is_same = [&name](const ReportRun& run) { return run.name == name; };
+    if (std::ranges::any_of(section.runs, is_same)) {
+      name = std::filesystem::absolute(evaluation.result).lexically_normal().string();
+    }
+    section.runs.push_back(MakeReportRun(name, std::move(evaluation)));
+  }
+  report.title = "Evaluation on " + section.name;
+  return report;
 }
 
 void Evaluate(const EvaluateArguments& arguments) {
@@ -58,6 +82,9 @@ void Evaluate(const EvaluateArguments& arguments) {
   std::cout << FormatTable(evaluations);
   WriteEvaluation(evaluations.front());
   std::cout << "written: " << EvaluationFile(arguments.result).string() << '\n';
+  if (arguments.report.empty()) return;
+  WriteReport(arguments.report, MakeReport(arguments, std::move(evaluations)));
+  std::cout << "written: " << arguments.report << "/report.html\n";
 }
 
 }  // namespace
@@ -84,6 +111,8 @@ void AddEvaluateCommand(CLI::App& app) {
           "path lengths [m] for relative errors; default: 1,2,5,10,20,... as far as the path goes")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
+  command->add_option(
+      "--report", arguments->report, "folder for report.html: plots and tables on one page");
   command->add_flag("--align-time",
                     arguments->align_time,
                     "estimate the offset between the two clocks (at most 0.5 s) and remove it");

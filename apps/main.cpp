@@ -9,6 +9,7 @@
 #include "config.h"
 #include "evaluate.h"
 #include "run.h"
+#include "simulate.h"
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
 
@@ -39,6 +40,7 @@ int RunProgram(int argc, char** argv) {
   facet::AddEvaluateCommand(app);
   facet::AddCompareCommand(app);
   facet::AddConfigCommand(app);
+  facet::AddSimulateCommand(app, argc, argv);
   try {
     if (IsUnknownCommand(app, argc, argv)) {
       return Fail(kUsage, "unknown command '" + std::string(argv[1]) + "'; see facet --help");

@@ -100,7 +100,7 @@ BatchSolution BatchProblem::Solve(int max_iterations) {
   for (const WindowFrame& frame : window_.frames)
     solution.states.push_back(frame.x);
   solution.last_frame = window_.frames.back().id;
-  solution.last_covariance = solver.system().NewestFrameCovariance();
+  solution.last_covariance = solver.NewestFrameCovariance(window_);
   return solution;
 }
 

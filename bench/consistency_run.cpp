@@ -50,9 +50,13 @@ FrameObservations AsFrontEnd(const FrameObservations& simulated, bool is_initial
 // Everything that happens to one run.
 class Runner {
  public:
-  Runner(const SimulatedRun& run, const ConsistencyOptions& options, bool with_batch)
+  Runner(const SimulatedRun& run,
+         const ConsistencyOptions& options,
+         bool with_batch,
+         const PlanePolicy& planes)
       : run_(run),
         options_(options),
+        planes_(planes),
         estimator_(run.rig, options.simulator.imu.noise, options.estimator) {
     if (with_batch) batch_.emplace(run.rig, options.simulator.imu.noise, options.estimator);
     for (const ImuSample& sample : run.imu)
@@ -91,6 +95,7 @@ class Runner {
       out_.keyframes.causal.push_back({run_.frames[i].t, result.state.T_WB});
       out_.keyframes.truth.push_back({run_.frames[i].t, run_.truth[i].T_WB});
     }
+    if (planes_ && observations.is_keyframe) estimator_.Assign(planes_(estimator_.Snapshot()));
     if (batch_ && was_initialised) batch_->AddFrame(observations, imu, result.state);
   }
 
@@ -124,6 +129,7 @@ class Runner {
 
   const SimulatedRun& run_;
   const ConsistencyOptions& options_;
+  const PlanePolicy& planes_;
   VioEstimator estimator_;
   ImuBuffer imu_;
   std::optional<BatchProblem> batch_;
@@ -136,8 +142,9 @@ class Runner {
 
 ConsistencyRun RunConsistency(const SimulatedRun& run,
                               const ConsistencyOptions& options,
-                              bool with_batch) {
-  return Runner(run, options, with_batch).Run();
+                              bool with_batch,
+                              const PlanePolicy& planes) {
+  return Runner(run, options, with_batch, planes).Run();
 }
 
 }  // namespace facet

@@ -3,6 +3,7 @@
 // batch problem.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -38,8 +39,12 @@ struct ConsistencyRun {
   std::optional<FrameError> batch_last;  ///< newest frame of the batch solution
 };
 
+/// What a search for planes would say after a keyframe.
+using PlanePolicy = std::function<PlaneAssignments(const MapSnapshot&)>;
+
 ConsistencyRun RunConsistency(const SimulatedRun& run,
                               const ConsistencyOptions& options,
-                              bool with_batch);
+                              bool with_batch,
+                              const PlanePolicy& planes = nullptr);
 
 }  // namespace facet

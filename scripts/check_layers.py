@@ -24,6 +24,7 @@ RANK = {
     "eval": 6,
     "pipeline": 6,
     "report": 7,
+    "render": 7,
     "viewer": 7,
     "apps": 8,
     "bench": 8,

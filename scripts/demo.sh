@@ -1,19 +1,23 @@
 #!/bin/sh
 # scripts/demo.sh [SEQUENCE]: runs and evaluates one sequence and says where everything lies.
+# Without a sequence it first simulates a flight of 20 s through a furnished room; that is done once.
 set -eu
 cd "$(dirname "$0")/.."
 sequence=${1:-}
-data=${FACET_DATA_DIR:-../shared/data}
 if [ -z "$sequence" ]; then
-  sequence="$data/euroc_mh01_handheld"
-  if [ ! -d "$sequence/mav0" ]; then
-    cat >&2 <<TEXT
-demo: no sequence found. Give a folder in the EuRoC layout (it holds mav0/):
+  sequence="runs/demo-room"
+  if [ ! -f "$sequence/simulation.txt" ]; then
+    echo "demo: simulating a 20 s flight through a room (once; about a minute)"
+    if ! build/facet simulate --out "$sequence" --scene room --trajectory gentle --duration 20 --seed 1 \
+        --set image.rays_per_pixel=3; then
+      cat >&2 <<TEXT
+demo: without the simulator, give a recording in the EuRoC layout (a folder that holds mav0/):
   make demo SEQUENCE=path/to/MH_01_easy
 EuRoC sequences: https://projects.asl.ethz.ch/datasets/doku.php?id=kmavvisualinertialdatasets (download "ASL format", unzip)
 Your own recording: the layout is described in README.md.
 TEXT
-    exit 3
+      exit 3
+    fi
   fi
 fi
 
@@ -30,5 +34,6 @@ else
   echo "demo: the sequence has no ground truth, so there is nothing to compare with"
 fi
 echo
+echo "demo: the sequence is $sequence"
 echo "demo: results in $out:"
 ls -1 "$out" | sed 's/^/  /'

@@ -2,7 +2,7 @@
 """Trajectory errors in the most literal way, to check `facet evaluate` against (a test runs both).
 
 Shares no code with the C++ implementation and prefers obvious loops to speed. Prints JSON:
-  naive_ate.py ESTIMATE TRUTH [--lengths 1 2 5]
+  naive_ate.py ESTIMATE TRUTH [--lengths 1 2 5] [--alignment se3|yaw|sim3] [--time-offset-ns N]
 Both files: TUM (seconds, quaternion xyzw) or EuRoC csv (nanoseconds, quaternion wxyz).
 """
 
@@ -84,6 +84,17 @@ def align(p, g, with_scale=False):
     return R, scale, mean_g - scale * R @ mean_p
 
 
+def align_yaw(p, g):
+    """Rotation about z only: the heading of complex numbers x + iy."""
+    mean_p, mean_g = p.mean(axis=0), g.mean(axis=0)
+    from_p = (p - mean_p)[:, 0] + 1j * (p - mean_p)[:, 1]
+    to_g = (g - mean_g)[:, 0] + 1j * (g - mean_g)[:, 1]
+    turn = np.sum(to_g * np.conj(from_p))
+    turn /= abs(turn)
+    R = np.array([[turn.real, -turn.imag, 0], [turn.imag, turn.real, 0], [0, 0, 1]])
+    return R, 1.0, mean_g - R @ mean_p
+
+
 def statistics(errors):
     return {
         "rmse": float(np.sqrt(np.mean(np.square(errors)))),
@@ -93,10 +104,10 @@ def statistics(errors):
     }
 
 
-def absolute_errors(rows):
+def absolute_errors(rows, alignment="se3"):
     p = np.array([r[1] for r in rows])
     g = np.array([r[3] for r in rows])
-    R, scale, t = align(p, g)
+    R, scale, t = align_yaw(p, g) if alignment == "yaw" else align(p, g, alignment == "sim3")
     return np.linalg.norm(g - (scale * (R @ p.T).T + t), axis=1)
 
 
@@ -129,8 +140,9 @@ def relative_errors(rows, length):
     return np.array(translations), np.array(angles)
 
 
-def evaluate(estimate_path, truth_path, lengths):
-    rows = associate(read_trajectory(estimate_path), read_trajectory(truth_path))
+def evaluate(estimate_path, truth_path, lengths, alignment="se3", time_offset_ns=0):
+    stamps, p, q = read_trajectory(estimate_path)
+    rows = associate(([t + time_offset_ns for t in stamps], p, q), read_trajectory(truth_path))
     if len(rows) < 3:
         sys.exit("naive_ate: fewer than 3 poses have a truth")
     _, scale, _ = align(np.array([r[1] for r in rows]), np.array([r[3] for r in rows]), True)
@@ -151,7 +163,7 @@ def evaluate(estimate_path, truth_path, lengths):
         })
     return {
         "poses": len(rows),
-        "ate": {f"{k}_m": v for k, v in statistics(absolute_errors(rows)).items()},
+        "ate": {f"{k}_m": v for k, v in statistics(absolute_errors(rows, alignment)).items()},
         "rpe": rpe,
         "drift_percent": 100 * float(np.mean(relative)) if relative else None,
         "scale_error_percent": 100 * (1 / scale - 1),
@@ -163,8 +175,11 @@ def main():
     parser.add_argument("estimate")
     parser.add_argument("truth")
     parser.add_argument("--lengths", type=float, nargs="*", default=[1, 2, 5, 10, 20])
+    parser.add_argument("--alignment", choices=["se3", "yaw", "sim3"], default="se3")
+    parser.add_argument("--time-offset-ns", type=int, default=0)
     arguments = parser.parse_args()
-    json.dump(evaluate(arguments.estimate, arguments.truth, arguments.lengths), sys.stdout, indent=1)
+    json.dump(evaluate(arguments.estimate, arguments.truth, arguments.lengths, arguments.alignment,
+                       arguments.time_offset_ns), sys.stdout, indent=1)
     print()
 
 

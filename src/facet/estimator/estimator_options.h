@@ -3,6 +3,7 @@
 #pragma once
 
 #include "facet/base/options.h"
+#include "facet/estimator/robust_options.h"
 
 namespace facet {
 
@@ -85,6 +86,10 @@ struct SolverOptions {
   /// Stop when an iteration lowers the cost (half of chi-square) by less than this: the whole state
   /// then moved by sqrt(2 x) sigma, and the next step is a fraction of it.
   double min_cost_decrease = 3.0;
+  double plane_sigma_m = 0.01;     ///< how flat real planes are, 1-sigma
+  double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many sigma grow linearly
+
+  RobustOptions robust() const { return {huber_sigma, plane_sigma_m, plane_huber_sigma}; }
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -112,6 +117,47 @@ struct SolverOptions {
             min_cost_decrease,
             Range{0, 1e3},
             "stop when an iteration lowers the cost (half of chi-square) by less");
+    v.Field(
+        "plane_sigma_m", plane_sigma_m, Range{1e-4, 1}, "how flat real planes are, 1-sigma [m]");
+    v.Field("plane_huber_sigma",
+            plane_huber_sigma,
+            Range{0.01, 100},
+            "distances to planes beyond this many sigma grow linearly");
+  }
+};
+
+/// Planes as variables.
+struct PlaneOptions {
+  int min_landmarks = 8;         ///< a new plane with fewer goes again
+  double join_sigma_m = 0.1;     ///< a landmark less well known across a plane does not join it
+  double join_distance_m = 0.1;  ///< nor one farther off than this and 3 of its sigmas
+  double outlier_sigma = 4.0;    ///< a landmark farther from its plane after the solve leaves it
+  /// 1-sigma below which a plane may take part in marginalisation
+  double settled_normal_deg = 0.5, settled_offset_m = 0.01;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("min_landmarks", min_landmarks, Range{3, 1000}, "a new plane with fewer goes again");
+    v.Field("join_sigma_m",
+            join_sigma_m,
+            Range{1e-3, 10},
+            "a landmark less well known across a plane does not join it [m]");
+    v.Field("join_distance_m",
+            join_distance_m,
+            Range{0, 10},
+            "nor one farther off than this and three of its sigmas [m]");
+    v.Field("outlier_sigma",
+            outlier_sigma,
+            Range{1, 1000},
+            "a landmark this many sigma from its plane leaves it");
+    v.Field("settled_normal_deg",
+            settled_normal_deg,
+            Range{0.01, 45},
+            "1-sigma of a plane's normal below which it may stay for good [deg]");
+    v.Field("settled_offset_m",
+            settled_offset_m,
+            Range{1e-4, 1},
+            "1-sigma of a plane's offset below which it may stay for good [m]");
   }
 };
 
@@ -157,6 +203,7 @@ struct EstimatorOptions {
   WindowOptions window;
   SolverOptions solver;
   StartOptions start;
+  PlaneOptions planes;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -164,6 +211,7 @@ struct EstimatorOptions {
     v.Group("window", window);
     v.Group("solver", solver);
     v.Group("start", start);
+    v.Group("planes", planes);
   }
 };
 

@@ -49,7 +49,7 @@ void FrameUpdater::SetReference(const SlidingWindow& window, const Matrix<15, 15
   LandmarkBlock block;
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!landmark.has_depth || landmark.observations.back().frame != newest) continue;
-    LinearizeLandmark(geometry_, landmark, RobustOptions{options_.huber_sigma}, block);
+    LinearizeLandmark(geometry_, window.planes, landmark, options_.robust(), block);
     HeldLandmark held;
     const FrameGeometry::Pose& host = geometry_.current(landmark.host);
     held.d_W = host.R_WC0 * landmark.bearing_H;

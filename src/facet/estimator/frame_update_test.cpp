@@ -73,9 +73,9 @@ Case MakeCase(std::uint64_t seed) {
   }
   WindowSolver solver(out.rig, Options());
   solver.Solve(out.joint, 30);
-  out.joint_covariance = solver.system().NewestFrameCovariance();
+  out.joint_covariance = solver.NewestFrameCovariance(out.joint);
   solver.Solve(out.window, 30);
-  out.covariance = solver.system().NewestFrameCovariance();
+  out.covariance = solver.NewestFrameCovariance(out.window);
   out.frame.imu.Reintegrate(out.window.frames.back().x.bias);
   out.frame.imu_sqrt_info = ImuSqrtInfo(out.frame.imu, BiasWalk{});
   out.frame.x = out.frame.lin = out.frame.imu.Predict(out.window.frames.back().x);

@@ -56,15 +56,11 @@ Reduced ReduceWithHostColumns(const Problem& problem) {
 Reduced ReduceByLibrary(const Problem& problem, const LandmarkBlock& block) {
   const int n = static_cast<int>(6 * problem.poses.size());
   Reduced out{MatrixXd::Zero(n, n), VectorXd::Zero(n)};
-  std::vector<int> column;
+  StateLayout layout;
   for (int i = 0; i < n; i += 6)
-    column.push_back(i);
-  for (int v = 0; v < block.num_views; ++v) {
-    const LandmarkBlock::View& view = block.views[v];
-    out.H.block<6, 6>(column[view.frame], column[view.frame]) += view.H;
-    out.b.segment<6>(column[view.frame]) += view.b;
-  }
-  SubtractSchur(block, column, out.H, out.b);
+    layout.pose_column.push_back(i);
+  AddDiagonal(block, layout, out.H, out.b);
+  SubtractSchur(block, layout, out.H, out.b);
   out.H = MatrixXd(out.H.selfadjointView<Eigen::Lower>());
   return out;
 }

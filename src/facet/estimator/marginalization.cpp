@@ -21,7 +21,7 @@ struct Partition {
 
 // Which poses and motions appear in a factor that is being used up.
 struct Involved {
-  std::vector<char> pose, motion;
+  std::vector<char> pose, motion, plane;
 };
 
 bool LeavesMotion(const MarginalizationPlan& plan, int frame) {
@@ -30,8 +30,13 @@ bool LeavesMotion(const MarginalizationPlan& plan, int frame) {
 
 Involved FindInvolved(const SlidingWindow& window) {
   const std::size_t n = window.frames.size();
-  Involved involved{std::vector<char>(n, 0), std::vector<char>(n, 0)};
+  Involved involved{
+      std::vector<char>(n, 0), std::vector<char>(n, 0), std::vector<char>(window.planes.size(), 0)};
   for (const MarginalPrior::Block& block : window.prior.blocks) {
+    if (block.IsPlane()) {
+      involved.plane[window.IndexOf(block.plane)] = 1;
+      continue;
+    }
     (block.is_motion ? involved.motion : involved.pose)[window.IndexOf(block.frame)] = 1;
   }
   return involved;
@@ -69,15 +74,14 @@ void UseLandmarks(const MarginalizationPlan& plan,
   for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
     const WindowLandmark& landmark = window.landmarks()[l];
     if (!plan.drop_landmark[l] || !IsConstraining(landmark)) continue;
-    LinearizeLandmark(geometry, landmark, robust, block);
+    LinearizeLandmark(geometry, window.planes, landmark, robust, block);
     Eliminate(0.0, block);
-    for (int v = 0; v < block.num_views; ++v) {
-      const int frame = block.views[v].frame;
-      lower.block<6, 6>(layout.pose_column[frame], layout.pose_column[frame]) += block.views[v].H;
-      b.segment<6>(layout.pose_column[frame]) += block.views[v].b;
-      involved.pose[frame] = 1;
-    }
-    SubtractSchur(block, layout.pose_column, lower, b);
+    AddDiagonal(block, layout, lower, b);
+    for (int v = 0; v < block.num_views; ++v)
+      involved.pose[block.views[v].frame] = 1;
+    for (int k = 0; k < block.num_plane_views; ++k)
+      involved.plane[block.plane_views[static_cast<std::size_t>(k)].plane] = 1;
+    SubtractSchur(block, layout, lower, b);
   }
   H += lower.selfadjointView<Eigen::Lower>();
 }
@@ -98,6 +102,16 @@ Partition MakePartition(const MarginalizationPlan& plan,
     for (int k = 0; k < size; ++k)
       list.push_back(column + k);
   };
+  for (std::size_t k = 0; k < window.planes.size(); ++k) {
+    if (!involved.plane[k]) continue;
+    std::vector<int>& list = plan.drop_plane[k] ? partition.leaving : partition.staying;
+    if (!plan.drop_plane[k]) {
+      partition.staying_blocks.push_back(
+          {FrameId{}, false, static_cast<int>(list.size()), window.planes[k].id});
+    }
+    for (int c = 0; c < 3; ++c)
+      list.push_back(layout.plane_column[k] + c);
+  }
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     const int frame = static_cast<int>(i);
     if (involved.pose[i]) place(frame, false, plan.drop_frame[i]);
@@ -120,6 +134,10 @@ MatrixXd PseudoInverse(const MatrixXd& A) {
 
 void Freeze(SlidingWindow& window) {
   for (const MarginalPrior::Block& block : window.prior.blocks) {
+    if (block.IsPlane()) {
+      window.planes[window.IndexOf(block.plane)].Freeze();
+      continue;
+    }
     WindowFrame& frame = window.frames[window.IndexOf(block.frame)];
     if (block.is_motion && !frame.motion_frozen) {
       frame.motion_frozen = true;
@@ -141,7 +159,7 @@ bool MarginalizationPlan::IsEmpty() const {
   const auto none = [](const std::vector<char>& flags) {
     return std::none_of(flags.begin(), flags.end(), [](char f) { return f != 0; });
   };
-  return none(drop_frame) && none(drop_motion) && none(drop_landmark);
+  return none(drop_frame) && none(drop_motion) && none(drop_landmark) && none(drop_plane);
 }
 
 void Marginalize(const MarginalizationPlan& plan,
@@ -149,7 +167,7 @@ void Marginalize(const MarginalizationPlan& plan,
                  const RobustOptions& robust,
                  SlidingWindow& window) {
   if (plan.IsEmpty()) return;
-  const StateLayout layout = MakeLayout(window.frames);
+  const StateLayout layout = MakeLayout(window);
   MatrixXd H = MatrixXd::Zero(layout.dim, layout.dim);
   VectorXd b = VectorXd::Zero(layout.dim);
 
@@ -183,6 +201,9 @@ void Marginalize(const MarginalizationPlan& plan,
   window.prior.b -= window.prior.H * PriorDelta(window);
 
   window.RemoveLandmarks(plan.drop_landmark);
+  for (int k = static_cast<int>(window.planes.size()) - 1; k >= 0; --k) {
+    if (plan.drop_plane[k]) window.RemovePlane(k);
+  }
   for (int i = static_cast<int>(window.frames.size()) - 1; i >= 0; --i) {
     if (plan.drop_motion[i]) window.frames[i].has_motion = window.frames[i].motion_frozen = false;
     if (plan.drop_frame[i]) window.RemoveFrame(i);

@@ -9,16 +9,18 @@
 
 namespace facet {
 
-/// What leaves. Sizes: one flag per frame, one per landmark.
+/// What leaves. Sizes: one flag per frame, landmark and plane.
 struct MarginalizationPlan {
   std::vector<char> drop_frame;     ///< pose (and motion, if any) leave
   std::vector<char> drop_motion;    ///< velocity and biases leave, the pose stays
-  std::vector<char> drop_landmark;  ///< leaves with all its observations
+  std::vector<char> drop_landmark;  ///< leaves with all its observations and plane rows
+  std::vector<char> drop_plane;     ///< leaves; the rows of landmarks that stay go with it
 
   explicit MarginalizationPlan(const SlidingWindow& window)
       : drop_frame(window.frames.size(), 0),
         drop_motion(window.frames.size(), 0),
-        drop_landmark(window.landmarks().size(), 0) {}
+        drop_landmark(window.landmarks().size(), 0),
+        drop_plane(window.planes.size(), 0) {}
 
   bool IsEmpty() const;
 };

@@ -3,6 +3,8 @@
 // same linear algebra: what the remaining variables know, and where they would go, must not change.
 #include "facet/estimator/marginalization.h"
 
+#include <algorithm>
+
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
@@ -52,8 +54,13 @@ SlidingWindow WithoutLostObservations(SlidingWindow window, const Marginalizatio
 
 // Columns of the variables of `window` that `after` still has, in the order of `after`.
 std::vector<int> CommonColumns(const SlidingWindow& window, const SlidingWindow& after) {
-  const StateLayout layout = MakeLayout(window.frames), new_layout = MakeLayout(after.frames);
+  const StateLayout layout = MakeLayout(window), new_layout = MakeLayout(after);
   std::vector<int> columns(new_layout.dim);
+  for (std::size_t k = 0; k < after.planes.size(); ++k) {
+    const int old = window.IndexOf(after.planes[k].id);
+    for (int c = 0; c < 3; ++c)
+      columns[new_layout.plane_column[k] + c] = layout.plane_column[old] + c;
+  }
   for (std::size_t i = 0; i < after.frames.size(); ++i) {
     const int old = window.IndexOf(after.frames[i].id);
     for (int k = 0; k < 6; ++k)
@@ -63,6 +70,31 @@ std::vector<int> CommonColumns(const SlidingWindow& window, const SlidingWindow&
       columns[new_layout.motion_column[i] + k] = layout.motion_column[old] + k;
   }
   return columns;
+}
+
+// Planes through random landmarks; every landmark near one lies on it.
+void AddPlanes(TestWindow& test, int num_planes, std::uint64_t seed) {
+  constexpr int kMinMembers = 10;  // fewer may leave the plane undetermined
+  Rng rng(seed);
+  const auto is_near = [&](const WindowLandmark& landmark, const Vector3d& n, const Vector3d& p_W) {
+    return std::abs(n.dot(test.window.PositionOf(landmark) - p_W)) < 0.8;
+  };
+  for (int k = 0; k < num_planes;) {
+    const Vector3d n = rng.UnitVector();
+    const Vector3d& p_W = test.points[rng.Index(static_cast<int>(test.points.size()))];
+    const auto& landmarks = test.window.landmarks();
+    if (std::count_if(landmarks.begin(), landmarks.end(), [&](const WindowLandmark& l) {
+          return is_near(l, n, p_W);
+        }) < kMinMembers) {
+      continue;
+    }
+    test.window.planes.emplace_back(
+        PlaneId{k}, Plane{n, n.dot(p_W)}, Vector3d(p_W + rng.Normal3()));
+    for (WindowLandmark& landmark : test.window.landmarks()) {
+      if (is_near(landmark, n, p_W)) landmark.planes.Add(k);
+    }
+    ++k;
+  }
 }
 
 // Largest difference in units of the standard deviations that the diagonal of H stands for.
@@ -165,6 +197,45 @@ TEST(MarginalizationTest, ChainOfMarginalizationsEqualsBatchAtEveryLink) {
       EXPECT_GT(PriorDelta(test.window).norm(), 0);
     }
   }
+}
+
+TEST(MarginalizationTest, WithPlanesEqualsBatchAtEveryLink) {
+  for (std::uint64_t seed = 41; seed <= 50; ++seed) {
+    TestWindow test = MakeWindow(seed);
+    AddPlanes(test, 3, seed);
+    Rng rng(seed);
+    for (int link = 0; link < 3; ++link) {
+      MarginalizationPlan plan(test.window);
+      plan.drop_frame[0] = 1;
+      plan.drop_motion[1] = test.window.frames[1].has_motion;
+      DropSomeLandmarks(test.window, 0, 2, plan);
+      ExpectMarginalizesLikeBatch(plan, test);
+      testing::Disturb(test.window, {1e-5, 1e-4, 1e-4, 1e-6, 1e-5}, rng);
+      for (WindowPlane& plane : test.window.planes)
+        plane.ApplyStep(1e-4 * rng.Normal3());
+    }
+    EXPECT_EQ(test.window.planes.size(), 3u);
+    EXPECT_TRUE(std::any_of(test.window.planes.begin(),
+                            test.window.planes.end(),
+                            [](const WindowPlane& plane) { return plane.frozen; }));
+  }
+}
+
+TEST(MarginalizationTest, ADroppedPlaneEqualsBatchOnceItsLandmarksAreGone) {
+  TestWindow test = MakeWindow(51);
+  AddPlanes(test, 2, 51);
+  MarginalizationPlan frame(test.window);
+  frame.drop_frame[0] = 1;
+  for (std::size_t l = 0; l < test.window.landmarks().size(); ++l)
+    frame.drop_landmark[l] = test.window.landmarks()[l].planes.Contains(0);
+  Marginalize(frame, test.rig, RobustOptions{kHuber}, test.window);
+  ASSERT_TRUE(test.window.planes[0].frozen);
+  MarginalizationPlan plane(test.window);
+  plane.drop_plane[0] = 1;
+  EXPECT_FALSE(plane.IsEmpty());
+  ExpectMarginalizesLikeBatch(plane, test);
+  ASSERT_EQ(test.window.planes.size(), 1u);
+  EXPECT_EQ(test.window.planes[0].id, PlaneId{1});
 }
 
 TEST(MarginalizationTest, OneByOneEqualsAllAtOnce) {

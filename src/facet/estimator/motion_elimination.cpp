@@ -5,11 +5,17 @@
 
 namespace facet {
 
-StateLayout MakeLayout(const std::vector<WindowFrame>& frames) {
+StateLayout MakeLayout(const SlidingWindow& window) {
+  const std::vector<WindowFrame>& frames = window.frames;
   StateLayout layout;
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    layout.pose_column.push_back(static_cast<int>(6 * i));
-  layout.dim = static_cast<int>(6 * frames.size());
+  for (std::size_t k = 0; k < window.planes.size(); ++k) {
+    layout.plane_column.push_back(layout.dim);
+    layout.dim += 3;
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    layout.pose_column.push_back(layout.dim);
+    layout.dim += 6;
+  }
   layout.motion_column.assign(frames.size(), -1);
   if (!frames.empty() && frames.back().has_motion) {
     layout.motion_column.back() = layout.dim;
@@ -28,7 +34,7 @@ void MotionElimination::FindNeighbours(const SlidingWindow& window, const StateL
   const std::size_t n = window.frames.size();
   adjacent_.resize(n);
   for (auto& row : adjacent_)
-    row.assign(2 * n, 0);
+    row.assign(2 * n + window.planes.size(), 0);
   for (std::size_t i = 0; i < n; ++i) {
     if (layout.motion_column[i] >= 0) adjacent_[i][2 * i] = 1;
   }
@@ -42,7 +48,9 @@ void MotionElimination::FindNeighbours(const SlidingWindow& window, const StateL
   for (const MarginalPrior::Block& a : window.prior.blocks) {
     if (!a.is_motion) continue;
     for (const MarginalPrior::Block& c : window.prior.blocks) {
-      adjacent_[window.IndexOf(a.frame)][2 * window.IndexOf(c.frame) + (c.is_motion ? 1 : 0)] = 1;
+      const int column = c.IsPlane() ? static_cast<int>(2 * n) + window.IndexOf(c.plane)
+                                     : 2 * window.IndexOf(c.frame) + (c.is_motion ? 1 : 0);
+      adjacent_[window.IndexOf(a.frame)][column] = 1;
     }
   }
 }
@@ -52,6 +60,7 @@ bool MotionElimination::Eliminate(const SlidingWindow& window,
                                   MatrixXd& H,
                                   VectorXd& b) {
   const int n = static_cast<int>(window.frames.size());
+  const int num_planes = static_cast<int>(window.planes.size());
   FindNeighbours(window, layout);
   num_eliminated_ = 0;
   if (eliminated_.size() < window.frames.size()) eliminated_.resize(window.frames.size());
@@ -59,8 +68,11 @@ bool MotionElimination::Eliminate(const SlidingWindow& window,
     if (layout.motion_column[k] < 0) continue;
     Eliminated& e = eliminated_[num_eliminated_++];
     e.column = layout.motion_column[k];
-    // Poses, then the newest motion, then later motions: ascending columns.
+    // Planes, poses, the newest motion, then later motions: ascending columns.
     e.neighbours.clear();
+    for (int p = 0; p < num_planes; ++p) {
+      if (adjacent_[k][2 * n + p]) e.neighbours.push_back({layout.plane_column[p], 3});
+    }
     for (int i = 0; i < n; ++i) {
       if (adjacent_[k][2 * i]) e.neighbours.push_back({layout.pose_column[i], 6});
     }
@@ -105,7 +117,7 @@ bool MotionElimination::Eliminate(const SlidingWindow& window,
     // The neighbours are adjacent to each other from here on.
     for (int i = k + 1; i < n; ++i) {
       if (!adjacent_[k][2 * i + 1]) continue;
-      for (int c = 0; c < 2 * n; ++c)
+      for (int c = 0; c < 2 * n + num_planes; ++c)
         adjacent_[i][c] |= adjacent_[k][c];
     }
   }

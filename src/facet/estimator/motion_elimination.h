@@ -10,16 +10,17 @@
 
 namespace facet {
 
-/// Which columns belong to whom: all poses (theta p), the newest motion (v b_g b_a), the other
-/// motions.
+/// Which columns belong to whom: planes (tangent of the normal, offset), all poses (theta p), the
+/// newest motion (v b_g b_a), the other motions.
 struct StateLayout {
+  std::vector<int> plane_column;   ///< by plane index
   std::vector<int> pose_column;    ///< by frame index
   std::vector<int> motion_column;  ///< by frame index, -1 without motion
   int dim = 0;
-  int dense_dim = 0;  ///< columns of the poses and the newest motion, which are not eliminated here
+  int dense_dim = 0;  ///< columns of planes, poses and the newest motion: not eliminated here
 };
 
-StateLayout MakeLayout(const std::vector<WindowFrame>& frames);
+StateLayout MakeLayout(const SlidingWindow& window);
 
 /// Reuse one object: it keeps its storage. Not thread-safe.
 class MotionElimination {
@@ -50,7 +51,7 @@ class MotionElimination {
 
   std::vector<Eliminated> eliminated_;
   int num_eliminated_ = 0;
-  std::vector<std::vector<char>> adjacent_;  // [motion frame][2 * frame + is_motion]
+  std::vector<std::vector<char>> adjacent_;  // [motion frame][2 * frame + is_motion], then planes
   MatrixXd update_;
 };
 

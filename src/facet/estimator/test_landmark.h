@@ -115,7 +115,7 @@ inline FrameGeometry GeometryOf(const Problem& problem) {
 
 inline LandmarkBlock Linearized(const Problem& problem) {
   LandmarkBlock block;
-  LinearizeLandmark(GeometryOf(problem), problem.landmark, RobustOptions{kHuber}, block);
+  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, RobustOptions{kHuber}, block);
   return block;
 }
 

@@ -217,7 +217,7 @@ void SetMeasurement(const Vector3d& h,
 }
 
 DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double huber_sigma) {
-  DenseSystem out{MakeLayout(window.frames), {}, {}};
+  DenseSystem out{MakeLayout(window), {}, {}};
   out.H = MatrixXd::Zero(out.layout.dim, out.layout.dim);
   out.b = VectorXd::Zero(out.layout.dim);
   AddPrior(window, out.layout, &out.H, &out.b);
@@ -231,14 +231,10 @@ DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double h
   LandmarkBlock block;
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!IsConstraining(landmark)) continue;
-    LinearizeLandmark(geometry, landmark, RobustOptions{huber_sigma}, block);
+    LinearizeLandmark(geometry, window.planes, landmark, RobustOptions{huber_sigma}, block);
     Eliminate(0.0, block);
-    for (int v = 0; v < block.num_views; ++v) {
-      const int column = out.layout.pose_column[block.views[v].frame];
-      lower.block<6, 6>(column, column) += block.views[v].H;
-      out.b.segment<6>(column) += block.views[v].b;
-    }
-    SubtractSchur(block, out.layout.pose_column, lower, out.b);
+    AddDiagonal(block, out.layout, lower, out.b);
+    SubtractSchur(block, out.layout, lower, out.b);
   }
   out.H += lower.selfadjointView<Eigen::Lower>();
   return out;

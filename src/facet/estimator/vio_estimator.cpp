@@ -9,6 +9,7 @@
 
 #include "facet/estimator/initializer.h"
 #include "facet/estimator/landmark_depth.h"
+#include "facet/estimator/plane_membership.h"
 #include "facet/estimator/window_policy.h"
 
 namespace facet {
@@ -92,6 +93,16 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
   return passing_ ? TrackPassingFrame(observations, times) : TrackKeyframe(observations, times);
 }
 
+void VioEstimator::Assign(const PlaneAssignments& assignments) {
+  const auto append = [](const auto& from, auto& to) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(assignments.created, assignments_.created);
+  append(assignments.joined, assignments_.joined);
+  append(assignments.left, assignments_.left);
+  append(assignments.ended, ended_planes_);
+}
+
 EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
   EstimatorResult result;
   ScopedStage stage(times, Stage::kOptimize);
@@ -114,14 +125,14 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
     RemoveOutliers();
     RelinearizeImu();
     result.solve = solver_.Solve(window_, kStartIterations);
-    newest_covariance_ = solver_.system().NewestFrameCovariance();
+    newest_covariance_ = solver_.NewestFrameCovariance(window_);
     const double waited_s = ToSeconds(observations.t - first_t_);
     if (TiltSigma() < options_.start.max_tilt_deg * kDegree ||
         waited_s >= options_.start.max_wait_s) {
       MoveOriginToNewestFrame();
       // The covariance belongs to the origin and heading that were fixed when it was computed.
       solver_.Solve(window_, 1);
-      newest_covariance_ = solver_.system().NewestFrameCovariance();
+      newest_covariance_ = solver_.NewestFrameCovariance(window_);
       initialised_ = true;
       FillResult(window_.frames.back(), NumSeenInNewest(), result);
       updater_.SetReference(window_, newest_covariance_);
@@ -147,8 +158,19 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     geometry_.Update(window_.frames);
     InitializeDepths();
     RelinearizeImu();
+    ApplyAssignments(assignments_,
+                     {options_.planes.join_sigma_m, options_.planes.join_distance_m},
+                     options_.solver.robust(),
+                     geometry_,
+                     window_);
+    assignments_ = {};
+    RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
-    newest_covariance_ = solver_.system().NewestFrameCovariance();
+    newest_covariance_ = solver_.NewestFrameCovariance(window_);
+    MarkSettledPlanes(
+        solver_.system().PlaneInformation(),
+        {options_.planes.settled_normal_deg * kDegree, options_.planes.settled_offset_m},
+        window_);
     RemoveOutliers();
   }
   FillResult(window_.frames.back(), NumSeenInNewest(), result);
@@ -334,6 +356,8 @@ int VioEstimator::RemoveOutliers() {
     }
   }
   window_.RemoveLandmarks(gone);
+  DetachOutliers(geometry_, options_.solver.robust(), options_.planes.outlier_sigma, window_);
+  RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
   return removed;
 }
 
@@ -365,10 +389,12 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     RelinearizeImu();
     solver_.Solve(window_, kStartIterations);
   }
-  const RobustOptions robust{options_.solver.huber_sigma};
+  const RobustOptions robust = options_.solver.robust();
   while (true) {
-    const MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
+    MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
+    EndPlanes(plan);
     if (plan.IsEmpty()) return;
+    CutUnsettledLinks(plan.drop_landmark, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
       const WindowFrame& frame = window_.frames[i];
       if (plan.drop_frame[i] && frame.is_keyframe)
@@ -376,6 +402,20 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     }
     Marginalize(plan, rig_, robust, window_);
   }
+}
+
+void VioEstimator::EndPlanes(MarginalizationPlan& plan) {
+  for (const PlaneId id : ended_planes_) {
+    const int plane = window_.IndexOf(id);
+    if (plane < 0) continue;
+    if (window_.planes[plane].frozen) {
+      plan.drop_plane[plane] = 1;
+    } else {
+      window_.RemovePlane(plane);
+      plan.drop_plane.erase(plan.drop_plane.begin() + plane);
+    }
+  }
+  ended_planes_.clear();
 }
 
 SE3 VioEstimator::StartPose() const {
@@ -443,6 +483,8 @@ void VioEstimator::FillResult(const WindowFrame& frame,
 
 void VioEstimator::Reset() {
   window_.Clear();
+  assignments_ = {};
+  ended_planes_.clear();
   passing_.reset();
   initialised_ = start_is_over_ = false;
   newest_covariance_.setZero();
@@ -470,6 +512,8 @@ MapSnapshot VioEstimator::Snapshot() const {
                                   static_cast<int>(landmark.observations.size()),
                                   1 / (rho * rho * std::sqrt(information + 1e-12))});
   }
+  for (const WindowPlane& plane : window_.planes)
+    snapshot.planes.push_back({plane.id, plane.plane()});
   std::sort(snapshot.landmarks.begin(), snapshot.landmarks.end(), [](const auto& a, const auto& b) {
     return a.id < b.id;
   });

@@ -10,10 +10,12 @@
 #include "facet/base/stage_timer.h"
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/frame_update.h"
+#include "facet/estimator/marginalization.h"
 #include "facet/estimator/window_solver.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/observation.h"
+#include "facet/map/plane_assignments.h"
 #include "facet/map/tracking_status.h"
 
 namespace facet {
@@ -45,6 +47,9 @@ class VioEstimator {
                            const ImuInterval& imu,
                            StageTimes& times);
 
+  /// Comes into force with the next keyframe; calls before it add up.
+  void Assign(const PlaneAssignments& assignments);
+
   bool is_initialised() const { return initialised_; }
   const SlidingWindow& window() const { return window_; }
 
@@ -65,6 +70,8 @@ class VioEstimator {
   void RelinearizeImu();
   int RemoveOutliers();
   void Shrink(std::vector<KeyframePose>& finished);
+  /// Planes that were ended: those that the prior does not know go at once, the others are marked.
+  void EndPlanes(MarginalizationPlan& plan);
   void MoveOriginToNewestFrame();
   /// Whether the start is over. If it is not but the window is full, drops a duplicate frame.
   bool UpdateStart();
@@ -85,6 +92,8 @@ class VioEstimator {
   FrameGeometry geometry_;
   /// The newest frame when it is not a keyframe: its IMU interval began at the newest keyframe.
   std::optional<WindowFrame> passing_;
+  PlaneAssignments assignments_;  ///< to come into force with the next keyframe
+  std::vector<PlaneId> ended_planes_;
   bool initialised_ = false;
   bool start_is_over_ = false;
   Timestamp first_t_;

@@ -93,6 +93,47 @@ void MakeRows(const HostedPoint& point,
   }
 }
 
+double PlaneError(const HostedPoint& point, const WindowPlane& plane, double sigma_m) {
+  return plane.SignedDistance(point.p_WH + point.d_W / point.rho) / sigma_m;
+}
+
+double RootWeight(double s, double huber) {
+  return s <= huber ? 1.0 : std::sqrt(huber / s);
+}
+
+// The rows n . (l - anchor) - offset of all planes of a landmark; l = p_host + d / rho.
+void AddPlaneRows(const HostedPoint& current,
+                  const HostedPoint& frozen,
+                  const Matrix<3, 2>& B_W,
+                  const std::vector<WindowPlane>& planes,
+                  const WindowLandmark& landmark,
+                  const RobustOptions& robust,
+                  LandmarkBlock& block) {
+  block.num_plane_views = landmark.IsOnPlanes() ? landmark.planes.count : 0;
+  for (int k = 0; k < block.num_plane_views; ++k) {
+    LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(k)];
+    view.plane = landmark.planes.index[static_cast<std::size_t>(k)];
+    const WindowPlane& plane = planes[view.plane];
+    const double error = PlaneError(current, plane, robust.plane_sigma_m);
+    const double s = std::abs(error);
+    block.cost += HuberCost(s, robust.plane_huber_sigma);
+    const double root_weight = RootWeight(s, robust.plane_huber_sigma);
+    const double scale = root_weight / robust.plane_sigma_m;
+    const double distance = 1.0 / frozen.rho;
+    const Vector3d l_W = frozen.p_WH + frozen.d_W * distance;
+    Vector3d J_plane, J_landmark;
+    J_plane << scale * (TangentBasis(plane.n_lin).transpose() * (l_W - plane.anchor_W)), -scale;
+    J_landmark << scale * distance * (B_W.transpose() * plane.n_lin),
+        -scale * distance * distance * plane.n_lin.dot(frozen.d_W);
+    const double r = root_weight * error;
+    view.H = J_plane * J_plane.transpose();
+    view.b = J_plane * r;
+    view.W = J_plane * J_landmark.transpose();
+    block.V += J_landmark * J_landmark.transpose();
+    block.b += J_landmark * r;
+  }
+}
+
 }  // namespace
 
 FrameGeometry::FrameGeometry(const StereoRig& rig) {
@@ -121,7 +162,15 @@ std::optional<Vector2d> WhitenedError(const FrameGeometry& geometry,
   return WhitenedErrorAt(point, geometry.current(observation.frame), observation, camera);
 }
 
+double WhitenedPlaneError(const FrameGeometry& geometry,
+                          const WindowPlane& plane,
+                          const WindowLandmark& landmark,
+                          const RobustOptions& robust) {
+  return PlaneError(Hosted(landmark, geometry.current(landmark.host)), plane, robust.plane_sigma_m);
+}
+
 void LinearizeLandmark(const FrameGeometry& geometry,
+                       const std::vector<WindowPlane>& planes,
                        const WindowLandmark& landmark,
                        const RobustOptions& robust,
                        LandmarkBlock& block) {
@@ -147,7 +196,7 @@ void LinearizeLandmark(const FrameGeometry& geometry,
       block.cost += HuberCost(s, robust.huber_sigma);
       const Vector3d h = target.R_CW[c] * SeenFrom(frozen, target.p_WC[c]);
       if (!error || h.z() < kMinDepth) continue;
-      const double root_weight = s <= robust.huber_sigma ? 1.0 : std::sqrt(robust.huber_sigma / s);
+      const double root_weight = RootWeight(s, robust.huber_sigma);
       MakeRows(frozen, B_W, target, obs, c, h, root_weight, *error, rows + 2 * c);
     }
     SquaredRows G;
@@ -165,9 +214,11 @@ void LinearizeLandmark(const FrameGeometry& geometry,
     block.V += V.topRows<3>();
     block.b += V.row(3).transpose();
   }
+  AddPlaneRows(current, frozen, B_W, planes, landmark, robust, block);
 }
 
 double LandmarkCost(const FrameGeometry& geometry,
+                    const std::vector<WindowPlane>& planes,
                     const WindowLandmark& landmark,
                     const RobustOptions& robust) {
   double cost = 0;
@@ -178,8 +229,25 @@ double LandmarkCost(const FrameGeometry& geometry,
       cost += HuberCost(error ? error->norm() : kBehindSigma, robust.huber_sigma);
     }
   }
+  for (int k = 0; landmark.IsOnPlanes() && k < landmark.planes.count; ++k) {
+    const WindowPlane& plane = planes[landmark.planes.index[static_cast<std::size_t>(k)]];
+    cost += HuberCost(std::abs(PlaneError(point, plane, robust.plane_sigma_m)),
+                      robust.plane_huber_sigma);
+  }
   return cost;
 }
+
+namespace {
+
+// Y L^T = W, column by column.
+template <class M>
+void SolveFromRight(const Matrix3d& L, const Vector3d& inverse_diagonal, const M& W, M& Y) {
+  Y.col(0) = inverse_diagonal(0) * W.col(0);
+  Y.col(1) = inverse_diagonal(1) * (W.col(1) - L(1, 0) * Y.col(0));
+  Y.col(2) = inverse_diagonal(2) * (W.col(2) - L(2, 0) * Y.col(0) - L(2, 1) * Y.col(1));
+}
+
+}  // namespace
 
 void Eliminate(double lambda, LandmarkBlock& block) {
   Matrix3d V = block.V;
@@ -198,12 +266,11 @@ void Eliminate(double lambda, LandmarkBlock& block) {
   }
   block.y = L.triangularView<Eigen::Lower>().solve(block.b);
   const Vector3d inv = L.diagonal().cwiseInverse();
-  for (int v = 0; v < block.num_views; ++v) {
-    // Y L^T = W, column by column.
-    LandmarkBlock::View& view = block.views[v];
-    view.Y.col(0) = inv(0) * view.W.col(0);
-    view.Y.col(1) = inv(1) * (view.W.col(1) - L(1, 0) * view.Y.col(0));
-    view.Y.col(2) = inv(2) * (view.W.col(2) - L(2, 0) * view.Y.col(0) - L(2, 1) * view.Y.col(1));
+  for (int v = 0; v < block.num_views; ++v)
+    SolveFromRight(L, inv, block.views[v].W, block.views[v].Y);
+  for (int k = 0; k < block.num_plane_views; ++k) {
+    LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(k)];
+    SolveFromRight(L, inv, view.W, view.Y);
   }
 }
 

@@ -7,8 +7,10 @@
 // is the same reduced system as with host columns.
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "facet/estimator/robust_options.h"
 #include "facet/estimator/window.h"
 
 namespace facet {
@@ -43,10 +45,6 @@ class FrameGeometry {
   std::vector<char> is_frozen_;
 };
 
-struct RobustOptions {
-  double huber_sigma = 2.0;
-};
-
 /// Linearised rows of one landmark, already squared: normal equations in (frames, landmark).
 /// Landmark order: two tangent directions of the bearing (TangentBasis), inverse distance.
 struct LandmarkBlock {
@@ -57,9 +55,19 @@ struct LandmarkBlock {
     Matrix<6, 3> W;  ///< pose-landmark
     Matrix<6, 3> Y;  ///< W L^-T, filled by Eliminate
   };
+  /// The row that ties the landmark to a plane.
+  struct PlaneView {
+    int plane = 0;
+    Matrix3d H;
+    Vector3d b;
+    Matrix3d W;  ///< plane-landmark
+    Matrix3d Y;  ///< W L^-T, filled by Eliminate
+  };
   int index = -1;  ///< of the landmark in the window
   std::vector<View> views;
   int num_views = 0;
+  std::array<PlaneView, PlaneLinks::kMax> plane_views;
+  int num_plane_views = 0;
   Matrix3d V;  ///< landmark-landmark
   Vector3d b;  ///< gradient
   Matrix3d L;  ///< Cholesky factor of the damped V, filled by Eliminate
@@ -73,18 +81,27 @@ std::optional<Vector2d> WhitenedError(const FrameGeometry& geometry,
                                       const WindowObservation& observation,
                                       int camera);
 
-/// Fills `block` (reusing its storage).
+/// Distance of a landmark from one of its planes, in sigmas.
+double WhitenedPlaneError(const FrameGeometry& geometry,
+                          const WindowPlane& plane,
+                          const WindowLandmark& landmark,
+                          const RobustOptions& robust);
+
+/// Fills `block` (reusing its storage): reprojections and distances to planes (docs/math.md,
+/// section 6; paper, equation (9)).
 void LinearizeLandmark(const FrameGeometry& geometry,
+                       const std::vector<WindowPlane>& planes,
                        const WindowLandmark& landmark,
                        const RobustOptions& robust,
                        LandmarkBlock& block);
 
 /// Robust cost of one landmark: sum of rho(|r|).
 double LandmarkCost(const FrameGeometry& geometry,
+                    const std::vector<WindowPlane>& planes,
                     const WindowLandmark& landmark,
                     const RobustOptions& robust);
 
-/// Factorises V (damped by lambda times its diagonal) and prepares views[].Y.
+/// Factorises V (damped by lambda times its diagonal) and prepares Y of all views.
 void Eliminate(double lambda, LandmarkBlock& block);
 
 }  // namespace facet

@@ -70,8 +70,8 @@ TEST(VisionFactorTest, GradientIsThatOfTheRobustCost) {
     const LandmarkBlock block = Linearized(problem);
     const WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
     EXPECT_NEAR(block.cost, problem.Cost(problem.poses, point), 1e-9 * (1 + block.cost));
-    EXPECT_DOUBLE_EQ(block.cost,
-                     LandmarkCost(GeometryOf(problem), problem.landmark, RobustOptions{kHuber}));
+    EXPECT_DOUBLE_EQ(
+        block.cost, LandmarkCost(GeometryOf(problem), {}, problem.landmark, RobustOptions{kHuber}));
     // A small step: the second derivative of Huber's cost jumps.
     constexpr double kStep = 1e-7;
     for (int k = 0; k < 3; ++k) {
@@ -115,12 +115,13 @@ TEST(VisionFactorTest, APointBehindACameraHasNoRowsAndABoundedCost) {
   const LandmarkBlock::View& view = block.views[block.num_views - 1];
   EXPECT_EQ(view.H.norm() + view.b.norm() + view.W.norm(), 0);
   EXPECT_TRUE(std::isfinite(block.cost));
-  EXPECT_DOUBLE_EQ(block.cost, LandmarkCost(geometry, problem.landmark, RobustOptions{kHuber}));
+  EXPECT_DOUBLE_EQ(block.cost, LandmarkCost(geometry, {}, problem.landmark, RobustOptions{kHuber}));
   WindowLandmark without = problem.landmark;
   without.observations.pop_back();
   // 30 sigma under Huber's loss.
-  EXPECT_NEAR(
-      block.cost - LandmarkCost(geometry, without, RobustOptions{kHuber}), kHuber * (30 - 1), 1e-9);
+  EXPECT_NEAR(block.cost - LandmarkCost(geometry, {}, without, RobustOptions{kHuber}),
+              kHuber * (30 - 1),
+              1e-9);
 }
 
 TEST(VisionFactorTest, FrozenPosesKeepTheirJacobiansAndUseTheCurrentResidual) {
@@ -136,15 +137,15 @@ TEST(VisionFactorTest, FrozenPosesKeepTheirJacobiansAndUseTheCurrentResidual) {
   FrameGeometry geometry(problem.rig);
   geometry.Update(frames);
   LandmarkBlock block;
-  LinearizeLandmark(geometry, problem.landmark, RobustOptions{1e9}, block);
+  LinearizeLandmark(geometry, {}, problem.landmark, RobustOptions{1e9}, block);
   LandmarkBlock at_lin;
-  LinearizeLandmark(GeometryOf(problem), problem.landmark, RobustOptions{1e9}, at_lin);
+  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, RobustOptions{1e9}, at_lin);
   EXPECT_EQ(block.V, at_lin.V);
   Problem moved = problem;
   for (std::size_t i = 0; i < frames.size(); ++i)
     moved.poses[i] = frames[i].x.T_WB;
   EXPECT_NEAR(
-      block.cost, LandmarkCost(GeometryOf(moved), problem.landmark, RobustOptions{1e9}), 1e-9);
+      block.cost, LandmarkCost(GeometryOf(moved), {}, problem.landmark, RobustOptions{1e9}), 1e-9);
   EXPECT_GT(std::abs(block.cost - at_lin.cost), 1e-3);
 }
 

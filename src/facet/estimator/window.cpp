@@ -27,6 +27,38 @@ void WindowFrame::ApplyStep(const Vector<15>& step) {
   }
 }
 
+void WindowPlane::ApplyStep(const Vector3d& step) {
+  offset += step.z();
+  if (frozen) {
+    delta += step;
+    n = RetractDirection(n_lin, delta.head<2>());
+  } else {
+    n = n_lin = RetractDirection(n, step.head<2>());
+  }
+}
+
+void WindowPlane::Freeze() {
+  if (frozen) return;
+  frozen = true;
+  n_lin = n;
+  delta.setZero();
+}
+
+bool PlaneLinks::Contains(int plane) const {
+  return std::find(index.begin(), index.begin() + count, plane) != index.begin() + count;
+}
+
+bool PlaneLinks::Add(int plane) {
+  if (count == kMax || Contains(plane)) return false;
+  index[static_cast<std::size_t>(count++)] = plane;
+  return true;
+}
+
+void PlaneLinks::Remove(int plane) {
+  count =
+      static_cast<int>(std::remove(index.begin(), index.begin() + count, plane) - index.begin());
+}
+
 WindowLandmark* SlidingWindow::Find(LandmarkId id) {
   const auto it = index_.find(id);
   return it == index_.end() ? nullptr : &landmarks_[it->second];
@@ -35,6 +67,13 @@ WindowLandmark* SlidingWindow::Find(LandmarkId id) {
 int SlidingWindow::IndexOf(FrameId id) const {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (frames[i].id == id) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+int SlidingWindow::IndexOf(PlaneId id) const {
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    if (planes[i].id == id) return static_cast<int>(i);
   }
   return -1;
 }
@@ -73,7 +112,8 @@ void SlidingWindow::Rehost(WindowLandmark& landmark, int new_host) {
 
 void SlidingWindow::RemoveFrame(int index) {
   for (const MarginalPrior::Block& block : prior.blocks) {
-    FACET_CHECK(block.frame != frames[index].id) << "frame is still in the prior";
+    FACET_CHECK(block.IsPlane() || block.frame != frames[index].id)
+        << "frame is still in the prior";
   }
   std::vector<char> gone(landmarks_.size(), 0);
   for (std::size_t l = 0; l < landmarks_.size(); ++l) {
@@ -97,8 +137,26 @@ void SlidingWindow::RemoveFrame(int index) {
   RemoveLandmarks(gone);
 }
 
+void SlidingWindow::RemovePlane(int index) {
+  for (const MarginalPrior::Block& block : prior.blocks) {
+    FACET_CHECK(block.plane != planes[index].id) << "plane is still in the prior";
+  }
+  for (WindowLandmark& landmark : landmarks_) {
+    landmark.planes.Remove(index);
+    for (int& plane : landmark.planes.index)
+      plane -= plane > index;
+  }
+  planes.erase(planes.begin() + index);
+}
+
+Vector3d SlidingWindow::PositionOf(const WindowLandmark& landmark) const {
+  const SE3 T_WH = frames[landmark.host].x.T_WB * T_BC0;
+  return T_WH * (landmark.bearing_H / landmark.inverse_distance);
+}
+
 void SlidingWindow::Clear() {
   frames.clear();
+  planes.clear();
   landmarks_.clear();
   index_.clear();
   prior = MarginalPrior();

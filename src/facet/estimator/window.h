@@ -3,11 +3,13 @@
 // Plain data with the few operations that keep it consistent; the mathematics lives elsewhere.
 #pragma once
 
+#include <array>
 #include <unordered_map>
 #include <vector>
 
 #include "facet/camera/stereo_rig.h"
 #include "facet/estimator/imu_factor.h"
+#include "facet/geometry/plane.h"
 #include "facet/map/observation.h"
 
 namespace facet {
@@ -35,6 +37,49 @@ struct WindowFrame {
   void ApplyStep(const Vector<15>& step);
 };
 
+/// One plane in the window: n . (p - anchor) = offset. The anchor is a constant near the surface,
+/// so that normal and offset are hardly correlated wherever the origin is.
+struct WindowPlane {
+  PlaneId id;
+  Vector3d anchor_W = Vector3d::Zero();
+  Vector3d n = Vector3d::UnitZ();  ///< unit normal in W
+  double offset = 0;               ///< [m]
+
+  /// Once the prior touches it, Jacobians are taken at n_lin, and n = n_lin (+) delta.
+  bool frozen = false;
+  /// Known well enough to linearise about for good: only then may the prior touch it.
+  bool settled = false;
+  Vector3d n_lin = Vector3d::UnitZ();
+  Vector3d delta = Vector3d::Zero();  ///< two tangent directions at n_lin [rad], offset [m]
+
+  WindowPlane() = default;
+  WindowPlane(PlaneId plane_id, const Plane& plane, const Vector3d& anchor)
+      : id(plane_id),
+        anchor_W(anchor),
+        n(plane.n),
+        offset(plane.d - plane.n.dot(anchor)),
+        n_lin(plane.n) {}
+
+  Plane plane() const { return {n, offset + n.dot(anchor_W)}; }
+  double SignedDistance(const Vector3d& p_W) const { return n.dot(p_W - anchor_W) - offset; }
+
+  /// Two tangent directions (TangentBasis of n_lin), offset.
+  void ApplyStep(const Vector3d& step);
+  void Freeze();
+};
+
+/// The planes a landmark lies on: an edge has two, a corner three.
+struct PlaneLinks {
+  static constexpr int kMax = 3;
+  int count = 0;
+  std::array<int, kMax> index{};  ///< into SlidingWindow::planes
+
+  bool Contains(int plane) const;
+  /// False if it is there already or there is no room.
+  bool Add(int plane);
+  void Remove(int plane);
+};
+
 /// One landmark in one stereo frame, in undistorted normalised coordinates.
 struct WindowObservation {
   int frame = 0;  ///< index into SlidingWindow::frames
@@ -52,6 +97,13 @@ struct WindowLandmark {
   Vector3d bearing_H = Vector3d::UnitZ();       ///< unit vector in the host's left camera
   double inverse_distance = 0;                  ///< 1/m, >= 0
   std::vector<WindowObservation> observations;  ///< in order of time; at most one per frame
+  PlaneLinks planes;
+
+  /// A point this far away is not tied to planes: its distance means nothing.
+  static constexpr double kMinPlaneInverseDistance = 0.02;
+  bool IsOnPlanes() const {
+    return planes.count > 0 && has_depth && inverse_distance > kMinPlaneInverseDistance;
+  }
 };
 
 /// Quadratic prior 1/2 d^T H d + b^T d over frozen variables, d = delta of those variables.
@@ -60,6 +112,10 @@ struct MarginalPrior {
     FrameId frame;
     bool is_motion = false;  ///< 9 columns v b_g b_a, otherwise 6 columns theta p
     int offset = 0;
+    PlaneId plane{};  ///< valid: 3 columns of this plane, and no frame
+
+    bool IsPlane() const { return plane.IsValid(); }
+    int size() const { return IsPlane() ? 3 : is_motion ? 9 : 6; }
   };
   std::vector<Block> blocks;
   MatrixXd H;
@@ -79,6 +135,7 @@ struct StartPrior {
 class SlidingWindow {
  public:
   std::vector<WindowFrame> frames;  ///< oldest first
+  std::vector<WindowPlane> planes;
   MarginalPrior prior;
   StartPrior start_prior;
 
@@ -89,6 +146,7 @@ class SlidingWindow {
   WindowLandmark* Find(LandmarkId id);
   /// Index of the frame, or -1.
   int IndexOf(FrameId id) const;
+  int IndexOf(PlaneId id) const;
 
   WindowLandmark& AddLandmark(LandmarkId id, int host);
 
@@ -98,6 +156,12 @@ class SlidingWindow {
   /// Removes a frame: every observation in it goes; landmarks hosted there move to their next
   /// observation, those without any observation go. The prior must not contain the frame.
   void RemoveFrame(int index);
+
+  /// Removes a plane and the links to it. The prior must not contain it.
+  void RemovePlane(int index);
+
+  /// Where the landmark is in the world; its inverse distance must not be 0.
+  Vector3d PositionOf(const WindowLandmark& landmark) const;
 
   /// Moves a landmark to the frame of its first remaining observation, keeping its place in the
   /// world.

@@ -19,6 +19,7 @@ void WindowSolver::Save(const SlidingWindow& window) {
     saved_lin_.push_back(frame.lin);
     saved_delta_.push_back(frame.delta);
   }
+  saved_planes_ = window.planes;
   saved_landmarks_.clear();
   for (const WindowLandmark& landmark : window.landmarks()) {
     saved_landmarks_.emplace_back(landmark.bearing_H, landmark.inverse_distance);
@@ -31,6 +32,7 @@ void WindowSolver::Restore(SlidingWindow& window) const {
     window.frames[i].lin = saved_lin_[i];
     window.frames[i].delta = saved_delta_[i];
   }
+  window.planes = saved_planes_;
   for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
     window.landmarks()[l].bearing_H = saved_landmarks_[l].first;
     window.landmarks()[l].inverse_distance = saved_landmarks_[l].second;
@@ -38,7 +40,7 @@ void WindowSolver::Restore(SlidingWindow& window) const {
 }
 
 SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
-  const RobustOptions robust{options_.huber_sigma};
+  const RobustOptions robust = options_.robust();
   SolveSummary summary;
   lambda_ = kMinLambda;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -48,6 +50,7 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
 
     bool accepted = false;
     while (!accepted && lambda_ <= kMaxLambda) {
+      factored_lambda_ = lambda_;
       if (!system_.Solve(window, lambda_)) {
         lambda_ = std::max(lambda_ * 10, 1e-6);
         continue;
@@ -79,6 +82,14 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
     }
   }
   return summary;
+}
+
+Matrix<15, 15> WindowSolver::NewestFrameCovariance(const SlidingWindow& window) {
+  // Damping is no information: it must not be in the factor.
+  if (factored_lambda_ > kMinLambda && system_.Solve(window, kMinLambda)) {
+    factored_lambda_ = kMinLambda;
+  }
+  return system_.NewestFrameCovariance();
 }
 
 }  // namespace facet

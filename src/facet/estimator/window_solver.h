@@ -23,6 +23,10 @@ class WindowSolver {
   /// Minimises the window's cost in at most `max_iterations` steps. Moves frames and landmarks.
   SolveSummary Solve(SlidingWindow& window, int max_iterations);
 
+  /// Marginal covariance of the newest frame (theta p v b_g b_a) at the last linearisation of Solve,
+  /// without its damping.
+  Matrix<15, 15> NewestFrameCovariance(const SlidingWindow& window);
+
   /// As of the last factorisation inside Solve.
   const WindowSystem& system() const { return system_; }
 
@@ -32,10 +36,12 @@ class WindowSolver {
 
   WindowSystem system_;
   SolverOptions options_;
+  double factored_lambda_ = 0;  // of the last factorisation
   double lambda_ = 1e-6;
   // Estimates before a trial step.
   std::vector<NavState> saved_x_, saved_lin_;
   std::vector<Vector<15>> saved_delta_;
+  std::vector<WindowPlane> saved_planes_;
   std::vector<std::pair<Vector3d, double>> saved_landmarks_;
 };
 

@@ -164,7 +164,7 @@ TEST(WindowSystemTest, StartPriorGradientMatchesItsCost) {
   test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
   test.window.start_prior.sigma_position = test.window.start_prior.sigma_yaw = 0.1;
   testing::Disturb(test.window, {0.4, 0.2, 0.2, 0.01, 0.1}, rng);
-  const StateLayout layout = MakeLayout(test.window.frames);
+  const StateLayout layout = MakeLayout(test.window);
   MatrixXd H = MatrixXd::Zero(layout.dim, layout.dim);
   VectorXd b = VectorXd::Zero(layout.dim);
   AddStartPrior(test.window, layout, &H, &b);
@@ -220,6 +220,26 @@ TEST(WindowSystemTest, CostIsTheSameWithAndWithoutLinearizing) {
   WindowSystem system(test.rig);
   system.Linearize(test.window, RobustOptions{kHuber});
   EXPECT_NEAR(system.Cost(test.window, RobustOptions{kHuber}), system.cost(), 1e-9 * system.cost());
+}
+
+TEST(WindowSolverTest, CovarianceIsFreeOfDamping) {
+  Rng rng(53);
+  TestWindow test = MakeWindow(53, 0);
+  AddBalancedPrior(test, rng);
+  SolverOptions options;
+  options.min_cost_decrease = 0;  // at the optimum the solver then damps until nothing moves
+  WindowSolver solver(test.rig, options);
+  solver.Solve(test.window, 30);
+  const Matrix<15, 15> expected = [&] {
+    WindowSystem system(test.rig);
+    system.Linearize(test.window, options.robust());
+    EXPECT_TRUE(system.Solve(test.window, 1e-12));
+    return system.NewestFrameCovariance();
+  }();
+  solver.Solve(test.window, 5);
+  const Vector<15> scale = expected.diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix<15, 15> error = solver.NewestFrameCovariance(test.window) - expected;
+  EXPECT_LT((scale.asDiagonal() * error * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-3);
 }
 
 TEST(WindowSolverTest, NeverRaisesTheCost) {

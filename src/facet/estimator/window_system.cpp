@@ -36,6 +36,10 @@ void AddFactor(
 VectorXd PriorDelta(const SlidingWindow& window) {
   VectorXd delta(window.prior.dim());
   for (const MarginalPrior::Block& block : window.prior.blocks) {
+    if (block.IsPlane()) {
+      delta.segment<3>(block.offset) = window.planes[window.IndexOf(block.plane)].delta;
+      continue;
+    }
     const WindowFrame& frame = window.frames[window.IndexOf(block.frame)];
     if (block.is_motion) {
       delta.segment<9>(block.offset) = frame.delta.tail<9>();
@@ -54,14 +58,15 @@ double AddPrior(const SlidingWindow& window, const StateLayout& layout, MatrixXd
   const double cost = delta.dot(0.5 * H_delta + prior.b);
   if (H == nullptr) return cost;
   const auto column = [&](const MarginalPrior::Block& block) {
+    if (block.IsPlane()) return layout.plane_column[window.IndexOf(block.plane)];
     const int frame = window.IndexOf(block.frame);
     return block.is_motion ? layout.motion_column[frame] : layout.pose_column[frame];
   };
   for (const MarginalPrior::Block& r : prior.blocks) {
-    const int row = column(r), rows = r.is_motion ? 9 : 6;
+    const int row = column(r), rows = r.size();
     b->segment(row, rows) += prior.b.segment(r.offset, rows) + H_delta.segment(r.offset, rows);
     for (const MarginalPrior::Block& c : prior.blocks) {
-      const int cols = c.is_motion ? 9 : 6;
+      const int cols = c.size();
       H->block(row, column(c), rows, cols) += prior.H.block(r.offset, c.offset, rows, cols);
     }
   }
@@ -123,21 +128,54 @@ double AddImuLink(
 }
 
 bool IsConstraining(const WindowLandmark& landmark) {
-  return landmark.has_depth && landmark.observations.size() >= 2;
+  return landmark.has_depth && (landmark.observations.size() >= 2 ||
+                                (landmark.IsOnPlanes() && !landmark.observations.empty()));
+}
+
+void AddDiagonal(const LandmarkBlock& block, const StateLayout& layout, MatrixXd& H, VectorXd& b) {
+  for (int v = 0; v < block.num_views; ++v) {
+    const int column = layout.pose_column[block.views[v].frame];
+    H.block<6, 6>(column, column) += block.views[v].H;
+    b.segment<6>(column) += block.views[v].b;
+  }
+  for (int k = 0; k < block.num_plane_views; ++k) {
+    const LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(k)];
+    const int column = layout.plane_column[view.plane];
+    H.block<3, 3>(column, column) += view.H;
+    b.segment<3>(column) += view.b;
+  }
 }
 
 void SubtractSchur(const LandmarkBlock& block,
-                   const std::vector<int>& pose_column,
+                   const StateLayout& layout,
                    MatrixXd& H,
                    VectorXd& b) {
   for (int i = 0; i < block.num_views; ++i) {
     const LandmarkBlock::View& view_i = block.views[i];
-    const int row = pose_column[view_i.frame];
+    const int row = layout.pose_column[view_i.frame];
     b.segment<6>(row).noalias() -= view_i.Y * block.y;
     for (int j = 0; j <= i; ++j) {
       const LandmarkBlock::View& view_j = block.views[j];
-      SubtractOuterProduct(
-          view_i.Y.data(), view_j.Y.data(), &H(row, pose_column[view_j.frame]), H.outerStride());
+      SubtractOuterProduct(view_i.Y.data(),
+                           view_j.Y.data(),
+                           &H(row, layout.pose_column[view_j.frame]),
+                           H.outerStride());
+    }
+  }
+  for (int p = 0; p < block.num_plane_views; ++p) {
+    const LandmarkBlock::PlaneView& plane_p = block.plane_views[static_cast<std::size_t>(p)];
+    const int column = layout.plane_column[plane_p.plane];
+    b.segment<3>(column).noalias() -= plane_p.Y * block.y;
+    // Planes come before poses, so these blocks are below the diagonal.
+    for (int i = 0; i < block.num_views; ++i) {
+      H.block<6, 3>(layout.pose_column[block.views[i].frame], column).noalias() -=
+          block.views[i].Y * plane_p.Y.transpose();
+    }
+    for (int q = 0; q < block.num_plane_views; ++q) {
+      const LandmarkBlock::PlaneView& plane_q = block.plane_views[static_cast<std::size_t>(q)];
+      if (layout.plane_column[plane_q.plane] < column) continue;
+      H.block<3, 3>(layout.plane_column[plane_q.plane], column).noalias() -=
+          plane_q.Y * plane_p.Y.transpose();
     }
   }
 }
@@ -150,18 +188,14 @@ void WindowSystem::LinearizeVision(const SlidingWindow& window, const RobustOpti
     if (!IsConstraining(landmarks[l])) continue;
     LandmarkBlock& block = blocks_[num_blocks_++];
     block.index = static_cast<int>(l);
-    LinearizeLandmark(geometry_, landmarks[l], robust, block);
+    LinearizeLandmark(geometry_, window.planes, landmarks[l], robust, block);
     cost_ += block.cost;
-    for (int v = 0; v < block.num_views; ++v) {
-      const int column = layout_.pose_column[block.views[v].frame];
-      H_.block<6, 6>(column, column) += block.views[v].H;
-      b_.segment<6>(column) += block.views[v].b;
-    }
+    AddDiagonal(block, layout_, H_, b_);
   }
 }
 
 void WindowSystem::Linearize(const SlidingWindow& window, const RobustOptions& robust) {
-  layout_ = MakeLayout(window.frames);
+  layout_ = MakeLayout(window);
   geometry_.Update(window.frames);
   H_.setZero(layout_.dim, layout_.dim);
   b_.setZero(layout_.dim);
@@ -181,7 +215,7 @@ double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robu
     if (window.frames[j].has_imu_link) cost += AddImuLink(window, layout_, j, nullptr, nullptr);
   }
   for (const WindowLandmark& landmark : window.landmarks()) {
-    if (IsConstraining(landmark)) cost += LandmarkCost(geometry_, landmark, robust);
+    if (IsConstraining(landmark)) cost += LandmarkCost(geometry_, window.planes, landmark, robust);
   }
   return cost;
 }
@@ -193,7 +227,7 @@ bool WindowSystem::Solve(const SlidingWindow& window, double lambda) {
   reduced_H_.diagonal().array() += lambda * (H_.diagonal().array() + 1.0);
   for (int k = 0; k < num_blocks_; ++k) {
     Eliminate(lambda, blocks_[k]);
-    SubtractSchur(blocks_[k], layout_.pose_column, reduced_H_, reduced_b_);
+    SubtractSchur(blocks_[k], layout_, reduced_H_, reduced_b_);
   }
   if (!motions_.Eliminate(window, layout_, reduced_H_, reduced_b_)) return false;
   factor_.compute(reduced_H_.topLeftCorner(layout_.dense_dim, layout_.dense_dim));
@@ -220,12 +254,18 @@ void WindowSystem::ApplyStep(SlidingWindow& window) {
       frame_step.tail<9>() = step_.segment<9>(layout_.motion_column[i]);
     window.frames[i].ApplyStep(frame_step);
   }
+  for (std::size_t k = 0; k < window.planes.size(); ++k)
+    window.planes[k].ApplyStep(step_.segment<3>(layout_.plane_column[k]));
   for (int k = 0; k < num_blocks_; ++k) {
     const LandmarkBlock& block = blocks_[k];
     Vector3d rhs = block.y;
     for (int v = 0; v < block.num_views; ++v) {
       rhs += block.views[v].Y.transpose() *
              step_.segment<6>(layout_.pose_column[block.views[v].frame]);
+    }
+    for (int p = 0; p < block.num_plane_views; ++p) {
+      const LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(p)];
+      rhs += view.Y.transpose() * step_.segment<3>(layout_.plane_column[view.plane]);
     }
     const Vector3d d = -block.L.transpose().triangularView<Eigen::Upper>().solve(rhs);
 
@@ -239,6 +279,17 @@ void WindowSystem::ApplyStep(SlidingWindow& window) {
     landmark.bearing_H = new_host.q.conjugate() * (y_W / norm);
     landmark.inverse_distance = rho / norm;
   }
+}
+
+std::vector<Matrix3d> WindowSystem::PlaneInformation() const {
+  std::vector<Matrix3d> information(layout_.plane_column.size(), Matrix3d::Zero());
+  for (int k = 0; k < num_blocks_; ++k) {
+    for (int p = 0; p < blocks_[k].num_plane_views; ++p) {
+      const LandmarkBlock::PlaneView& view = blocks_[k].plane_views[static_cast<std::size_t>(p)];
+      information[static_cast<std::size_t>(view.plane)] += view.H - view.Y * view.Y.transpose();
+    }
+  }
+  return information;
 }
 
 Matrix<15, 15> WindowSystem::NewestFrameCovariance() const {

@@ -29,7 +29,8 @@ double AddStartPrior(const SlidingWindow& window,
 double AddImuLink(
     const SlidingWindow& window, const StateLayout& layout, int j, MatrixXd* H, VectorXd* b);
 
-/// Whether the landmark constrains the frames: it has a distance and is seen from two of them.
+/// Whether the landmark constrains anything: it has a distance and is seen from two frames, or from
+/// one and lies on a plane.
 bool IsConstraining(const WindowLandmark& landmark);
 
 /// Linearised window. Reuse one object: it keeps its storage. Not thread-safe.
@@ -46,13 +47,17 @@ class WindowSystem {
   /// Reduces with damping lambda and solves; false if the matrix is not positive definite.
   bool Solve(const SlidingWindow& window, double lambda);
 
-  /// Moves frames and landmarks by the last solution.
+  /// Moves frames, planes and landmarks by the last solution.
   void ApplyStep(SlidingWindow& window);
 
   double cost() const { return cost_; }
   const VectorXd& step() const { return step_; }
   const StateLayout& layout() const { return layout_; }
   const FrameGeometry& geometry() const { return geometry_; }
+
+  /// What the landmarks say about each plane, poses given, from the last Solve: information on two
+  /// tangent directions and offset.
+  std::vector<Matrix3d> PlaneInformation() const;
 
   /// Marginal covariance of the newest frame (with motion) from the last factorisation: theta p v
   /// b_g b_a.
@@ -75,10 +80,10 @@ class WindowSystem {
   double cost_ = 0;
 };
 
-/// Subtracts the eliminated landmark from (H, b); lower triangle of pose columns only.
-void SubtractSchur(const LandmarkBlock& block,
-                   const std::vector<int>& pose_column,
-                   MatrixXd& H,
-                   VectorXd& b);
+/// Adds the landmark's blocks on the diagonal.
+void AddDiagonal(const LandmarkBlock& block, const StateLayout& layout, MatrixXd& H, VectorXd& b);
+
+/// Subtracts the eliminated landmark from (H, b); lower triangle of plane and pose columns only.
+void SubtractSchur(const LandmarkBlock& block, const StateLayout& layout, MatrixXd& H, VectorXd& b);
 
 }  // namespace facet

@@ -2,36 +2,17 @@
 // Mesh figures against closed forms.
 #include "facet/eval/mesh_error.h"
 
-#include <chrono>
 #include <cmath>
-#include <iostream>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "facet/base/random.h"
 #include "facet/eval/surface_registration.h"
+#include "facet/eval/test_shapes.h"
 #include "facet/eval/visibility.h"
 
 namespace facet {
 namespace {
-
-// A grid of cells x cells squares in the plane z = height over [0, side]^2, shifted in x.
-TriangleMesh Square(double side, double height, int cells, double x0 = 0) {
-  TriangleMesh mesh;
-  for (int r = 0; r <= cells; ++r) {
-    for (int c = 0; c <= cells; ++c)
-      mesh.vertices.emplace_back(x0 + side * c / cells, side * r / cells, height);
-  }
-  for (int r = 0; r < cells; ++r) {
-    for (int c = 0; c < cells; ++c) {
-      const int i = r * (cells + 1) + c;
-      mesh.faces.push_back({i, i + 1, i + cells + 1});
-      mesh.faces.push_back({i + 1, i + cells + 2, i + cells + 1});
-    }
-  }
-  return mesh;
-}
 
 TriangleMesh Sphere(double radius, int rings) {
   TriangleMesh mesh;
@@ -53,12 +34,6 @@ TriangleMesh Sphere(double radius, int rings) {
     }
   }
   return mesh;
-}
-
-TriangleMesh CloudOf(const TriangleMesh& mesh, double points_per_m2) {
-  TriangleMesh cloud;
-  cloud.vertices = Positions(SampleMesh(mesh, points_per_m2, 5'000'000, 99));
-  return cloud;
 }
 
 MeshError Evaluate(const TriangleMesh& mesh, const TriangleMesh& truth) {
@@ -212,20 +187,6 @@ TEST(SurfaceRegistrationTest, FindsASmallMotion) {
   EXPECT_LT(LogSO3(found.q * T_GM.q.conjugate()).norm(), 1e-3);
 }
 
-StereoRig RigLookingAlongX() {
-  CameraIntrinsics k;
-  k.width = 752;
-  k.height = 480;
-  k.fx = k.fy = 458;
-  k.cx = 376;
-  k.cy = 240;
-  StereoRig rig;
-  rig.cameras = {CameraModel(k), CameraModel(k)};
-  const Matrix3d R_BC = (Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished();
-  rig.T_BC = {SE3(Quaterniond(R_BC), {0, 0, 0}), SE3(Quaterniond(R_BC), {0, -0.1, 0})};
-  return rig;
-}
-
 TEST(VisibilityTest, NearWallHidesTheFarOne) {
   // Walls at x = 2 (y in [-1, 0]) and x = 4 (y in [-2, 2]); one more behind the camera.
   const auto wall = [](double x, double y0, double y1) {
@@ -258,32 +219,6 @@ TEST(VisibilityTest, NearWallHidesTheFarOne) {
     EXPECT_LT(num_wrong, 0.01 * static_cast<double>(seen.size()));
     EXPECT_GT(num_seen, 0.1 * static_cast<double>(seen.size()));
   }
-}
-
-TEST(MeshErrorTest, LargeMeshAgainstLargeCloudInTime) {
-  // A wavy floor of 200k faces against a scan of 2 million points; thread CPU time, so that other
-  // programs on the machine do not matter.
-  TriangleMesh mesh = Square(14, 0, 317), dense = Square(14, 0, 100);
-  for (TriangleMesh* m : {&mesh, &dense}) {
-    for (Vector3d& p : m->vertices)
-      p.z() = 0.3 * std::sin(p.x()) * std::cos(p.y());
-  }
-  TriangleMesh cloud = CloudOf(dense, 10300);
-  ASSERT_GT(mesh.faces.size(), 200'000u);
-  ASSERT_GT(cloud.vertices.size(), 2'000'000u);
-  const std::clock_t begin = std::clock();
-  const auto surface = MakeTruthSurface(std::move(cloud));
-  std::vector<SE3> poses;
-  for (int i = 0; i < 100; ++i)
-    poses.emplace_back(ExpSO3({0, 0.6, 0.06 * i}), Vector3d(7, 7, 2));
-  MeshUnderTest test;
-  test.mesh_G = std::move(mesh);
-  const auto seen = SeenPoints(*surface, RigLookingAlongX(), poses);
-  const MeshError error = EvaluateMesh(test, *surface, std::vector<char>(seen.size(), 1));
-  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  std::cout << "200k faces against 2M points: " << seconds << " s\n";
-  EXPECT_LT(seconds, 20);
-  EXPECT_LT(error.aligned.accuracy.mean_m, 0.005);
 }
 
 }  // namespace

@@ -26,6 +26,19 @@ double Quantile(const std::vector<double>& sorted, double share) {
   return (1 - fraction) * sorted[below] + fraction * sorted[above];
 }
 
+// How many of n values may be left out at each end so that the rest still spans the median with 95
+// % probability: each value lies below it with probability 1/2.
+std::size_t NumLeftOut(std::size_t n) {
+  double probability = std::pow(0.5, n), below = 0;  // of exactly, and of at most k values below
+  std::size_t k = 0;
+  while (2 * (below + probability) <= 0.05) {
+    below += probability;
+    probability *= static_cast<double>(n - k) / static_cast<double>(k + 1);
+    ++k;
+  }
+  return k == 0 ? 0 : k - 1;
+}
+
 std::vector<Timestamp> StampsOf(const std::vector<PosePair>& pairs) {
   std::vector<Timestamp> stamps;
   for (const PosePair& pair : pairs)
@@ -99,7 +112,10 @@ PairedComparison CompareRatios(std::vector<double> ratios, int num_rounds, std::
   result.high = Quantile(medians, 0.975);
   result.num_better =
       static_cast<int>(std::ranges::count_if(ratios, [](double r) { return r < 1; }));
-  result.median_ratio = Median(ratios);
+  result.median_ratio = Median(ratios);  // sorts them
+  const std::size_t left_out = NumLeftOut(ratios.size());
+  result.low = std::min(result.low, ratios[left_out]);
+  result.high = std::max(result.high, ratios[ratios.size() - 1 - left_out]);
   if (n >= kMinStartsForVerdict) {
     const bool excludes_one = result.low > 1 || result.high < 1;
     result.verdict = excludes_one ? Verdict::kReal : Verdict::kNotShown;

@@ -41,9 +41,10 @@ std::string OutputOf(const std::string& command) {
 // What the independent implementation says about the same lengths.
 ordered_json NaiveEvaluation(const fs::path& estimate,
                              const fs::path& truth,
-                             const ordered_json& rpe) {
+                             const ordered_json& rpe,
+                             const std::string& more) {
   std::string command = std::string(kPython) + " " + FACET_SOURCE_DIR + "/scripts/naive_ate.py '" +
-                        estimate.string() + "' '" + truth.string() + "' --lengths";
+                        estimate.string() + "' '" + truth.string() + "' " + more + " --lengths";
   for (const auto& entry : rpe) {
     command += ' ';
     command += entry["length_m"].dump();
@@ -59,13 +60,27 @@ void ExpectEqualNumbers(const ordered_json& ours, const ordered_json& naive) {
   }
 }
 
-void ExpectAgreesWithNaive(const fs::path& estimate, const fs::path& truth) {
-  const RunEvaluation evaluation = EvaluateRun(estimate, LoadGroundTruth(truth), {});
+void ExpectAgreesWithNaive(const fs::path& estimate,
+                           const fs::path& truth,
+                           AlignmentKind alignment = AlignmentKind::kSE3,
+                           bool align_time = false) {
+  EvaluationOptions options;
+  options.trajectory.alignment = alignment;
+  options.align_time = align_time;
+  const RunEvaluation evaluation = EvaluateRun(estimate, LoadGroundTruth(truth), options);
   const ordered_json ours = ToJson(evaluation);
-  const ordered_json naive = NaiveEvaluation(estimate, truth, ours["rpe"]);
+  const std::int64_t offset_ns = evaluation.time_offset.value_or(Duration{}).ns;
+  // Relative errors do not depend on the alignment; once is enough for the slow implementation.
+  const bool with_rpe = alignment == AlignmentKind::kSE3 && !align_time;
+  const ordered_json naive = NaiveEvaluation(estimate,
+                                             truth,
+                                             with_rpe ? ours["rpe"] : ordered_json::array(),
+                                             std::string("--alignment ") + ToString(alignment) +
+                                                 " --time-offset-ns=" + std::to_string(offset_ns));
   ASSERT_TRUE(naive.is_object()) << "naive_ate.py failed";
   EXPECT_EQ(ours["poses_with_truth"], naive["poses"]);
   ExpectEqualNumbers(ours["ate"], naive["ate"]);
+  if (!with_rpe) return;
   ASSERT_EQ(ours["rpe"].size(), naive["rpe"].size());
   EXPECT_GE(naive["rpe"].size(), 2u);
   for (std::size_t i = 0; i < naive["rpe"].size(); ++i) {
@@ -104,7 +119,11 @@ TEST(TrajectoryReferenceTest, AgreesWithNaiveImplementationOnSyntheticData) {
       fs::path(::testing::TempDir()) / ("facet_reference_" + std::to_string(getpid()));
   fs::create_directories(folder);
   WriteSyntheticPair(folder / "estimate.tum", folder / "truth.tum");
-  ExpectAgreesWithNaive(folder / "estimate.tum", folder / "truth.tum");
+  for (AlignmentKind kind : {AlignmentKind::kSE3, AlignmentKind::kYawOnly, AlignmentKind::kSim3}) {
+    SCOPED_TRACE(ToString(kind));
+    ExpectAgreesWithNaive(folder / "estimate.tum", folder / "truth.tum", kind);
+  }
+  ExpectAgreesWithNaive(folder / "estimate.tum", folder / "truth.tum", AlignmentKind::kSE3, true);
   fs::remove_all(folder);
 }
 
@@ -143,6 +162,7 @@ TEST_P(PublishedEstimateTest, HasThePublishedErrors) {
 TEST_P(PublishedEstimateTest, AgreesWithNaiveImplementation) {
   if (!HasNumpy()) GTEST_SKIP() << kPython << " has no numpy";
   ExpectAgreesWithNaive(estimate_, truth_);
+  ExpectAgreesWithNaive(estimate_, truth_, AlignmentKind::kSim3);
 }
 
 INSTANTIATE_TEST_SUITE_P(

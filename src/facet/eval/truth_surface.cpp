@@ -123,7 +123,7 @@ class CloudSurface : public TruthSurface {
       scatter += r * r.transpose();
     }
     const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(scatter);
-    const Vector3d values = eigen.eigenvalues();  // ascending
+    const Vector3d& values = eigen.eigenvalues();  // ascending
     if (!(values[0] <= kMaxFlatness * values[1]) || values[1] < 1e-3 * values[2]) return disc;
     disc.n = eigen.eigenvectors().col(0);
     disc.radius = std::sqrt(squared[kRadiusNeighbour]);

@@ -74,10 +74,10 @@ class StateColumns {
 };
 
 Timestamp StampOf(const CsvReader& row) {
-  const auto ns = ParseInteger(row.fields().front());
+  const auto ns = ParseScaledDecimal(row.fields().front(), 0);
   if (!ns) {
     throw InputError(row.Where() + ": stamp '" + std::string(row.fields().front()) +
-                     "' is not an integer; nanoseconds are expected, not seconds");
+                     "' is not a number of nanoseconds");
   }
   return {*ns};
 }

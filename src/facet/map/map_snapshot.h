@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "facet/geometry/plane.h"
 #include "facet/imu/imu_types.h"
 
 namespace facet {
@@ -22,9 +23,15 @@ struct KeyframePose {
   SE3 T_WB;
 };
 
+struct PlaneEstimate {
+  PlaneId id;
+  Plane plane_W;
+};
+
 struct MapSnapshot {
-  NavState latest;                          ///< newest frame
-  std::vector<KeyframePose> keyframes;      ///< oldest first
+  NavState latest;                      ///< newest frame
+  std::vector<KeyframePose> keyframes;  ///< oldest first
+  std::vector<PlaneEstimate> planes;
   std::vector<LandmarkEstimate> landmarks;  ///< sorted by id; every point in front of its cameras
 };
 

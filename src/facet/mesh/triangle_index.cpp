@@ -135,7 +135,7 @@ std::optional<SurfacePoint> TriangleIndex::Closest(const Vector3d& p, double max
   const Triangle* nearest = nullptr;
   SurfacePoint result;
   // Depth of the tree is logarithmic (median splits), so this stack always suffices.
-  std::array<std::pair<int, double>, 128> stack;
+  std::array<std::pair<int, double>, 128> stack;  // NOLINT(*-member-init): filled as it grows
   int size = 0;
   stack[size++] = {0, nodes_[0].box.squaredExteriorDistance(p)};
   while (size > 0) {
@@ -174,7 +174,7 @@ void TriangleIndex::VisitLine(const Vector3d& p,
                               const std::function<bool(int face, double t)>& visit) const {
   if (nodes_.empty()) return;
   const Vector3d inverse_direction = direction.cwiseInverse();
-  std::array<int, 128> stack;
+  std::array<int, 128> stack;  // NOLINT(*-member-init): filled as it grows
   int size = 0;
   stack[size++] = 0;
   while (size > 0) {

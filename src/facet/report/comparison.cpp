@@ -257,8 +257,8 @@ Table PairedTable(const ordered_json& comparison) {
   for (std::size_t p = 0; p < comparison["pooled"].size(); ++p)
     AddPairedRow(comparison, "/pooled/" + std::to_string(p), "all sequences", table);
   table.notes = {
-      "A ratio below 1: the first one is better. From, to: 95 % bootstrap interval of "
-      "the median ratio.",
+      "A ratio below 1: the first one is better. From, to: 95 % interval of the median "
+      "ratio.",
       "A difference is real when at least 9 starts were compared and the interval "
       "excludes 1."};
   return table;
@@ -320,17 +320,20 @@ Table OtherFigures(const ordered_json& comparison) {
   return table;
 }
 
-// Failures with the same message of one combination share a line.
-Table FailureTable(const ordered_json& comparison) {
+// Runs with a complaint; those with the same one of a combination share a line.
+Table ComplaintTable(const ordered_json& comparison, bool with_result) {
   Table table;
-  table.title = "Runs without a result";
+  table.title =
+      with_result ? "Runs that ended early or were judged in part only" : "Runs without a result";
   table.header = {"sequence", "combination", "runs", "reason"};
-  const auto& sequences = comparison["sequences"];
-  for (const auto& sequence : sequences) {
+  for (const auto& sequence : comparison["sequences"]) {
     for (const auto& combination : sequence["combinations"]) {
       std::map<std::string, int> count;
       for (const auto& run : combination["runs"]) {
-        if (!run["done"].get<bool>()) ++count[run.value("message", "no message")];
+        const bool complains = !with_result || run.contains("message");
+        if (run["done"].get<bool>() == with_result && complains) {
+          ++count[run.value("message", "no message")];
+        }
       }
       for (const auto& [message, number] : count) {
         table.rows.push_back({{sequence["name"], "", "", 1},
@@ -386,11 +389,38 @@ nlohmann::ordered_json CompareToJson(const std::vector<ComparedSequence>& sequen
 std::vector<Table> ComparisonTables(const nlohmann::ordered_json& comparison) {
   std::vector<Table> tables = {TableOne(comparison)};
   if (AnyInPaper(comparison)) tables.push_back(TableTwo(comparison));
-  for (Table& table : std::vector<Table>{
-           PairedTable(comparison), OtherFigures(comparison), FailureTable(comparison)}) {
+  for (Table& table : std::vector<Table>{PairedTable(comparison),
+                                         OtherFigures(comparison),
+                                         ComplaintTable(comparison, false),
+                                         ComplaintTable(comparison, true)}) {
     if (!table.rows.empty()) tables.push_back(std::move(table));
   }
   return tables;
+}
+
+std::string RunsCsv(const nlohmann::ordered_json& comparison) {
+  Table table;
+  table.header = {"sequence", "combination", "start_s", "done"};
+  for (const Figure& figure : kFigures)
+    table.header.emplace_back(figure.name);
+  table.header.emplace_back("message");
+  for (const auto& sequence : comparison["sequences"]) {
+    for (const auto& combination : sequence["combinations"]) {
+      for (const auto& run : combination["runs"]) {
+        auto& row = table.rows.emplace_back();
+        const auto add = [&row](const std::string& text) { row.push_back({text, "", "", 1}); };
+        add(sequence["name"]);
+        add(combination["name"]);
+        add(FormatNumber("%g", run["start_s"].get<double>()));
+        add(run["done"].get<bool>() ? "1" : "0");
+        for (const Figure& figure : kFigures)
+          add(run.contains(figure.name) ? run[figure.name].dump() : "");
+        add(run.value("message", ""));
+      }
+    }
+  }
+  const std::string csv = ToCsv(table);
+  return csv.substr(csv.find('\n') + 1);  // without the line of the title
 }
 
 }  // namespace facet

@@ -19,7 +19,7 @@ namespace facet {
 struct ComparedRun {
   double start_s = 0;
   bool has_result = false;
-  std::string message;  ///< why there is no result, or what the run warned of
+  std::string message;  ///< why there is no result, or only a part of it
   std::filesystem::path folder;
   std::vector<PosePair> pairs;        ///< causal poses with their truth
   nlohmann::ordered_json evaluation;  ///< evaluation.json
@@ -45,5 +45,9 @@ nlohmann::ordered_json CompareToJson(const std::vector<ComparedSequence>& sequen
 /// Table I (with the paper's values where the sequence is in the paper), Table II where any is, the
 /// paired comparison, cost, meshes and planes where there are any, and what failed.
 std::vector<Table> ComparisonTables(const nlohmann::ordered_json& comparison);
+
+/// One line per run, for other programs: sequence, combination, start_s, done, the figures in SI
+/// units (empty where there is none), message.
+std::string RunsCsv(const nlohmann::ordered_json& comparison);
 
 }  // namespace facet

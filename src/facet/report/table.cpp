@@ -108,7 +108,7 @@ std::string ToCsv(const Table& table) {
   return text;
 }
 
-std::string ToHtml(const Table& table) {
+std::string ToHtml(const Table& table, const std::string& prefix) {
   std::string html = "<h3>" + EscapeHtml(table.title) + "</h3>\n<div class=\"wide\"><table>\n<tr>";
   for (const std::string& name : table.header)
     html += "<th>" + EscapeHtml(name) + "</th>";
@@ -118,8 +118,8 @@ std::string ToHtml(const Table& table) {
     for (const TableCell& cell : row) {
       html += "<td";
       if (!cell.pointer.empty()) {
-        html += " data-pointer=\"" + EscapeHtml(cell.pointer) + "\" data-format=\"" + cell.format +
-                "\" data-factor=\"" + FormatNumber("%.17g", cell.factor) + "\"";
+        html += " data-pointer=\"" + EscapeHtml(prefix + cell.pointer) + "\" data-format=\"" +
+                cell.format + "\" data-factor=\"" + FormatNumber("%.17g", cell.factor) + "\"";
       }
       html += ">" + EscapeHtml(cell.text) + "</td>";
     }

@@ -36,7 +36,8 @@ std::string FormatNumber(const std::string& format, double value);
 std::string ToText(const Table& table);  ///< aligned columns, for a terminal
 std::string ToMarkdown(const Table& table);
 std::string ToCsv(const Table& table);
-std::string ToHtml(const Table& table);
+/// `prefix` goes before every pointer, for a table of a part of the page's document.
+std::string ToHtml(const Table& table, const std::string& prefix = "");
 
 /// With &, <, > and quotes replaced.
 std::string EscapeHtml(const std::string& text);

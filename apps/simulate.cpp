@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// `facet simulate`: a sequence with exact truth.
+#include "simulate.h"
+
+#include <CLI/CLI.hpp>
+
+#include "facet/io/errors.h"
+
+#ifdef FACET_HAS_SIMULATOR
+
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "progress_bar.h"
+#include "run.h"
+
+#include "facet/io/config_file.h"
+#include "facet/io/result_folder.h"
+#include "facet/render/sequence_writer.h"
+#include "facet/render/simulator.h"
+
+namespace facet {
+namespace {
+
+struct SimulateArguments {
+  SimulationRequest request;
+  std::string out;
+  std::vector<std::string> overrides;
+  bool noise_free = false, clean_images = false, clean_imu = false;
+  bool list = false, quiet = false;
+  std::string command_line;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void CatchInterrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_flags = SA_RESETHAND;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
+}
+
+/// Everything in the images but geometry, light and texture.
+void CleanImages(SimulatorOptions& options) {
+  options.sensor.add_noise = false;
+  options.image.motion_blur = false;
+  options.image.auto_exposure = false;
+  options.image.right_gain = 0;
+  options.image.rays_per_pixel = 16;  // with few rays the borders of surfaces are noisy
+}
+
+void CleanImu(SimulatorOptions& options) {
+  options.imu.add_noise = false;
+  options.imu.add_bias = false;
+}
+
+void ApplyOptions(SimulateArguments& a) {
+  SimulatorOptions& options = a.request.options;
+  if (a.noise_free || a.clean_images) CleanImages(options);
+  if (a.noise_free || a.clean_imu) CleanImu(options);
+  const std::vector<ConfigField> fields = ListFields(options);
+  for (const std::string& text : a.overrides) {
+    const ConfigEntry entry = ParseOverride(text);
+    ApplyConfig({&entry, 1}, fields);
+  }
+}
+
+void CheckOut(const std::string& out) {
+  std::error_code error;
+  if (out.empty()) throw ConfigError("--out DIR is required: where the sequence is written");
+  if (!std::filesystem::exists(out, error)) return;
+  if (std::filesystem::is_directory(out, error) && std::filesystem::is_empty(out, error)) return;
+  throw ConfigError("--out " + out + ": exists already; delete it or choose another name");
+}
+
+/// The text file that says where a sequence comes from and how to make it again.
+std::string Describe(SimulateArguments& a) {
+  return "Simulated by Facet " FACET_VERSION
+         ". The same program on the same kind of machine makes the same files with\n\n  " +
+         a.command_line + "\n\nOptions in force (--set changes them):\n\n" +
+         FormatConfig(ListFields(a.request.options));
+}
+
+void PrintOutcome(const SimulationReport& report, const std::string& folder) {
+  std::printf("%d stereo pairs, %.1f s, %.1f m of path, up to %.2f m/s, nearest surface %.2f m\n",
+              report.num_pairs,
+              report.duration_s,
+              report.path_m,
+              report.max_speed,
+              report.min_clearance_m);
+  std::printf("scene: %zu triangles, %zu planes, %zu surface points seen; %.1f pairs/s\n",
+              report.num_triangles,
+              report.num_planes,
+              report.num_points,
+              report.num_pairs / std::max(1e-3, report.render_wall_s));
+  if (report.smoothing) {
+    std::printf("the smoothed path moved by %.1f mm rms, %.1f mm max; %.3f deg rms, %.3f deg max\n",
+                1e3 * report.smoothing->position_rms_m,
+                1e3 * report.smoothing->position_max_m,
+                report.smoothing->rotation_rms_deg,
+                report.smoothing->rotation_max_deg);
+  }
+  std::printf("written: %s\n", folder.c_str());
+}
+
+void RunSimulation(SimulateArguments& a) {
+  if (a.list) {
+    SimulatorOptions defaults;
+    std::printf("scenes: room, corridor, clutter, or a scene file\nflights: %s\n\n%s",
+                FlightNames().c_str(),
+                FormatConfig(ListFields(defaults)).c_str());
+    return;
+  }
+  CheckOut(a.out);
+  ApplyOptions(a);
+  ResultFolder folder(a.out);
+  WriteTextFile(folder.staging() / "simulation.txt", Describe(a));
+  CatchInterrupts();
+  ProgressBar bar(!a.quiet);
+  const SimulationReport report = Simulate(a.request, folder.staging(), [&](int done, int total) {
+    bar.Update(done, total, "stereo pairs");
+    return interrupted == 0;
+  });
+  bar.Clear();
+  if (!report.is_complete) {
+    throw RunEndedError(128 + SIGINT, "interrupted; nothing was written");
+  }
+  folder.Commit();
+  if (!a.quiet) PrintOutcome(report, folder.target().string());
+}
+
+void AddOptions(CLI::App& command, SimulateArguments& a) {
+  SimulationRequest& r = a.request;
+  command.add_option("--out", a.out, "folder of the sequence; must not exist");
+  command.add_option("--scene", r.scene, "room, corridor, clutter, or a scene file (YAML)")
+      ->capture_default_str();
+  command.add_option("--trajectory", r.trajectory, FlightNames() + ", or ground truth (csv)")
+      ->capture_default_str();
+  command.add_option("--imu", r.imu, "real IMU of the recorded trajectory (csv)");
+  command.add_option("--calibration", r.calibration, "as for facet run; default: EuRoC's vehicle");
+  command.add_option("--textures", r.textures, "folder with images for pictures and prints");
+  command.add_option("--seed", r.seed, "another scene, flight and noise")->capture_default_str();
+  command.add_option("--start", r.start_s, "seconds into a recorded trajectory")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--duration", r.duration_s, "seconds (20; recorded: all)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--threads", r.num_threads, "any number gives the same files")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command.add_option("--set", a.overrides, "key.path=value, repeatable; keys: --list")
+      ->allow_extra_args(false);
+  command.add_flag("--noise-free", a.noise_free, "as --clean-images --clean-imu");
+  command.add_flag("--clean-images",
+                   a.clean_images,
+                   "no noise, no motion blur, one exposure, 16 rays per pixel");
+  command.add_flag("--clean-imu", a.clean_imu, "no noise, no vibration, no bias");
+  command.add_flag("--list", a.list, "print known scenes, flights and options");
+  command.add_flag("--quiet", a.quiet, "no progress bar, no summary");
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app, int argc, char** argv) {
+  auto* command = app.add_subcommand("simulate", "Render a stereo-inertial sequence with truth");
+  auto arguments = std::make_shared<SimulateArguments>();
+  arguments->request.num_threads =
+      static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  arguments->command_line = "facet";
+  for (int i = 1; i < argc; ++i)
+    arguments->command_line += std::string(" ") + argv[i];
+  AddOptions(*command, *arguments);
+  command->callback([arguments] { RunSimulation(*arguments); });
+}
+
+}  // namespace facet
+
+#else
+
+namespace facet {
+
+void AddSimulateCommand(CLI::App& app, int /*argc*/, char** /*argv*/) {
+  auto* command = app.add_subcommand("simulate", "Not in this build: needs Embree 3");
+  command->allow_extras();
+  command->callback([] {
+    throw ConfigError(
+        "facet simulate is not in this build; install Embree 3 (Debian: apt install libembree-dev) "
+        "and build again");
+  });
+}
+
+}  // namespace facet
+
+#endif

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// ladder [--seeds N] [--duration S] [--set key=value]...
+// What planes can gain, rung by rung: the same simulated features and IMU with plain S, and with
+// planes from better and better oracles. Prints paired ratios of the trajectory error.
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "consistency_study.h"
+#include "ladder_planes.h"
+#include <CLI/CLI.hpp>
+
+#include "facet/eval/trajectory_error.h"
+#include "facet/io/config_file.h"
+#include "facet/testing/data_dir.h"
+
+namespace facet {
+namespace {
+
+struct Rung {
+  std::string name;
+  std::function<PlanePolicy(const SimulatedRun&)> make;  ///< empty: no planes
+};
+
+std::vector<Rung> MakeRungs() {
+  const auto oracle = [](double max_age_s) {
+    return [max_age_s](const SimulatedRun& run) -> PlanePolicy {
+      OraclePlaneOptions options;
+      options.max_age_s = max_age_s;
+      return OraclePlanes(run, options);
+    };
+  };
+  return {{"S", nullptr}, {"true planes, kept", oracle(0)}, {"true planes, 6 s", oracle(6.0)}};
+}
+
+struct Outcome {
+  double ate_m = 0;
+  double pose_nees = 0, yaw_nees = 0;  ///< over their degrees of freedom, mean over the frames
+  int num_resets = 0;
+};
+
+Outcome RunRung(const SimulatedRun& run, const ConsistencyOptions& options, const Rung& rung) {
+  const PlanePolicy planes = rung.make ? rung.make(run) : nullptr;
+  const ConsistencyRun result = RunConsistency(run, options, false, planes);
+  const KeyframeTrajectories& keyframes = result.keyframes;
+  Outcome out;
+  out.ate_m = EvaluateTrajectory(keyframes.causal, keyframes.truth).ate_m.rmse;
+  out.num_resets = result.num_resets;
+  for (const FrameError& frame : result.frames) {
+    out.pose_nees += ComputeNeesRatios(frame)[static_cast<std::size_t>(StatePart::kPose)];
+    const Vector3d axis_B = frame.R_WB.transpose() * Vector3d::UnitZ();
+    const double yaw = axis_B.dot(frame.error.head<3>());
+    out.yaw_nees += yaw * yaw / axis_B.dot(frame.covariance.topLeftCorner<3, 3>() * axis_B);
+  }
+  out.pose_nees /= static_cast<double>(result.frames.size());
+  out.yaw_nees /= static_cast<double>(result.frames.size());
+  return out;
+}
+
+// Mean of the log ratios and the 95 % interval of that mean (normal approximation).
+void PrintRatio(const char* name,
+                const std::vector<Outcome>& outcomes,
+                const std::vector<Outcome>& base) {
+  double sum = 0, square = 0, ate = 0, pose_nees = 0, yaw_nees = 0;
+  int resets = 0;
+  const double n = static_cast<double>(outcomes.size());
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const double log_ratio = std::log(outcomes[i].ate_m / base[i].ate_m);
+    sum += log_ratio;
+    square += log_ratio * log_ratio;
+    ate += outcomes[i].ate_m;
+    pose_nees += outcomes[i].pose_nees;
+    yaw_nees += outcomes[i].yaw_nees;
+    resets += outcomes[i].num_resets;
+  }
+  const double mean = sum / n;
+  const double error = std::sqrt(std::max(square / n - mean * mean, 0.0) / std::max(n - 1, 1.0));
+  std::printf(
+      "  %-24s ATE %.4f m   ratio %.3f [%.3f, %.3f]   NEES pose %.2f yaw %.2f   "
+      "resets %d\n",
+      name,
+      ate / n,
+      std::exp(mean),
+      std::exp(mean - 1.96 * error),
+      std::exp(mean + 1.96 * error),
+      pose_nees / n,
+      yaw_nees / n,
+      resets);
+}
+
+void RunLadder(const Scenario& scenario, const ConsistencyOptions& options, int jobs) {
+  const std::vector<Rung> rungs = MakeRungs();
+  const auto seeds = static_cast<std::size_t>(options.num_seeds);
+  std::vector<std::vector<Outcome>> outcomes(rungs.size(), std::vector<Outcome>(seeds));
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < seeds; i = next++) {
+      const std::uint64_t seed = static_cast<std::uint64_t>(options.first_seed) + i;
+      const SimulatedRun run = Simulate(scenario, options, seed);
+      for (std::size_t r = 0; r < rungs.size(); ++r)
+        outcomes[r][i] = RunRung(run, options, rungs[r]);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int k = 0; k < jobs; ++k)
+    threads.emplace_back(work);
+  for (std::thread& thread : threads)
+    thread.join();
+  std::printf("%s, %.0f s, %zu realisations\n", scenario.name.c_str(), scenario.duration_s, seeds);
+  for (std::size_t r = 0; r < rungs.size(); ++r)
+    PrintRatio(rungs[r].name.c_str(), outcomes[r], outcomes[0]);
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("What planes can gain, rung by rung, on simulated features");
+  ConsistencyOptions options;
+  options.num_seeds = 64;
+  std::vector<std::string> overrides;
+  std::string only;
+  double duration_s = 40;
+  int jobs = 1;
+  app.add_option("--seeds", options.num_seeds, "realisations per flight")
+      ->check(CLI::Range(2, 100000));
+  app.add_option("--first-seed", options.first_seed, "the first of them");
+  app.add_option("--duration", duration_s, "length of a run [s]")->check(CLI::Range(5, 60));
+  app.add_option("--only", only, "name of one flight");
+  app.add_option("--jobs", jobs, "runs at the same time")->check(CLI::Range(1, 256));
+  app.add_option("--set", overrides, "option of the estimator, key=value");
+  CLI11_PARSE(app, argc, argv);
+
+  std::vector<ConfigEntry> entries;
+  for (const std::string& text : overrides)
+    entries.push_back(ParseOverride(text));
+  ApplyConfig(entries, ListFields(options.estimator));
+  const auto folder = testing::DataDir("euroc_flights");
+  if (!folder) std::fprintf(stderr, "%s\n", testing::MissingData("euroc_flights").c_str());
+  const std::vector<Scenario> scenarios =
+      folder ? RecordedScenarios(*folder, duration_s) : MadeUpScenarios(duration_s);
+  for (const Scenario& scenario : scenarios) {
+    if (only.empty() || scenario.name == only) RunLadder(scenario, options, jobs);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace facet
+
+int main(int argc, char** argv) {
+  try {
+    return facet::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ladder: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/plane_membership.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+
+namespace facet {
+
+namespace {
+
+// 1-sigma of the landmark in the direction n_W, as vision knows it when the poses are given.
+double SigmaAlong(const FrameGeometry& geometry,
+                  WindowLandmark landmark,
+                  const Vector3d& n_W,
+                  const RobustOptions& robust) {
+  landmark.planes = PlaneLinks();
+  LandmarkBlock block;
+  LinearizeLandmark(geometry, {}, landmark, robust, block);
+  const FrameGeometry::Pose& host = geometry.frozen(landmark.host);
+  const double distance = 1 / landmark.inverse_distance;
+  const Vector3d n_H = host.R_WC0.transpose() * n_W;
+  Vector3d J;
+  J << distance * (TangentBasis(landmark.bearing_H).transpose() * n_H),
+      -distance * distance * n_H.dot(landmark.bearing_H);
+  const Eigen::LLT<Matrix3d> factor(block.V);
+  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return factor.matrixL().solve(J).norm();
+}
+
+bool MayJoin(const FrameGeometry& geometry,
+             const WindowPlane& plane,
+             const WindowLandmark& landmark,
+             const JoinLimits& limits,
+             const RobustOptions& robust) {
+  if (!landmark.has_depth || landmark.observations.empty() ||
+      landmark.inverse_distance <= WindowLandmark::kMinPlaneInverseDistance) {
+    return false;
+  }
+  const double sigma = SigmaAlong(geometry, landmark, plane.n, robust);
+  if (!(sigma <= limits.max_sigma_m)) return false;
+  const double error_m =
+      WhitenedPlaneError(geometry, plane, landmark, robust) * robust.plane_sigma_m;
+  return std::abs(error_m) <=
+         std::max(limits.max_distance_m, 3 * std::hypot(sigma, robust.plane_sigma_m));
+}
+
+}  // namespace
+
+void ApplyAssignments(const PlaneAssignments& assignments,
+                      const JoinLimits& limits,
+                      const RobustOptions& robust,
+                      FrameGeometry& geometry,
+                      SlidingWindow& window) {
+  geometry.Update(window.frames);
+  for (const NewPlane& created : assignments.created) {
+    if (window.IndexOf(created.id) >= 0) continue;
+    window.planes.emplace_back(created.id, created.plane_W, created.centroid_W);
+  }
+  for (const auto& [landmark_id, plane_id] : assignments.left) {
+    WindowLandmark* landmark = window.Find(landmark_id);
+    const int plane = window.IndexOf(plane_id);
+    if (landmark != nullptr && plane >= 0) landmark->planes.Remove(plane);
+  }
+  for (const auto& [landmark_id, plane_id] : assignments.joined) {
+    WindowLandmark* landmark = window.Find(landmark_id);
+    const int plane = window.IndexOf(plane_id);
+    if (landmark == nullptr || plane < 0 || landmark->planes.Contains(plane)) continue;
+    if (MayJoin(geometry, window.planes[plane], *landmark, limits, robust)) {
+      landmark->planes.Add(plane);
+    }
+  }
+}
+
+int DetachOutliers(const FrameGeometry& geometry,
+                   const RobustOptions& robust,
+                   double max_sigma,
+                   SlidingWindow& window) {
+  int detached = 0;
+  for (WindowLandmark& landmark : window.landmarks()) {
+    if (!landmark.IsOnPlanes()) continue;
+    for (int k = landmark.planes.count - 1; k >= 0; --k) {
+      const int plane = landmark.planes.index[static_cast<std::size_t>(k)];
+      const double error = WhitenedPlaneError(geometry, window.planes[plane], landmark, robust);
+      if (std::abs(error) <= max_sigma) continue;
+      landmark.planes.Remove(plane);
+      ++detached;
+    }
+  }
+  return detached;
+}
+
+std::vector<int> CountMembers(const SlidingWindow& window) {
+  std::vector<int> members(window.planes.size(), 0);
+  for (const WindowLandmark& landmark : window.landmarks()) {
+    for (int k = 0; landmark.IsOnPlanes() && k < landmark.planes.count; ++k)
+      ++members[static_cast<std::size_t>(landmark.planes.index[static_cast<std::size_t>(k)])];
+  }
+  return members;
+}
+
+void MarkSettledPlanes(const std::vector<Matrix3d>& information,
+                       const SettledLimits& limits,
+                       SlidingWindow& window) {
+  for (std::size_t k = 0; k < window.planes.size(); ++k) {
+    const Eigen::LLT<Matrix3d> factor(information[k]);
+    if (factor.info() != Eigen::Success) continue;
+    const Matrix3d covariance = factor.solve(Matrix3d::Identity());
+    const double variance_normal = covariance(0, 0) + covariance(1, 1);
+    if (variance_normal < limits.sigma_normal_rad * limits.sigma_normal_rad &&
+        covariance(2, 2) < limits.sigma_offset_m * limits.sigma_offset_m) {
+      window.planes[k].settled = true;
+    }
+  }
+}
+
+void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow& window) {
+  for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
+    if (leaving_landmarks[l] == 0) continue;
+    PlaneLinks& links = window.landmarks()[l].planes;
+    for (int k = links.count - 1; k >= 0; --k) {
+      const int plane = links.index[static_cast<std::size_t>(k)];
+      if (!window.planes[plane].settled) links.Remove(plane);
+    }
+  }
+}
+
+void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window) {
+  const std::vector<int> members = CountMembers(window);
+  for (int k = static_cast<int>(window.planes.size()) - 1; k >= 0; --k) {
+    if (!window.planes[k].frozen && members[k] < min_landmarks) window.RemovePlane(k);
+  }
+}
+
+}  // namespace facet

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Planes come into the window, landmarks join and leave them.
+#pragma once
+
+#include "facet/estimator/vision_factor.h"
+#include "facet/map/plane_assignments.h"
+
+namespace facet {
+
+/// When a landmark may join a plane: a row on a point that is far off, or whose distance from the
+/// plane is hardly known, is linearised where it means nothing.
+struct JoinLimits {
+  double max_sigma_m = 0;  ///< 1-sigma of the landmark across the plane, from vision, poses given
+  double max_distance_m = 0;  ///< a landmark nearer than this, or than 3 sigma, may join
+};
+
+/// Adds the created planes and the links, and takes back what left. Landmarks that are not in the
+/// window or beyond the limits, and unknown planes, are passed over. Updates `geometry`.
+void ApplyAssignments(const PlaneAssignments& assignments,
+                      const JoinLimits& limits,
+                      const RobustOptions& robust,
+                      FrameGeometry& geometry,
+                      SlidingWindow& window);
+
+/// Cuts the links whose landmark is more than `max_sigma` from its plane. Returns how many.
+/// `geometry` must be up to date.
+int DetachOutliers(const FrameGeometry& geometry,
+                   const RobustOptions& robust,
+                   double max_sigma,
+                   SlidingWindow& window);
+
+/// Removes planes that fewer than `min_landmarks` lie on and that the prior knows nothing of:
+/// nothing but those landmarks would determine them.
+void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window);
+
+/// Limits for a plane to count as known.
+struct SettledLimits {
+  double sigma_normal_rad = 0;
+  double sigma_offset_m = 0;
+};
+
+/// Marks the planes that their landmarks determine well enough; `information` as from
+/// WindowSystem::PlaneInformation. What is settled stays settled.
+void MarkSettledPlanes(const std::vector<Matrix3d>& information,
+                       const SettledLimits& limits,
+                       SlidingWindow& window);
+
+/// Cuts the links of leaving landmarks to planes that are not settled: their rows would freeze the
+/// plane where it happens to be.
+void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow& window);
+
+/// How many landmarks lie on each plane.
+std::vector<int> CountMembers(const SlidingWindow& window);
+
+}  // namespace facet

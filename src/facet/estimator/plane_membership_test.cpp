@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/plane_membership.h"
+
+#include <gtest/gtest.h>
+
+#include "facet/estimator/test_window.h"
+
+namespace facet {
+namespace {
+
+constexpr JoinLimits kLimits{0.2, 0.1};
+constexpr RobustOptions kRobust{2.0, 0.01, 2.0};
+
+struct Scene {
+  explicit Scene(std::uint64_t seed) {
+    Rng rng(seed);
+    testing::TestWindowOptions options;
+    options.noise = 0.1;
+    test = testing::MakeTestWindow(options, rng);
+    landmark = test.window.landmarks().front().id;
+  }
+
+  SlidingWindow& window() { return test.window; }
+
+  // A plane that passes `distance` from the first landmark.
+  NewPlane PlaneAt(std::int64_t id, double distance) const {
+    const Vector3d n = Vector3d(0.3, -0.2, 0.9).normalized();
+    return {PlaneId{id}, Plane{n, n.dot(test.points[0]) - distance}, test.points[0]};
+  }
+
+  void Apply(const PlaneAssignments& assignments, const JoinLimits& limits = kLimits) {
+    FrameGeometry geometry(test.rig);
+    ApplyAssignments(assignments, limits, kRobust, geometry, test.window);
+  }
+
+  testing::TestWindow test;
+  LandmarkId landmark;
+};
+
+TEST(PlaneMembershipTest, LandmarksJoinAndLeave) {
+  Scene scene(1);
+  PlaneAssignments join;
+  join.created = {scene.PlaneAt(7, 0.0)};
+  join.joined = {{scene.landmark, PlaneId{7}}, {LandmarkId{999}, PlaneId{7}}};
+  scene.Apply(join);
+  ASSERT_EQ(scene.window().planes.size(), 1u);
+  EXPECT_EQ(CountMembers(scene.window()), std::vector<int>{1});
+  scene.Apply(join);  // once is enough
+  EXPECT_EQ(scene.window().planes.size(), 1u);
+  EXPECT_EQ(CountMembers(scene.window()), std::vector<int>{1});
+  PlaneAssignments leave;
+  leave.left = {{scene.landmark, PlaneId{7}}};
+  scene.Apply(leave);
+  EXPECT_EQ(CountMembers(scene.window()), std::vector<int>{0});
+}
+
+TEST(PlaneMembershipTest, FarOrUncertainLandmarksDoNotJoin) {
+  Scene scene(2);
+  PlaneAssignments join;
+  join.created = {scene.PlaneAt(1, 5.0), scene.PlaneAt(2, 0.0)};
+  join.joined = {{scene.landmark, PlaneId{1}}, {scene.landmark, PlaneId{3}}};
+  scene.Apply(join);
+  EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{0, 0}));
+  join.joined = {{scene.landmark, PlaneId{2}}};
+  scene.Apply(join, {1e-9, 0.1});
+  EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{0, 0}));
+  scene.Apply(join);
+  EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{0, 1}));
+}
+
+TEST(PlaneMembershipTest, OutliersAreDetached) {
+  Scene scene(3);
+  PlaneAssignments join;
+  join.created = {scene.PlaneAt(1, 0.05), scene.PlaneAt(2, 0.0)};
+  join.joined = {{scene.landmark, PlaneId{1}}, {scene.landmark, PlaneId{2}}};
+  scene.Apply(join);
+  ASSERT_EQ(CountMembers(scene.window()), (std::vector<int>{1, 1}));
+  FrameGeometry geometry(scene.test.rig);
+  geometry.Update(scene.window().frames);
+  EXPECT_EQ(DetachOutliers(geometry, kRobust, 4.0, scene.window()), 1);
+  EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{0, 1}));
+}
+
+TEST(PlaneMembershipTest, UnsupportedPlanesGoUnlessThePriorKnowsThem) {
+  Scene scene(4);
+  PlaneAssignments join;
+  join.created = {scene.PlaneAt(1, 0.0), scene.PlaneAt(2, 0.0), scene.PlaneAt(3, 0.0)};
+  join.joined = {{scene.landmark, PlaneId{3}}};
+  scene.Apply(join);
+  scene.window().planes[0].Freeze();
+  RemoveUnsupportedPlanes(1, scene.window());
+  ASSERT_EQ(scene.window().planes.size(), 2u);
+  EXPECT_EQ(scene.window().planes[0].id, PlaneId{1});
+  EXPECT_EQ(scene.window().planes[1].id, PlaneId{3});
+  EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{0, 1}));
+}
+
+TEST(PlaneMembershipTest, OnlySettledPlanesKeepTheRowsOfLeavingLandmarks) {
+  Scene scene(5);
+  PlaneAssignments join;
+  join.created = {scene.PlaneAt(1, 0.0), scene.PlaneAt(2, 0.0)};
+  join.joined = {{scene.landmark, PlaneId{1}}, {scene.landmark, PlaneId{2}}};
+  scene.Apply(join);
+  const Matrix3d well = Vector3d(1e6, 1e6, 1e6).asDiagonal();
+  const Matrix3d badly = Vector3d(1e6, 1.0, 1e6).asDiagonal();
+  MarkSettledPlanes({well, badly}, {0.01, 0.01}, scene.window());
+  EXPECT_TRUE(scene.window().planes[0].settled);
+  EXPECT_FALSE(scene.window().planes[1].settled);
+  std::vector<char> leaving(scene.window().landmarks().size(), 0);
+  CutUnsettledLinks(leaving, scene.window());
+  EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{1, 1}));
+  leaving[0] = 1;
+  CutUnsettledLinks(leaving, scene.window());
+  EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{1, 0}));
+}
+
+}  // namespace
+}  // namespace facet

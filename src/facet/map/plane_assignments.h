@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the search for regularities tells the estimator after a keyframe: which planes there are and
+// which landmarks lie on them.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "facet/base/types.h"
+#include "facet/geometry/plane.h"
+
+namespace facet {
+
+/// A plane that becomes a variable. Its value is only where the estimation starts.
+struct NewPlane {
+  PlaneId id;
+  Plane plane_W;
+  Vector3d centroid_W = Vector3d::Zero();  ///< of its landmarks
+};
+
+struct PlaneAssignments {
+  std::vector<NewPlane> created;
+  std::vector<std::pair<LandmarkId, PlaneId>>
+      joined;                                        ///< landmarks that are on a plane from now on
+  std::vector<std::pair<LandmarkId, PlaneId>> left;  ///< landmarks that are no longer
+  std::vector<PlaneId> ended;                        ///< planes that leave the estimator
+
+  bool IsEmpty() const {
+    return created.empty() && joined.empty() && left.empty() && ended.empty();
+  }
+};
+
+}  // namespace facet

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/render/camera_rays.h"
+
+namespace facet {
+
+CameraRays::CameraRays(const CameraModel& camera)
+    : width_(camera.width()),
+      height_(camera.height()),
+      pixel_angle_(static_cast<float>(1 / camera.mean_focal_px())),
+      rays_(static_cast<std::size_t>(camera.width() * camera.height())) {
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      const auto point = camera.Undistort({x, y});
+      if (!point) continue;  // outside the field of view: stays black
+      Ray& ray = rays_[static_cast<std::size_t>(y * width_ + x)];
+      ray.x = static_cast<float>(point->xy.x());
+      ray.y = static_cast<float>(point->xy.y());
+      ray.x_dx = static_cast<float>(point->J_xy_px(0, 0));
+      ray.x_dy = static_cast<float>(point->J_xy_px(0, 1));
+      ray.y_dx = static_cast<float>(point->J_xy_px(1, 0));
+      ray.y_dy = static_cast<float>(point->J_xy_px(1, 1));
+      const double cosine_2 = 1 / (1 + point->xy.squaredNorm());
+      ray.vignette = static_cast<float>(cosine_2 * cosine_2);
+      ray.is_valid = true;
+    }
+  }
+}
+
+}  // namespace facet

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/render/materials.h"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
+#include "facet/base/check.h"
+#include "facet/io/errors.h"
+#include "facet/io/image_reader.h"
+#include "facet/render/parallel_for.h"
+
+namespace facet {
+namespace {
+
+/// Painted walls: hardly any texture, a few stains and scratches.
+GreyCanvas Plaster(int size_px, double contrast, Rng& rng) {
+  GreyCanvas canvas(0.72 + contrast * FractalNoise({size_px, 4, 1, 0.9}, rng));
+  Speckle(canvas, size_px / 8, 5, 0.25, rng);
+  Scratch(canvas, size_px / 12, 0.12, rng);
+  return canvas;
+}
+
+GreyCanvas Concrete(int size_px, Rng& rng) {
+  GreyCanvas canvas(0.5 + 0.07 * FractalNoise({size_px, 2, 1, 1}, rng));
+  Speckle(canvas, size_px * 3, 7, 0.25, rng);
+  Scratch(canvas, size_px / 6, 0.15, rng);
+  for (int i = 1; i < 3; ++i)  // joints of the formwork
+    cv::line(canvas, {0, i * size_px / 3}, {size_px, i * size_px / 3}, cv::Scalar(0.3), 3);
+  return canvas;
+}
+
+/// Speckled floor covering, worn.
+GreyCanvas Linoleum(int size_px, Rng& rng) {
+  GreyCanvas canvas(0.5 + 0.05 * FractalNoise({size_px, 2, 1, 1}, rng));
+  Speckle(canvas, size_px * 10, 5, 0.16, rng);
+  Scratch(canvas, size_px / 3, 0.1, rng);
+  return canvas;
+}
+
+GreyCanvas Carpet(int size_px, Rng& rng) {
+  GreyCanvas canvas(0.35 + 0.08 * FractalNoise({size_px, 4, 1, 1.15}, rng));
+  for (int i = 0; i < 8; ++i) {  // woven border lines
+    const int at = rng.Index(size_px);
+    cv::line(canvas, {at, 0}, {at, size_px}, cv::Scalar(rng.Uniform(0.15, 0.7)), 6);
+  }
+  return canvas;
+}
+
+/// Planks with grain, knots and dark gaps.
+GreyCanvas Planks(int size_px, int num_planks, Rng& rng) {
+  const GreyCanvas grain(FractalNoise({size_px, 16, 16, 0.95}, rng));
+  GreyCanvas canvas(0.5 + 0.07 * grain + 0.03 * FractalNoise({size_px, 2, 1, 1}, rng));
+  const int step = size_px / num_planks;
+  for (int i = 0; i < num_planks; ++i) {
+    cv::Mat1f plank = canvas.rowRange(i * step, (i + 1) * step);
+    plank += rng.Uniform(-0.12, 0.12);
+    for (int knot = rng.Index(5); knot > 0; --knot) {
+      const cv::Point at(rng.Index(size_px), rng.Index(step));
+      const int radius = 2 + rng.Index(step / 8 + 2);
+      for (int r = radius; r > 0; r -= 2)
+        cv::ellipse(plank, at, {2 * r, r}, 0, 0, 360, cv::Scalar(0.2 + 0.02 * (radius - r)), 2);
+    }
+    cv::line(canvas, {0, i * step}, {size_px, i * step}, cv::Scalar(0.12), 3);
+    const int end = rng.Index(size_px);
+    cv::line(canvas, {end, i * step}, {end, (i + 1) * step}, cv::Scalar(0.12), 2);
+    for (const int dx : {-12, 12}) {  // nails
+      cv::circle(canvas, {end + dx, i * step + step / 4}, 2, cv::Scalar(0.1), cv::FILLED);
+      cv::circle(canvas, {end + dx, i * step + 3 * step / 4}, 2, cv::Scalar(0.1), cv::FILLED);
+    }
+  }
+  return canvas;
+}
+
+GreyCanvas Bricks(int size_px, Rng& rng) {
+  GreyCanvas canvas(0.58 + 0.03 * FractalNoise({size_px, 4, 1, 1}, rng));
+  constexpr int kRows = 16, kColumns = 5;
+  const int height = size_px / kRows, width = size_px / kColumns;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = -1; column < kColumns; ++column) {
+      const int x = column * width + (row % 2) * width / 2;
+      const cv::Rect brick =
+          cv::Rect(x + 3 + rng.Index(3), row * height + 3, width - 7, height - 6) &
+          cv::Rect(0, 0, size_px, size_px);
+      if (brick.area() == 0) continue;
+      const GreyCanvas body(0.7 * GreyCanvas(canvas(brick)) + rng.Uniform(-0.14, 0.05));
+      body.copyTo(canvas(brick));
+    }
+  }
+  Speckle(canvas, size_px * 2, 4, 0.12, rng);
+  return canvas;
+}
+
+GreyCanvas Fabric(int size_px, Rng& rng) {
+  GreyCanvas canvas(0.45 + 0.12 * FractalNoise({size_px, 2, 1, 0.75}, rng));
+  canvas += 0.05 * FractalNoise({size_px, size_px / 8, 8, 1}, rng);
+  for (int i = 0; i < size_px; i += size_px / 32)
+    cv::line(canvas, {0, i}, {size_px, i}, cv::Scalar(rng.Uniform(0.3, 0.6)), 2);
+  return canvas;
+}
+
+GreyCanvas Cardboard(int size_px, Rng& rng) {
+  GreyCanvas canvas(0.5 + 0.03 * FractalNoise({size_px, 2, 1, 1}, rng));
+  canvas += 0.012 * FractalNoise({size_px, size_px / 8, 16, 1}, rng);
+  cv::rectangle(canvas,
+                {0, size_px * 7 / 16, size_px, size_px / 10},
+                cv::Scalar(0.68),
+                cv::FILLED);  // tape
+  const int side = size_px / 4;
+  const GreyCanvas label(PrintedSheet(side, rng));
+  label.copyTo(canvas(cv::Rect(size_px / 12, size_px / 10, side, side)));
+  const GreyCanvas stamp(PrintedSheet(side, rng) - 0.4);
+  stamp.copyTo(canvas(cv::Rect(size_px * 5 / 8, size_px * 5 / 8, side, side)));
+  Scratch(canvas, size_px / 10, 0.15, rng);
+  return canvas;
+}
+
+GreyCanvas Metal(int size_px, Rng& rng) {
+  GreyCanvas canvas(0.45 + 0.05 * FractalNoise({size_px, 16, 32, 1}, rng));
+  Scratch(canvas, size_px / 4, 0.2, rng);
+  for (int i = 0; i < 6; ++i) {
+    const int y = rng.Index(size_px);
+    cv::line(canvas, {0, y}, {size_px, y}, cv::Scalar(0.2), 3);
+  }
+  return canvas;
+}
+
+/// Rock, bark, soil: strong contrast at all scales.
+GreyCanvas Stone(int size_px, double contrast, Rng& rng) {
+  GreyCanvas canvas(0.42 + contrast * FractalNoise({size_px, 4, 1, 0.95}, rng));
+  const GreyCanvas cracks(cv::abs(FractalNoise({size_px, 4, 1, 0.7}, rng)));
+  canvas.setTo(0.12, cracks < 0.02);
+  Speckle(canvas, size_px * 3, 5, 0.25, rng);
+  return canvas;
+}
+
+GreyCanvas Leaf(int size_px, Rng& rng) {
+  GreyCanvas canvas(0.4 + 0.08 * FractalNoise({size_px, 4, 1, 0.9}, rng));
+  for (int i = 0; i < 10; ++i) {
+    const int y = i * size_px / 10;
+    cv::line(canvas, {size_px / 2, y}, {size_px, y + size_px / 5}, cv::Scalar(0.62), 2);
+    cv::line(canvas, {size_px / 2, y}, {0, y + size_px / 5}, cv::Scalar(0.62), 2);
+  }
+  cv::line(canvas, {size_px / 2, 0}, {size_px / 2, size_px}, cv::Scalar(0.7), 4);
+  return canvas;
+}
+
+GreyCanvas WarningTape(int size_px) {
+  GreyCanvas canvas(size_px, size_px, 0.85F);
+  for (int i = -4; i < 4; ++i) {
+    const int x = i * size_px / 4;
+    const cv::Point corners[] = {
+        {x, 0}, {x + size_px / 8, 0}, {x + size_px / 8 + size_px, size_px}, {x + size_px, size_px}};
+    cv::fillConvexPoly(canvas, corners, 4, cv::Scalar(0.06), cv::LINE_AA);
+  }
+  return canvas;
+}
+
+std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  if (error) throw InputError(folder.string() + ": textures: " + error.message());
+  if (files.empty()) {
+    throw InputError(folder.string() +
+                     ": textures: holds no image; put PNG, JPEG or WebP files in");
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+MaterialLibrary::MaterialLibrary(std::uint64_t seed, const std::filesystem::path& image_folder) {
+  constexpr int kLarge = 2048, kMedium = 1024, kSmall = 512;
+  Rng rng(seed);
+  const auto add = [&](const std::string& name, double tile_m, double gloss, Painter painter) {
+    materials_.push_back({name, {}, tile_m, gloss, 0});
+    painters_.push_back(std::move(painter));
+    seeds_.push_back(rng.Next());  // adding a material leaves those before it as they are
+  };
+  add("plaster", 5, 0, [](Rng& r) { return Plaster(kLarge, 0.012, r); });
+  add("rough_plaster", 5, 0, [](Rng& r) { return Plaster(kLarge, 0.035, r); });
+  add("concrete", 5, 0, [](Rng& r) { return Concrete(kLarge, r); });
+  add("linoleum", 5, 0.12, [](Rng& r) { return Linoleum(kLarge, r); });
+  add("carpet", 2.5, 0, [](Rng& r) { return Carpet(kMedium, r); });
+  add("wood", 0.8, 0.08, [](Rng& r) { return Planks(kMedium, 6, r); });
+  add("boards", 1.2, 0.03, [](Rng& r) { return Planks(kMedium, 3, r); });
+  add("brick", 1.3, 0, [](Rng& r) { return Bricks(kMedium, r); });
+  add("fabric", 1.5, 0, [](Rng& r) { return Fabric(kMedium, r); });
+  add("cardboard", 0, 0, [](Rng& r) { return Cardboard(kMedium, r); });
+  add("metal", 1.5, 0.5, [](Rng& r) { return Metal(kMedium, r); });
+  add("stone", 1.5, 0, [](Rng& r) { return Stone(kMedium, 0.13, r); });
+  add("soil", 4, 0, [](Rng& r) { return Stone(kLarge, 0.1, r); });
+  add("leaf", 0, 0.05, [](Rng& r) { return Leaf(kSmall, r); });
+  add("tape", 0.3, 0.05, [](Rng&) { return WarningTape(kSmall); });
+  add("dark", 1, 0.2, [](Rng&) { return GreyCanvas(4, 4, 0.06F); });
+  add("lamp", 1, 0, [](Rng&) { return GreyCanvas(4, 4, 1.0F); });
+  materials_.back().glow = 3;
+  constexpr int kNumPhotos = 8, kNumPrints = 4;
+  if (!image_folder.empty()) {
+    for (const auto& file : ListImages(image_folder))
+      AddPicture(file);
+    return;
+  }
+  for (int i = 0; i < kNumPhotos + kNumPrints; ++i) {
+    pictures_.push_back(static_cast<int>(materials_.size()));
+    if (i < kNumPhotos) {
+      add("photo" + std::to_string(i), 0, 0.03, [](Rng& r) { return DeadLeaves(kMedium, r); });
+    } else {
+      add("print" + std::to_string(i - kNumPhotos), 0, 0.03, [](Rng& r) {
+        return PrintedSheet(kMedium, r);
+      });
+    }
+  }
+}
+
+void MaterialLibrary::Paint(const std::set<int>& used, int num_threads) {
+  std::vector<std::size_t> due;
+  for (const int index : used) {
+    const auto i = static_cast<std::size_t>(index);
+    if (materials_[i].texture.width() == 0) due.push_back(i);
+  }
+  ParallelFor(static_cast<int>(due.size()), num_threads, [&](int k) {
+    const std::size_t i = due[static_cast<std::size_t>(k)];
+    Rng rng(seeds_[i]);
+    materials_[i].texture = Texture(painters_[i](rng));
+  });
+}
+
+int MaterialLibrary::Find(const std::string& name) const {
+  const auto at = std::find_if(
+      materials_.begin(), materials_.end(), [&](const Material& m) { return m.name == name; });
+  return at == materials_.end() ? -1 : static_cast<int>(at - materials_.begin());
+}
+
+int MaterialLibrary::Get(const std::string& name) const {
+  const int index = Find(name);
+  FACET_CHECK(index >= 0) << "no material '" << name << "'";
+  return index;
+}
+
+int MaterialLibrary::AddPicture(const std::filesystem::path& file) {
+  cv::Mat image;
+  ImageReader().Read(file, image);
+  GreyCanvas canvas;
+  image.convertTo(canvas, CV_32F, 1.0 / 255);
+  pictures_.push_back(static_cast<int>(materials_.size()));
+  materials_.push_back({file.string(), Texture(canvas), 0, 0.03, 0});
+  painters_.emplace_back();
+  seeds_.push_back(0);
+  return pictures_.back();
+}
+
+int MaterialLibrary::RandomPicture(Rng& rng) const {
+  return pictures_[static_cast<std::size_t>(rng.Index(static_cast<int>(pictures_.size())))];
+}
+
+std::string MaterialLibrary::Names() const {
+  std::string names;
+  for (const Material& m : materials_)
+    names += (names.empty() ? "" : ", ") + m.name;
+  return names;
+}
+
+}  // namespace facet

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/render/scene_source.h"
+
+#include <array>
+
+#include "facet/io/errors.h"
+#include "facet/render/scene_file.h"
+
+namespace facet {
+namespace {
+
+struct NamedScene {
+  const char* name;
+  SceneModel (*build)(const ScenePlan&);
+  std::vector<Vector3d> (*route)(std::uint64_t seed);
+};
+constexpr std::array<NamedScene, 3> kScenes = {{{"room", BuildRoom, RoomRoute},
+                                                {"corridor", BuildCorridor, CorridorRoute},
+                                                {"clutter", BuildClutter, ClutterRoute}}};
+
+bool IsFile(const std::string& name) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(name, error);
+}
+
+/// Empty if the scene is a file.
+const NamedScene* FindScene(const std::string& name) {
+  for (const NamedScene& scene : kScenes) {
+    if (name == scene.name) return &scene;
+  }
+  if (IsFile(name)) return nullptr;
+  std::string names;
+  for (const NamedScene& scene : kScenes)
+    names += std::string(scene.name) + ", ";
+  throw ConfigError("--scene " + name + ": no such scene or file; known: " + names +
+                    "or a scene file (docs/simulator.md)");
+}
+
+}  // namespace
+
+Seeds::Seeds(std::uint64_t seed) {
+  Rng rng(seed);
+  for (std::uint64_t* part :
+       {&textures, &scene, &flight, &light, &exposure, &noise, &imu, &truth}) {
+    *part = rng.Next();
+  }
+}
+
+Motion MakeMotion(const SimulationRequest& request, const Seeds& seeds) {
+  const NamedScene* scene = FindScene(request.scene);
+  const MotionRange range{request.start_s, request.duration_s, request.options.image.rate_hz};
+  const auto kind = FlightKindFromText(request.trajectory);
+  if (!kind) {
+    if (!IsFile(request.trajectory)) {
+      throw ConfigError("--trajectory " + request.trajectory + ": no such flight or file; known: " +
+                        FlightNames() + ", or a ground truth file in EuRoC's csv format");
+    }
+    return LoadMotion(request.trajectory, request.imu, range);
+  }
+  if (!request.imu.empty()) {
+    throw ConfigError("--imu " + request.imu +
+                      ": a real IMU only goes with a recorded --trajectory groundtruth.csv");
+  }
+  const std::vector<Vector3d> route_W =
+      scene ? scene->route(seeds.scene) : ReadSceneRoute(request.scene);
+  return MakeUpMotion(*kind, route_W, range, seeds.flight);
+}
+
+SceneModel MakeScene(const SimulationRequest& request,
+                     const Motion& motion,
+                     const Seeds& seeds,
+                     MaterialLibrary& materials) {
+  const NamedScene* scene = FindScene(request.scene);
+  if (!scene) return ReadSceneFile(request.scene, seeds.scene, materials);
+  std::vector<Vector3d> path_W;
+  for (Timestamp t = motion.imu_begin; t < motion.imu_end; t = t + FromSeconds(0.05))
+    path_W.push_back(motion.trajectory.At(t).state.T_WB.p);
+  return scene->build({materials, path_W, seeds.scene});
+}
+
+}  // namespace facet

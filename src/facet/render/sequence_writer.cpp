@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/render/sequence_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <initializer_list>
+#include <string>
+
+#include "facet/io/errors.h"
+#include "facet/io/ply_writer.h"
+
+namespace facet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Text of a number with all its digits.
+std::string Digits(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.12g", value);
+  return text.data();
+}
+
+std::string Join(std::initializer_list<double> values) {
+  std::string text;
+  for (const double value : values)
+    text += (text.empty() ? "" : ",") + Digits(value);
+  return text;
+}
+
+std::string Columns(const Vector3d& v) {
+  return Join({v.x(), v.y(), v.z()});
+}
+
+std::string FormatTransform(const SE3& T) {
+  const Matrix3d R = T.R();
+  std::string text = "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      text += Digits(R(row, column)) + ", ";
+    text += Digits(T.p(row)) + ",\n         ";
+  }
+  return text + "0.0, 0.0, 0.0, 1.0]\n";
+}
+
+const char* DistortionName(DistortionModel model) {
+  return model == DistortionModel::kEquidistant ? "equidistant" : "radial-tangential";
+}
+
+std::string FormatCamera(const CameraModel& camera, const SE3& T_BC, double rate_hz) {
+  const CameraIntrinsics& k = camera.intrinsics();
+  const auto& c = k.coefficients;
+  return "%YAML:1.0\nsensor_type: camera\ncomment: simulated by facet simulate\n\n" +
+         FormatTransform(T_BC) + "\nrate_hz: " + Digits(rate_hz) + "\nresolution: [" +
+         std::to_string(k.width) + ", " + std::to_string(k.height) +
+         "]\ncamera_model: pinhole\nintrinsics: [" + Join({k.fx, k.fy, k.cx, k.cy}) +
+         "] #fu, fv, cu, cv\ndistortion_model: " + DistortionName(k.distortion) +
+         "\ndistortion_coefficients: [" + Join({c[0], c[1], c[2], c[3]}) + "]\n";
+}
+
+std::string FormatImu(const ImuNoise& noise) {
+  return "%YAML:1.0\nsensor_type: imu\ncomment: simulated by facet simulate\n\n" +
+         FormatTransform(SE3()) + "rate_hz: " + Digits(noise.rate_hz) +
+         "\n\ngyroscope_noise_density: " + Digits(noise.gyro_noise) +
+         "     # [ rad / s / sqrt(Hz) ]\ngyroscope_random_walk: " + Digits(noise.gyro_walk) +
+         "       # [ rad / s^2 / sqrt(Hz) ]\naccelerometer_noise_density: " +
+         Digits(noise.accel_noise) +
+         "  # [ m / s^2 / sqrt(Hz) ]\naccelerometer_random_walk: " + Digits(noise.accel_walk) +
+         "    # [ m / s^3 / sqrt(Hz) ]\n";
+}
+
+/// A csv file that is written line by line.
+class CsvFile {
+ public:
+  CsvFile(fs::path file, const char* header) : file_(std::move(file)), stream_(file_) {
+    stream_ << header << '\n';
+  }
+  std::ofstream& stream() { return stream_; }
+  void Close() {
+    stream_.close();
+    if (!stream_)
+      throw OutputError(file_.string() + ": cannot be written (disk full, permissions?)");
+  }
+
+ private:
+  fs::path file_;
+  std::ofstream stream_;
+};
+
+/// A row of planes.csv: one planar part, or all parts of a floor, ceiling or wall that lie in one
+/// plane.
+struct PlaneRow {
+  const ScenePart* first = nullptr;
+  double area_m2 = 0;
+  PartSeen seen;
+};
+
+struct PlaneTable {
+  std::vector<PlaneRow> rows;
+  std::vector<std::int32_t> row_of_part;  // -1: not planar
+};
+
+bool IsSamePlane(const ScenePart& a, const ScenePart& b) {
+  constexpr double kSame = 1e-6;
+  const bool is_building = a.label == "floor" || a.label == "ceiling" || a.label == "wall";
+  return is_building && a.label == b.label && (a.n_W - b.n_W).norm() < kSame &&
+         std::abs(a.d_W - b.d_W) < kSame;
+}
+
+PlaneTable TabulatePlanes(const SceneMesh& mesh, const SurfaceTruth& truth) {
+  PlaneTable table;
+  for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
+    const ScenePart& part = mesh.parts[i];
+    table.row_of_part.push_back(-1);
+    if (!part.is_planar) continue;
+    auto row = std::find_if(table.rows.begin(), table.rows.end(), [&](const PlaneRow& r) {
+      return IsSamePlane(*r.first, part);
+    });
+    if (row == table.rows.end()) row = table.rows.insert(row, {&part, 0, {}});
+    row->area_m2 += part.area_m2;
+    row->seen.area_m2 += truth.parts[i].area_m2;
+    row->seen.seconds = std::max(row->seen.seconds, truth.parts[i].seconds);
+    table.row_of_part.back() = static_cast<std::int32_t>(row - table.rows.begin());
+  }
+  return table;
+}
+
+void WritePlanes(const fs::path& file, const PlaneTable& table) {
+  CsvFile csv(file, "#plane,nx,ny,nz,d [m] (n.x = d),area [m^2],seen area [m^2],label,seen_s [s]");
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const PlaneRow& row = table.rows[i];
+    csv.stream() << i << ',' << Columns(row.first->n_W) << ','
+                 << Join({row.first->d_W, row.area_m2, row.seen.area_m2}) << ',' << row.first->label
+                 << ',' << Digits(row.seen.seconds) << '\n';
+  }
+  csv.Close();
+}
+
+void WriteMesh(const fs::path& file, const SceneMesh& mesh, const PlaneTable& table) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << "ply\nformat binary_little_endian 1.0\ncomment plane_id: row of planes.csv, -1 where "
+            "the surface is curved\nelement vertex "
+         << mesh.vertices.size()
+         << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
+         << mesh.triangles.size()
+         << "\nproperty list uchar int vertex_indices\nproperty int plane_id\nend_header\n";
+  for (const SceneVertex& v : mesh.vertices)
+    stream.write(reinterpret_cast<const char*>(v.p_W.data()), 3 * sizeof(float));
+  for (const SceneTriangle& t : mesh.triangles) {
+    stream.put(3);
+    stream.write(reinterpret_cast<const char*>(t.vertices.data()), sizeof(t.vertices));
+    stream.write(reinterpret_cast<const char*>(&table.row_of_part[t.part]), sizeof(std::int32_t));
+  }
+  stream.close();
+  if (!stream) throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
+}
+
+}  // namespace
+
+void WriteTextFile(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file);
+  stream << text;
+  stream.close();
+  if (!stream) throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
+}
+
+void WriteCalibration(const fs::path& sequence,
+                      const StereoRig& rig,
+                      const ImuNoise& noise,
+                      double frame_rate_hz) {
+  const fs::path mav0 = sequence / "mav0";
+  std::error_code error;
+  for (const char* folder : {"mav0/cam0/data",
+                             "mav0/cam1/data",
+                             "mav0/imu0",
+                             "mav0/state_groundtruth_estimate0",
+                             "mav0/pointcloud0",
+                             "truth"}) {
+    fs::create_directories(sequence / folder, error);
+    if (error) throw OutputError((sequence / folder).string() + ": " + error.message());
+  }
+  WriteTextFile(mav0 / "body.yaml", "%YAML:1.0\ncomment: simulated by facet simulate\n");
+  for (std::size_t c = 0; c < 2; ++c) {
+    WriteTextFile(mav0 / ("cam" + std::to_string(c)) / "sensor.yaml",
+                  FormatCamera(rig.cameras[c], rig.T_BC[c], frame_rate_hz));
+  }
+  WriteTextFile(mav0 / "imu0" / "sensor.yaml", FormatImu(noise));
+  WriteTextFile(mav0 / "state_groundtruth_estimate0" / "sensor.yaml",
+                "%YAML:1.0\nsensor_type: visual-inertial\ncomment: exact, from facet simulate\n\n" +
+                    FormatTransform(SE3()));
+}
+
+fs::path ImageFile(const fs::path& sequence, int camera, Timestamp t) {
+  return sequence / "mav0" / ("cam" + std::to_string(camera)) / "data" /
+         (std::to_string(t.ns) + ".png");
+}
+
+void WriteImageLists(const fs::path& sequence, std::span<const Timestamp> stamps) {
+  for (const char* camera : {"cam0", "cam1"}) {
+    CsvFile csv(sequence / "mav0" / camera / "data.csv", "#timestamp [ns],filename");
+    for (const Timestamp t : stamps)
+      csv.stream() << t.ns << ',' << t.ns << ".png\n";
+    csv.Close();
+  }
+}
+
+void WriteImu(const fs::path& sequence, std::span<const ImuSample> samples) {
+  CsvFile csv(sequence / "mav0" / "imu0" / "data.csv",
+              "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+              "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]");
+  for (const ImuSample& s : samples)
+    csv.stream() << s.t.ns << ',' << Columns(s.gyro) << ',' << Columns(s.accel) << '\n';
+  csv.Close();
+}
+
+void WriteStates(const fs::path& sequence, std::span<const NavState> states) {
+  CsvFile csv(sequence / "mav0" / "state_groundtruth_estimate0" / "data.csv",
+              "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], "
+              "q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], "
+              "b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], "
+              "b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]");
+  for (const NavState& s : states) {
+    const Quaterniond& q = s.T_WB.q;
+    csv.stream() << s.t.ns << ',' << Columns(s.T_WB.p) << ',' << Join({q.w(), q.x(), q.y(), q.z()})
+                 << ',' << Columns(s.v_WB) << ',' << Columns(s.bias.b_g) << ','
+                 << Columns(s.bias.b_a) << '\n';
+  }
+  csv.Close();
+}
+
+void WriteSurfaces(const fs::path& sequence, const SceneMesh& mesh, const SurfaceTruth& truth) {
+  const PlaneTable table = TabulatePlanes(mesh, truth);
+  WriteMesh(sequence / "truth" / "mesh.ply", mesh, table);
+  WritePlanes(sequence / "truth" / "planes.csv", table);
+  WritePlyPoints(sequence / "mav0" / "pointcloud0" / "data.ply", truth.points_W);
+}
+
+}  // namespace facet

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The files of a simulated sequence in the ASL/EuRoC layout. All functions throw OutputError when a
+// file cannot be written completely.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "facet/camera/stereo_rig.h"
+#include "facet/imu/imu_types.h"
+#include "facet/render/scene_mesh.h"
+#include "facet/render/surface_truth.h"
+
+namespace facet {
+
+/// Creates the folders below `sequence` and writes the calibration files.
+void WriteCalibration(const std::filesystem::path& sequence,
+                      const StereoRig& rig,
+                      const ImuNoise& noise,
+                      double frame_rate_hz);
+
+/// mav0/cam<camera>/data/<stamp>.png.
+std::filesystem::path ImageFile(const std::filesystem::path& sequence, int camera, Timestamp t);
+
+/// data.csv of both cameras.
+void WriteImageLists(const std::filesystem::path& sequence, std::span<const Timestamp> stamps);
+
+void WriteImu(const std::filesystem::path& sequence, std::span<const ImuSample> samples);
+
+/// state_groundtruth_estimate0/data.csv.
+void WriteStates(const std::filesystem::path& sequence, std::span<const NavState> states);
+
+/// truth/mesh.ply (with the plane of each face), truth/planes.csv and mav0/pointcloud0/data.ply.
+void WriteSurfaces(const std::filesystem::path& sequence,
+                   const SceneMesh& mesh,
+                   const SurfaceTruth& truth);
+
+void WriteTextFile(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace facet

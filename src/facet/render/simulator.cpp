@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/render/simulator.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <set>
+
+#include "facet/io/calibration_file.h"
+#include "facet/io/errors.h"
+#include "facet/io/png_writer.h"
+#include "facet/render/clearance.h"
+#include "facet/render/exposure.h"
+#include "facet/render/image_renderer.h"
+#include "facet/render/image_sensor.h"
+#include "facet/render/parallel_for.h"
+#include "facet/render/scene_source.h"
+#include "facet/render/sequence_writer.h"
+#include "facet/sim/euroc_rig.h"
+
+namespace facet {
+namespace {
+
+struct Sensors {
+  StereoRig rig;
+  ImuNoise noise;
+};
+
+Sensors ChooseSensors(const SimulationRequest& request) {
+  Sensors sensors{EurocRig(), {}};
+  if (!request.calibration.empty()) {
+    const Calibration read = FindCalibration({}, {request.calibration, {}});
+    sensors = {read.rig, read.imu_noise};
+    sensors.rig.time_offset = {};  // the files of a sequence cannot say it
+  }
+  sensors.noise.rate_hz = request.options.imu.rate_hz;
+  return sensors;
+}
+
+std::vector<SE3> PosesAt(const SplineTrajectory& trajectory, const std::vector<Timestamp>& stamps) {
+  std::vector<SE3> poses;
+  for (const Timestamp t : stamps)
+    poses.push_back(trajectory.At(t).state.T_WB);
+  return poses;
+}
+
+/// The truth at the samples of a real IMU: exact pose and velocity, recorded biases.
+std::vector<NavState> TruthAtSamples(const Motion& motion) {
+  std::vector<NavState> states;
+  std::size_t next = 0;
+  for (const ImuSample& sample : motion.real_imu) {
+    while (next + 1 < motion.recorded.size() && motion.recorded[next + 1].t <= sample.t)
+      ++next;
+    NavState state = motion.trajectory.At(sample.t).state;
+    state.bias = motion.recorded[next].bias;
+    states.push_back(state);
+  }
+  return states;
+}
+
+void WriteInertialData(const SimulationRequest& request,
+                       const Motion& motion,
+                       const ImuNoise& noise,
+                       std::uint64_t seed,
+                       const std::filesystem::path& folder) {
+  if (!motion.real_imu.empty()) {
+    WriteImu(folder, motion.real_imu);
+    WriteStates(folder, TruthAtSamples(motion));
+    return;
+  }
+  const SensedImu imu = SenseImu(motion.trajectory,
+                                 motion.imu_begin,
+                                 motion.imu_end,
+                                 noise,
+                                 request.options.imu,
+                                 motion.vibration,
+                                 seed);
+  WriteImu(folder, imu.samples);
+  WriteStates(folder, imu.truth);
+}
+
+/// How far the image moves during the exposure, at the middle and the corners, for points 2 m away.
+double MotionInPixels(const CameraModel& camera, const SE3& T_WC_begin, const SE3& T_WC_end) {
+  constexpr double kDepth_m = 2;
+  const SE3 T_end_begin = T_WC_end.Inverse() * T_WC_begin;
+  double largest = 0;
+  for (const double x : {0.05, 0.5, 0.95}) {
+    for (const double y : {0.05, 0.5, 0.95}) {
+      const Vector2d px(x * camera.width(), y * camera.height());
+      const auto ray = camera.Unproject(px);
+      if (!ray) continue;
+      const auto moved = camera.Project(T_end_begin * Vector3d(kDepth_m * *ray));
+      if (moved) largest = std::max(largest, (*moved - px).norm());
+    }
+  }
+  return largest;
+}
+
+/// Poses of a camera during the exposure, one for each ray of a pixel.
+std::vector<SE3> SamplePoses(const SplineTrajectory& trajectory,
+                             const CameraModel& camera,
+                             const SE3& T_BC,
+                             Timestamp middle,
+                             double exposure_s,
+                             const ImageOptions& options) {
+  const auto T_WC = [&](double share) {
+    const Timestamp t = middle + FromSeconds(exposure_s * (share - 0.5));
+    return trajectory.At(t).state.T_WB * T_BC;
+  };
+  const int needed = static_cast<int>(std::ceil(MotionInPixels(camera, T_WC(0), T_WC(1))));
+  const int count = std::clamp(
+      needed, options.rays_per_pixel, std::max(options.rays_per_pixel, options.max_rays_per_pixel));
+  std::vector<SE3> poses;
+  for (int i = 0; i < count; ++i)
+    poses.push_back(T_WC((i + 0.5) / count));
+  return poses;
+}
+
+/// Renders and writes all stereo pairs; false if the observer stopped it.
+bool WriteImages(const SimulationRequest& request,
+                 const Motion& motion,
+                 const StereoRig& rig,
+                 const ImageRenderer& renderer,
+                 const Seeds& seeds,
+                 const std::filesystem::path& folder,
+                 const SimulationObserver& observer) {
+  const SimulatorOptions& options = request.options;
+  const std::array<CameraRays, 2> cameras = {CameraRays(rig.cameras[0]),
+                                             CameraRays(rig.cameras[1])};
+  std::vector<SE3> T_WC0 = PosesAt(motion.trajectory, motion.frames);
+  for (SE3& T : T_WC0)
+    T = T * rig.T_BC[0];
+  const std::vector<Exposure> exposures = PlanExposures(
+      renderer, cameras[0], T_WC0, options.image, seeds.exposure, request.num_threads);
+
+  std::atomic<bool> is_stopped{false};
+  std::mutex observer_mutex;
+  int num_done = 0;
+  const int num_pairs = static_cast<int>(motion.frames.size());
+  ParallelFor(num_pairs, request.num_threads, [&](int i) {
+    if (is_stopped) return;
+    const auto k = static_cast<std::size_t>(i);
+    for (std::size_t c = 0; c < 2; ++c) {
+      const std::vector<SE3> poses = SamplePoses(motion.trajectory,
+                                                 rig.cameras[c],
+                                                 rig.T_BC[c],
+                                                 motion.frames[k],
+                                                 exposures[k].seconds,
+                                                 options.image);
+      const cv::Mat1f radiance = renderer.Render(cameras[c], poses, options.image.blur_px);
+      const cv::Mat1b image = ExposeSensor(
+          radiance, cameras[c], exposures[k].gain[c], options.sensor, Rng(seeds.noise + 2 * k + c));
+      WritePng(ImageFile(folder, static_cast<int>(c), motion.frames[k]), image);
+    }
+    const std::lock_guard lock(observer_mutex);
+    if (!observer(++num_done, num_pairs)) is_stopped = true;
+  });
+  WriteImageLists(folder, motion.frames);
+  return !is_stopped;
+}
+
+std::set<int> UsedMaterials(const SceneMesh& mesh) {
+  std::set<int> used;
+  for (const ScenePart& part : mesh.parts)
+    used.insert(part.material);
+  return used;
+}
+
+void DescribePath(const Motion& motion, SimulationReport& report) {
+  report.num_pairs = static_cast<int>(motion.frames.size());
+  report.duration_s = ToSeconds(motion.frames.back() - motion.frames.front());
+  report.smoothing = motion.smoothing;
+  std::optional<Vector3d> previous;
+  for (const Timestamp t : motion.frames) {
+    const NavState state = motion.trajectory.At(t).state;
+    report.max_speed = std::max(report.max_speed, state.v_WB.norm());
+    if (previous) report.path_m += (state.T_WB.p - *previous).norm();
+    previous = state.T_WB.p;
+  }
+}
+
+}  // namespace
+
+SimulationReport Simulate(const SimulationRequest& request,
+                          const std::filesystem::path& folder,
+                          const SimulationObserver& observer) {
+  const Seeds seeds(request.seed);
+  const Sensors sensors = ChooseSensors(request);
+  const Motion motion = MakeMotion(request, seeds);
+  MaterialLibrary materials(seeds.textures, request.textures);
+  SceneModel scene = MakeScene(request, motion, seeds, materials);
+
+  const RayScene rays(scene.mesh);
+  const Clearance clearance = CheckClearance(scene.mesh,
+                                             rays,
+                                             motion.trajectory,
+                                             motion.imu_begin,
+                                             motion.imu_end,
+                                             request.options.min_clearance_m);
+  if (!clearance.problem.empty()) {
+    throw InputError("--scene " + request.scene + ", --trajectory " + request.trajectory + ": " +
+                     clearance.problem + "; take another scene, flight or --seed");
+  }
+  materials.Paint(UsedMaterials(scene.mesh), request.num_threads);
+  BakeLight(rays, scene.lighting, seeds.light, request.num_threads, scene.mesh);
+  const ImageRenderer renderer(scene.mesh, materials, rays, scene.lighting);
+
+  WriteCalibration(folder, sensors.rig, sensors.noise, request.options.image.rate_hz);
+  WriteInertialData(request, motion, sensors.noise, seeds.imu, folder);
+  const SurfaceTruth truth = FindSeenSurfaces(scene.mesh,
+                                              rays,
+                                              sensors.rig,
+                                              PosesAt(motion.trajectory, motion.frames),
+                                              1 / request.options.image.rate_hz,
+                                              request.options.truth,
+                                              seeds.truth,
+                                              request.num_threads);
+  WriteSurfaces(folder, scene.mesh, truth);
+
+  SimulationReport report;
+  DescribePath(motion, report);
+  report.min_clearance_m = clearance.min_distance_m;
+  report.num_triangles = scene.mesh.triangles.size();
+  report.num_points = truth.points_W.size();
+  report.num_planes = static_cast<std::size_t>(
+      std::count_if(scene.mesh.parts.begin(), scene.mesh.parts.end(), [](const ScenePart& part) {
+        return part.is_planar;
+      }));
+  const auto begin = std::chrono::steady_clock::now();
+  report.is_complete = WriteImages(request, motion, sensors.rig, renderer, seeds, folder, observer);
+  report.render_wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return report;
+}
+
+}  // namespace facet

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// `facet simulate` without the command line: from a scene and a motion to a sequence with exact
+// truth.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "facet/render/motion.h"
+#include "facet/render/simulator_options.h"
+#include "facet/render/surface_truth.h"
+
+namespace facet {
+
+struct SimulationRequest {
+  std::string scene = "room";         ///< room, corridor, clutter, or a scene file
+  std::string trajectory = "gentle";  ///< a name of FlightNames(), or ground truth in EuRoC's csv
+  std::string imu;                    ///< EuRoC's csv of a recorded flight; empty: simulated
+  std::string calibration;            ///< as for `facet run`; empty: the EuRoC vehicle
+  std::string textures;               ///< folder with images; empty: procedural
+  std::uint64_t seed = 1;
+  double start_s = 0, duration_s = 0;
+  int num_threads = 1;
+  SimulatorOptions options;
+};
+
+struct SimulationReport {
+  bool is_complete = false;  ///< false: stopped by the observer, the folder is useless
+  int num_pairs = 0;
+  double duration_s = 0, path_m = 0, max_speed = 0;
+  double min_clearance_m = 0;
+  std::size_t num_triangles = 0, num_planes = 0, num_points = 0;
+  double render_wall_s = 0;  ///< of the images
+  std::optional<Smoothing> smoothing;
+};
+
+/// Called now and then from any one thread at a time with the number of finished pairs; false stops
+/// the simulation.
+using SimulationObserver = std::function<bool(int done, int total)>;
+
+/// Writes the sequence into the existing folder. The files depend on the request only, not on the
+/// number of threads. Throws ConfigError for unknown names, InputError for unusable files and for a
+/// path that leaves the scene or comes too near to a surface, OutputError.
+SimulationReport Simulate(const SimulationRequest& request,
+                          const std::filesystem::path& folder,
+                          const SimulationObserver& observer);
+
+}  // namespace facet

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/render/simulator.h"
+
+#include <algorithm>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "facet/io/asl_dataset.h"
+#include "facet/io/test_sequence.h"
+#include "facet/io/trajectory_file.h"
+#include "facet/render/clearance.h"
+#include "facet/render/scene_source.h"
+
+namespace facet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Small images, few of them.
+class SimulatorTest : public testing::Test {
+ protected:
+  SimulatorTest() {
+    for (int c = 0; c < 2; ++c) {
+      WriteText(folder_ / "rig" / ("cam" + std::to_string(c)) / "sensor.yaml", TestCameraYaml(c));
+    }
+    WriteText(folder_ / "rig" / "imu0" / "sensor.yaml", TestImuYaml());
+    request_.calibration = (folder_ / "rig").string();
+    request_.duration_s = 0.1;
+    request_.options.truth.max_points = 20000;
+  }
+
+  fs::path Simulate(const std::string& name) {
+    fs::create_directory(folder_ / name);
+    report_ = facet::Simulate(request_, folder_ / name, [](int, int) { return true; });
+    return folder_ / name;
+  }
+
+  TempFolder folder_;
+  SimulationRequest request_;
+  SimulationReport report_;
+};
+
+std::map<std::string, std::string> ReadAll(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file())
+      files[fs::relative(entry.path(), folder).string()] = ReadText(entry.path());
+  }
+  return files;
+}
+
+TEST_F(SimulatorTest, SameRequestSameBytesWithAnyNumberOfThreads) {
+  for (const char* scene : {"room", "clutter"}) {
+    request_.scene = scene;
+    request_.num_threads = 1;
+    const auto one = ReadAll(Simulate(std::string(scene) + "-one"));
+    request_.num_threads = 3;
+    const auto three = ReadAll(Simulate(std::string(scene) + "-three"));
+    ASSERT_EQ(one.size(), three.size());
+    for (const auto& [name, bytes] : one)
+      EXPECT_TRUE(bytes == three.at(name)) << scene << ": " << name << " differs";
+  }
+}
+
+TEST_F(SimulatorTest, AnotherSeedIsAnotherFlight) {
+  const auto a = ReadAll(Simulate("a"));
+  request_.seed = 2;
+  const auto b = ReadAll(Simulate("b"));
+  EXPECT_NE(a.at("truth/mesh.ply"), b.at("truth/mesh.ply"));
+  EXPECT_NE(a.at("mav0/imu0/data.csv"), b.at("mav0/imu0/data.csv"));
+}
+
+TEST_F(SimulatorTest, WritesASequenceThatTheReadersAccept) {
+  const fs::path sequence = Simulate("sequence");
+  EXPECT_TRUE(report_.is_complete);
+  EXPECT_GE(report_.min_clearance_m, 0.3);
+  AslDataset dataset(sequence);
+  EXPECT_TRUE(dataset.warnings().empty());
+  EXPECT_EQ(dataset.frames().size(), 3);
+  cv::Mat left, right;
+  EXPECT_EQ(dataset.ReadPair(0, left, right), "");
+  EXPECT_EQ(left.size(), right.size());
+  const Trajectory truth = ReadTrajectory(FindTruth(sequence));
+  EXPECT_LE(truth.poses.front().t, dataset.frames().front().t);
+  EXPECT_GE(truth.poses.back().t, dataset.frames().back().t);
+  const auto planes = Lines(ReadText(sequence / "truth" / "planes.csv"));
+  EXPECT_EQ(planes.front(),
+            "#plane,nx,ny,nz,d [m] (n.x = d),area [m^2],seen area [m^2],label,seen_s [s]");
+  EXPECT_EQ(planes[1].substr(0, 8), "0,0,0,1,");  // the floor
+  EXPECT_NE(planes[1].find(",floor,"), std::string::npos);
+}
+
+TEST_F(SimulatorTest, ClutterHasNoPlane) {
+  request_.scene = "clutter";
+  const fs::path sequence = Simulate("clutter");
+  EXPECT_EQ(report_.num_planes, 0);
+  EXPECT_EQ(Lines(ReadText(sequence / "truth" / "planes.csv")).size(), 1);
+}
+
+TEST_F(SimulatorTest, NothingComesNearerThanAllowedInAnyScene) {
+  for (const char* scene_name : {"room", "corridor", "clutter"}) {
+    for (const char* flight : {"gentle", "fast", "aggressive", "hover", "hand-held", "walk"}) {
+      for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+        request_.scene = scene_name;
+        request_.trajectory = flight;
+        request_.duration_s = 30;
+        const Seeds seeds(seed);
+        MaterialLibrary materials(seeds.textures, {});
+        const Motion motion = MakeMotion(request_, seeds);
+        const SceneModel scene = MakeScene(request_, motion, seeds, materials);
+        const RayScene rays(scene.mesh);
+        const Clearance clearance = CheckClearance(
+            scene.mesh, rays, motion.trajectory, motion.imu_begin, motion.imu_end, 0.3);
+        EXPECT_EQ(clearance.problem, "") << scene_name << ' ' << flight << ' ' << seed;
+      }
+    }
+  }
+}
+
+TEST_F(SimulatorTest, StoppedByTheObserver) {
+  request_.num_threads = 1;
+  int calls = 0;
+  fs::create_directory(folder_ / "stopped");
+  const auto report =
+      facet::Simulate(request_, folder_ / "stopped", [&](int, int) { return ++calls < 1; });
+  EXPECT_FALSE(report.is_complete);
+  EXPECT_EQ(calls, 1);
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Made-up motions along a route, by a drone or by a person who holds the cameras.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "facet/imu/imu_types.h"
+
+namespace facet {
+
+enum class FlightKind { kGentle, kFast, kAggressive, kHover, kHandHeld, kWalk };
+
+/// From gentle, fast, aggressive, hover, hand-held, walk.
+std::optional<FlightKind> FlightKindFromText(const std::string& name);
+/// "gentle, fast, ...", for messages.
+std::string FlightNames();
+/// Whether rotors shake the IMU.
+bool HasRotors(FlightKind kind);
+
+struct FlightOptions {
+  double duration_s = 20;
+  double lead_s = 0.5;  ///< poses before the first and after the last second of the flight
+  Timestamp start{1'400'000'000'000'000'000};  ///< stamp of the flight's begin
+  std::uint64_t seed = 1;
+};
+
+/// Poses at 200 Hz along the route, which is walked to its end and then back again, with body axes
+/// as in EuRoC (x up, z forward). Corners are rounded. Differs with the seed.
+/// CHECKs that the route has at least two points.
+std::vector<NavState> MakeFlightPoses(FlightKind kind,
+                                      std::span<const Vector3d> route_W,
+                                      const FlightOptions& options);
+
+}  // namespace facet
