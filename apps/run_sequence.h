@@ -22,7 +22,7 @@ struct VioFunctions {
   std::function<std::vector<VioOutput>(const StereoFrame&)> add_stereo;
   std::function<std::vector<VioOutput>()> finish;
   std::function<std::vector<KeyframePose>()> window_keyframes;
-  std::function<std::optional<TriangleMesh>()> map;  ///< may be empty
+  std::function<std::optional<TriangleMesh>()> map = {};  ///< may be empty
 };
 
 /// Which part of a recording is run and how fast.

@@ -65,7 +65,8 @@ struct FakeVio {
             [this] {
               const std::size_t last = std::min<std::size_t>(8, frames.size() - 1);
               return std::vector<KeyframePose>{{FrameId{8}, frames[last], {}}};
-            }};
+            },
+            nullptr};
   }
 };
 

@@ -21,12 +21,13 @@ import render_mesh as render
 STAMPS = ("1403715294700000000", "1403715298700000000", "1403715306700000000")
 SIZE, SCALE = (752, 480), 0.5
 TESTS = {
-    "all tests": [],
+    "all tests": ["plane_rescue.enabled=false"],
     "uncertain depth": ["faces.max_depth_sigma=1000"],
     "size": ["faces.max_side_m=1000", "faces.max_side_per_depth=1000"],
     "side ratio, angle": ["faces.min_side_ratio=0", "faces.min_angle_deg=0"],
     "elongation": ["faces.min_elongation=0"],
-    "grazing angle": ["faces.max_grazing_deg=90", "faces.min_elongation=0"],
+    "grazing angle": ["faces.max_grazing_deg=90"],
+    "with plane rescue": ["plane_rescue.enabled=true"],
 }
 
 
@@ -63,7 +64,8 @@ def sheet(images, columns, path):
     page = Image.new("RGB", (columns * width, rows * height), "white")
     for i, image in enumerate(images):
         page.paste(image, (i % columns * width, i // columns * height))
-    page.quantize(96).save(path, optimize=True)
+    page = page.resize((min(page.width, 900), page.height * min(page.width, 900) // page.width), Image.LANCZOS)
+    page.quantize(64).save(path, optimize=True)
 
 
 def draw(xyz, faces, colours, pose, edges=True):
@@ -86,16 +88,14 @@ def filters(args, work):
     images, kept = [small(camera_image(args.sequence, stamp), "left image")], None
     for name, settings in TESTS.items():
         folder = work / name.replace(" ", "_")
-        base = ["horizon_s=0"]
-        if settings:
-            base += ["plane_rescue.enabled=false"] + settings
-        run(args.facet, args.sequence, folder, 11, base)
+        run(args.facet, args.sequence, folder, 11, ["horizon_s=0", "plane_rescue.enabled=false"] + settings)
         xyz, faces, _, _ = render.read_ply(folder / "meshes" / (stamp + ".ply"))
         if kept is None:
             kept = keys_of(xyz, faces)
         extra = [tuple(sorted(map(tuple, np.round(xyz[f], 4)))) not in kept for f in faces]
         colours = np.where(np.array(extra)[:, None], (225, 90, 70), (185, 190, 195)).astype(np.uint8)
-        title = name if not settings else f"without: {name} (+{sum(extra)})"
+        title = name if " " in name and name.split()[0] in ("all", "with") else "without: " + name
+        title += f" (+{sum(extra)})" if any(extra) else ""
         images.append(small(draw(xyz, faces, colours, pose_at(folder, stamp)), title))
     sheet(images, 4, args.out / "mesh_filters.png")
 
@@ -136,7 +136,7 @@ def outside(args, folder):
     Rc, tc = render.look_at(eye, target)
     images = []
     for colours, title in ((tone, "map, intensity"), (by_error, "map, distance to the true surface: green 0, red 10 cm and more")):
-        picture = render.rasterise(xyz @ Rc.T + tc, faces, colours, 620, np.array(SIZE) / 2, SIZE, False, True)
+        picture = render.rasterise(xyz @ Rc.T + tc, faces, colours, 900, np.array(SIZE) / 2, SIZE, False, True)
         images.append(small(picture, title))
     sheet(images, 2, args.out / "map_outside.png")
 

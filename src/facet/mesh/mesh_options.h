@@ -12,7 +12,7 @@ struct FaceLimits {
   double min_side_ratio = 0.1;
   /// Extent across the view over extent in depth. Raising it removes faces that lead away from the
   /// camera, first of all those between a near and a far surface. (!)
-  double min_elongation = 0.8;
+  double min_elongation = 1.2;
   /// Longest side [m].
   double max_side_m = 2.0;
   /// Longest side over the smallest depth; 0.44 is about 200 px with EuRoC's cameras.
@@ -55,7 +55,7 @@ struct FaceLimits {
 inline FaceLimits StrictFaceLimits() {
   FaceLimits limits;
   limits.min_side_ratio = 0.3;
-  limits.min_elongation = 0.8;
+  limits.min_elongation = 1.2;
   limits.max_side_m = 0.6;
   limits.max_side_per_depth = 0.3;
   limits.min_angle_deg = 15;
@@ -126,8 +126,9 @@ struct SurfaceMapOptions {
   double voxel_m = 0.08;
   /// Distance up to which surfaces are merged [m].
   double truncation_m = 0.16;
-  /// Weight below which a voxel is not part of the surface.
-  double min_weight = 0.2;
+  /// Weight below which a voxel is not part of the surface; a face whose depth is known to 2 cm
+  /// adds 1, to 14 cm 0.02.
+  double min_weight = 0.02;
   /// Holes with at most this perimeter are closed if their rim is plane [m]; 0: none.
   double max_hole_m = 2.0;
 
@@ -144,16 +145,16 @@ struct SurfaceMapOptions {
 /// Points besides the tracked corners, matched left to right in each keyframe.
 struct SupportOptions {
   bool enabled = true;
-  /// Side of a cell with at most one support point, if it holds no corner. Smaller: more points,
-  /// more time. (!)
-  int cell_px = 28;
+  /// Side of a cell with at most one support point, if it holds no corner. The cells take turns
+  /// over two keyframes. Smaller: more points, more time. (!)
+  int cell_px = 26;
   /// Mean difference between pixels two apart along the rows that a place must have [grey values].
-  double min_contrast = 2.5;
+  double min_contrast = 1.5;
   /// A triangle whose corners' inverse depths differ by more is also searched around the nearest
   /// and the farthest of them [1/m].
   double min_depth_step = 0.06;
   /// Largest 1-sigma of the depth over the depth.
-  double max_depth_sigma = 0.03;
+  double max_depth_sigma = 0.05;
 
   template <class Visitor>
   void Visit(Visitor& v) {

@@ -40,10 +40,11 @@ void SupportPlaces::MarkOccupied(std::span<const FeatureObservation> features) {
 
 void SupportPlaces::FindPlaces(const cv::Mat& left) {
   queries_.clear();
+  turn_ = 1 - turn_;
   place_.assign(is_occupied_.size(), -1);
   const int cell = options_.cell_px;
   for (int i = 0; i < columns_ * rows_; ++i) {
-    if (is_occupied_[i] != 0) continue;
+    if (is_occupied_[i] != 0 || (i % columns_ + i / columns_ + turn_) % 2 != 0) continue;
     const int x0 = std::max(i % columns_ * cell, kBorder_px);
     const int y0 = std::max(i / columns_ * cell, kBorder_px);
     const int x1 = std::min(i % columns_ * cell + cell, left.cols - kBorder_px);

@@ -37,6 +37,7 @@ class SupportPlaces {
 
   SupportOptions options_;
   int columns_ = 0, rows_ = 0;
+  int turn_ = 0;                   // which cells of the chessboard are next
   std::vector<char> is_occupied_;  // by cell
   std::vector<int> place_;         // by cell; index into queries_ or -1
   std::vector<DepthQuery> queries_;
