@@ -33,6 +33,8 @@ class RunRecorder {
   /// Moves frames, keyframes, landmarks and counts into the record.
   void MoveInto(RunRecord& record);
 
+  int num_imu_gaps() const { return num_imu_gaps_; }
+
  private:
   void AddMesh(const std::shared_ptr<const MeshSnapshot>& snapshot);
 

@@ -225,6 +225,10 @@ class SequenceRunner {
     if (num_mono_ > kMaxDamagedReported) {
       warnings.push_back(std::to_string(num_mono_) + " right images are unusable");
     }
+    if (recorder_.num_imu_gaps() > 0) {
+      warnings.push_back("the IMU has " + std::to_string(recorder_.num_imu_gaps()) +
+                         " holes; poses in them are marked 'no IMU' or have larger sigmas");
+    }
     if (run_.record.num_dropped > 0) {
       warnings.push_back(std::to_string(run_.record.num_dropped) + " frames arrived while busy");
     }
@@ -236,7 +240,7 @@ class SequenceRunner {
     if (!recorder_.last_good()) {
       run_.end = RunEnd::kNotStarted;
       run_.message = "the estimator could not start: " + reason +
-                     "; try another --start, and `facet check` on the sequence";
+                     "; try another --start, and check the IMU's stamps and the calibration";
     } else if (ToSeconds(frames.back().t - *recorder_.last_good()) >= kLostForGoodS) {
       run_.end = RunEnd::kLost;
       run_.message = "the estimator was lost at " + FormatSeconds(*recorder_.last_good()) +

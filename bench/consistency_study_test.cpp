@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The consistency study in small: made-up flights, a few seeds, wider bounds.
 #include "consistency_study.h"
+
 #include <gtest/gtest.h>
 
 namespace facet {

@@ -27,6 +27,8 @@ constexpr int kStartIterations = 25;
 // Duplicates are kept up to this many frames: they average the pixel noise.
 constexpr int kMinStartFrames = 8;
 constexpr int kMinLandmarksOk = 8;
+// A start needs gravity: at most this many intervals of its window may be without IMU.
+constexpr int kMaxInventedIntervals = 1;
 // Beyond these the state is of no use to anybody: start again.
 constexpr double kLostVelocitySigma = 5.0;  // m/s
 constexpr double kMaxDeadReckoning_s = 1.0;
@@ -106,17 +108,25 @@ void VioEstimator::Assign(const PlaneAssignments& assignments) {
 EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
   EstimatorResult result;
   ScopedStage stage(times, Stage::kOptimize);
+  const bool has_imu = !window_.frames.back().has_invented_imu;
   AppendObservations(observations);
+  DropUselessBeginning();
   geometry_.Update(window_.frames);
   InitializeDepths();
 
   const auto num_constraining =
       std::count_if(window_.landmarks().begin(), window_.landmarks().end(), IsConstraining);
   const int num_frames = static_cast<int>(window_.frames.size());
+  const auto num_invented =
+      std::count_if(window_.frames.begin(), window_.frames.end(), [](const WindowFrame& frame) {
+        return frame.has_invented_imu;
+      });
   result.num_constraining = static_cast<int>(num_constraining);
-  result.reason = "collecting frames";
+  result.reason = has_imu ? "collecting frames" : "no IMU";
   if (num_frames < options_.start.min_frames) return result;
-  if (num_constraining < options_.start.min_landmarks) {
+  if (num_invented > kMaxInventedIntervals) {
+    result.reason = "too little IMU";
+  } else if (num_constraining < options_.start.min_landmarks) {
     result.reason = "too few stereo landmarks";
   } else if (const auto start = InitializeFromStereo(rig_, options_.solver, window_); !start.ok) {
     result.reason = start.reason;
@@ -142,11 +152,31 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
   }
   // The oldest frames may be what spoils the start (a blackout, a jump): let them go.
   if (num_frames >= 3 * options_.start.min_frames) {
-    window_.RemoveFrame(0);
-    window_.frames.front().has_imu_link = false;
-    window_.start_prior.frame = window_.frames.front().id;
+    DropFirstFrame();
   }
   return result;
+}
+
+void VioEstimator::DropUselessBeginning() {
+  const auto is_dark = [this](int frame) {
+    return std::none_of(
+        window_.landmarks().begin(), window_.landmarks().end(), [&](const WindowLandmark& l) {
+          return std::any_of(l.observations.begin(), l.observations.end(), [&](const auto& o) {
+            return o.frame == frame;
+          });
+        });
+  };
+  while (window_.frames.size() > 1 && (window_.frames[1].has_invented_imu || is_dark(0)))
+    DropFirstFrame();
+}
+
+void VioEstimator::DropFirstFrame() {
+  window_.RemoveFrame(0);
+  WindowFrame& first = window_.frames.front();
+  first.has_imu_link = first.has_invented_imu = false;
+  first_t_ = first.x.t;
+  window_.start_prior.frame = first.id;
+  window_.start_prior.T_WB = first.x.T_WB;
 }
 
 EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observations,
@@ -175,6 +205,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   }
   FillResult(window_.frames.back(), NumSeenInNewest(), result);
   if (result.status == TrackingStatus::kLost) {
+    FinishAllKeyframes(result.finished_keyframes);
     Reset();
     result.was_reset = true;
     return result;
@@ -223,6 +254,7 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   WindowFrame frame;
   frame.id = observations.frame;
   frame.is_keyframe = observations.is_keyframe || !initialised_;
+  frame.is_reported = observations.is_keyframe;
   frame.x.t = observations.t;
   if (window_.frames.empty()) {
     AppendFirstFrame(std::move(frame), imu);
@@ -236,7 +268,9 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   const Timestamp t1 = observations.t + rig_.time_offset;
   const bool no_imu = !IsUsable(imu.samples, t0, t1);
   const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(last.x, t0, t1) : imu.samples;
-  const double scale = no_imu ? kNoImuNoiseScale : imu.gaps > 0 ? kGapNoiseScale : 1.0;
+  frame.has_invented_imu = no_imu;
+  const bool has_hole = ToSeconds(imu.longest_gap) > options_.imu.max_gap_s;
+  const double scale = no_imu ? kNoImuNoiseScale : has_hole ? kGapNoiseScale : 1.0;
   ImuPreintegration step(last.x.bias, Scaled(imu_noise_, scale));
   step.Integrate(samples);
   frame.x = step.Predict(last.x);
@@ -361,7 +395,15 @@ int VioEstimator::RemoveOutliers() {
   return removed;
 }
 
-bool VioEstimator::UpdateStart() {
+void VioEstimator::FinishAllKeyframes(std::vector<KeyframePose>& finished) const {
+  // The newest one is what was lost.
+  for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
+    const WindowFrame& frame = window_.frames[i];
+    if (frame.is_reported) finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
+  }
+}
+
+bool VioEstimator::UpdateStart(std::vector<KeyframePose>& finished) {
   const double elapsed_s = ToSeconds(window_.frames.back().x.t - first_t_);
   if (elapsed_s < options_.window.start_s) return false;
   if (TiltSigma() < options_.window.start_tilt_deg * kDegree) return true;
@@ -378,13 +420,15 @@ bool VioEstimator::UpdateStart() {
   joined.Integrate(next.imu.samples());
   next.imu = std::move(joined);
   UpdatePreintegration(next);
+  const WindowFrame& gone = window_.frames[victim];
+  if (gone.is_reported) finished.push_back({gone.id, gone.x.t, gone.x.T_WB});
   window_.RemoveFrame(victim);
   return false;
 }
 
 void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
   if (!start_is_over_) {
-    if (!UpdateStart()) return;
+    if (!UpdateStart(finished)) return;
     start_is_over_ = true;
     RelinearizeImu();
     solver_.Solve(window_, kStartIterations);
@@ -397,7 +441,7 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     CutUnsettledLinks(plan.drop_landmark, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
       const WindowFrame& frame = window_.frames[i];
-      if (plan.drop_frame[i] && frame.is_keyframe)
+      if (plan.drop_frame[i] && frame.is_reported)
         finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
     }
     Marginalize(plan, rig_, robust, window_);
@@ -469,6 +513,9 @@ void VioEstimator::FillResult(const WindowFrame& frame,
   if (num_used < kMinLandmarksOk) {
     result.status = TrackingStatus::kDegraded;
     result.reason = "few landmarks";
+  } else if (frame.has_invented_imu) {
+    result.status = TrackingStatus::kDegraded;
+    result.reason = "no IMU";
   }
   const double velocity_sigma = std::sqrt(newest_covariance_.block<3, 3>(6, 6).trace());
   const bool sane = frame.x.T_WB.p.allFinite() && frame.x.T_WB.q.coeffs().allFinite() &&
@@ -495,7 +542,7 @@ MapSnapshot VioEstimator::Snapshot() const {
   if (window_.frames.empty()) return snapshot;
   snapshot.latest = passing_ ? passing_->x : window_.frames.back().x;
   for (const WindowFrame& frame : window_.frames) {
-    if (frame.is_keyframe) snapshot.keyframes.push_back({frame.id, frame.x.t, frame.x.T_WB});
+    if (frame.is_reported) snapshot.keyframes.push_back({frame.id, frame.x.t, frame.x.T_WB});
   }
   std::vector<CameraCentres> centres;
   for (const WindowFrame& frame : window_.frames)

@@ -61,6 +61,10 @@ class VioEstimator {
   EstimatorResult TrackKeyframe(const FrameObservations& observations, StageTimes& times);
   EstimatorResult TrackPassingFrame(const FrameObservations& observations, StageTimes& times);
 
+  /// Frames at the beginning that say nothing of the others: dark ones, or without IMU after them.
+  void DropUselessBeginning();
+  void DropFirstFrame();
+
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
   void AppendFirstFrame(WindowFrame frame, const ImuInterval& imu);
   std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
@@ -74,7 +78,9 @@ class VioEstimator {
   void EndPlanes(MarginalizationPlan& plan);
   void MoveOriginToNewestFrame();
   /// Whether the start is over. If it is not but the window is full, drops a duplicate frame.
-  bool UpdateStart();
+  bool UpdateStart(std::vector<KeyframePose>& finished);
+  /// Final poses of the whole window, when it is given up.
+  void FinishAllKeyframes(std::vector<KeyframePose>& finished) const;
   /// Where the newest frame is put in the world when the start succeeds.
   SE3 StartPose() const;
   double TiltSigma() const;

@@ -140,6 +140,27 @@ TEST(VioEstimatorTest, SurvivesDarknessDuringTheStart) {
   ExpectRecovers(outcome, 0.1);
 }
 
+// Neither invented samples nor dark frames are something to start from.
+TEST(VioEstimatorTest, StartsWhenImuAndLightAreThere) {
+  constexpr std::size_t kFirstGood = 20;
+  const Outcome without_imu = Estimate([](std::size_t i, Input& input) {
+    if (i <= kFirstGood) input.imu = {};
+  });
+  const Outcome in_the_dark = Estimate([](std::size_t i, Input& input) {
+    if (i < kFirstGood) input.observations.features.clear();
+  });
+  for (const Outcome* outcome : {&without_imu, &in_the_dark}) {
+    std::size_t first = 0;
+    while (!outcome->results[first].has_state)
+      ++first;
+    EXPECT_GE(first, kFirstGood + 6);
+    EXPECT_LE(first, kFirstGood + 10);
+    EXPECT_EQ(outcome->num_resets, 0);
+    EXPECT_LT(MotionError(*outcome, first, outcome->results.size() - 1), 0.05);
+  }
+  EXPECT_EQ(without_imu.results[10].reason, "no IMU");
+}
+
 TEST(VioEstimatorTest, NeverSeesAnything) {
   const Outcome outcome =
       Estimate([](std::size_t, Input& input) { input.observations.features.clear(); });

@@ -21,6 +21,9 @@ namespace facet {
 struct WindowFrame {
   FrameId id;
   bool is_keyframe = false;
+  bool is_reported = false;  ///< the front end chose it as keyframe: its final pose is an output
+  bool has_invented_imu =
+      false;               ///< no samples since the frame before: constant velocity stands in
   bool has_motion = true;  ///< velocity and biases are variables; otherwise only the pose is
   bool pose_frozen = false;
   bool motion_frozen = false;

@@ -23,8 +23,8 @@ class WindowSolver {
   /// Minimises the window's cost in at most `max_iterations` steps. Moves frames and landmarks.
   SolveSummary Solve(SlidingWindow& window, int max_iterations);
 
-  /// Marginal covariance of the newest frame (theta p v b_g b_a) at the last linearisation of Solve,
-  /// without its damping.
+  /// Marginal covariance of the newest frame (theta p v b_g b_a) at the last linearisation of
+  /// Solve, without its damping.
   Matrix<15, 15> NewestFrameCovariance(const SlidingWindow& window);
 
   /// As of the last factorisation inside Solve.

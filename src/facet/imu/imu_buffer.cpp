@@ -32,10 +32,7 @@ ImuInterval ImuBuffer::Between(Timestamp t0,
                                Duration max_gap,
                                Duration max_extrapolation) const {
   ImuInterval result;
-  if (samples_.empty() || t1 < t0 || t0 < samples_.front().t ||
-      t1 > samples_.back().t + max_extrapolation) {
-    return result;
-  }
+  if (samples_.empty() || t1 < t0 || t0 < samples_.front().t) return result;
   // The first sample after t; samples_.front() is never after t0.
   const auto after = [this](Timestamp t) {
     return std::upper_bound(
@@ -43,28 +40,35 @@ ImuInterval ImuBuffer::Between(Timestamp t0,
           return stamp < s.t;
         });
   };
+  // Whether the next sample may be used at t <= t1: what comes after a hole is not known at t1 yet.
+  const auto is_known = [&](std::deque<ImuSample>::const_iterator next) {
+    return next != samples_.end() && (next->t <= t1 || next->t - std::prev(next)->t <= max_gap);
+  };
   const auto sample_at = [&](Timestamp t) {
     const auto next = after(t);
     const ImuSample& previous = *std::prev(next);
-    if (next != samples_.end()) return Interpolate(previous, *next, t);
+    if (is_known(next)) return Interpolate(previous, *next, t);
     return ImuSample{t, previous.gyro, previous.accel};
   };
+
+  Timestamp previous = std::prev(after(t0))->t;
+  for (auto it = after(t0); previous < t1; ++it) {
+    const bool held = !is_known(it);
+    const Duration hole = (held ? t1 : it->t) - previous;
+    result.longest_gap = std::max(result.longest_gap, hole);
+    if (hole > max_gap && t0 - previous <= max_gap) ++result.gaps;
+    if (held) {
+      if (hole > max_extrapolation) return result;
+      break;
+    }
+    previous = it->t;
+  }
 
   result.samples.push_back(sample_at(t0));
   for (auto it = after(t0); it != samples_.end() && it->t < t1; ++it) {
     result.samples.push_back(*it);
   }
   if (t1 > t0) result.samples.push_back(sample_at(t1));
-
-  Timestamp previous = std::prev(after(t0))->t;
-  for (auto it = after(t0); previous < t1; ++it) {
-    const bool held = it == samples_.end();
-    const Duration hole = (held ? t1 : it->t) - previous;
-    result.longest_gap = std::max(result.longest_gap, hole);
-    if (hole > max_gap) ++result.gaps;
-    if (held) break;
-    previous = it->t;
-  }
   return result;
 }
 

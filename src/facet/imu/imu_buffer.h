@@ -12,10 +12,11 @@ namespace facet {
 /// Result of ImuBuffer::Between.
 struct ImuInterval {
   std::vector<ImuSample> samples;  ///< first at t0, last at t1 (interpolated); empty if not covered
-  /// Holes between samples that are longer than the allowed gap and overlap [t0, t1]. A hole that
-  /// spans several intervals is reported by each of them.
+  /// Holes between samples that turn out to be longer than the allowed gap in [t0, t1]: one that
+  /// spans several intervals is counted once.
   int gaps = 0;
-  Duration longest_gap;  ///< longest time between two samples that overlaps [t0, t1]
+  /// Longest time between two samples that overlaps [t0, t1], as far as it is known at t1.
+  Duration longest_gap;
 };
 
 /// Not thread-safe. Accepts any content: what is not finite, not in order or a duplicate is
@@ -30,9 +31,10 @@ class ImuBuffer {
 
   AddResult Add(const ImuSample& sample);
 
-  /// Samples of [t0, t1], linearly interpolated at both ends. Where the buffer ends before t1 by at
-  /// most `max_extrapolation` the last sample is held; otherwise, or where the buffer begins after
-  /// t0 or t1 < t0, `samples` is empty. One sample if t0 == t1.
+  /// Samples of [t0, t1], linearly interpolated at both ends. Where the buffer, or what was known
+  /// of it at t1, ends before t1 by at most `max_extrapolation` the last sample is held; otherwise,
+  /// or where the buffer begins after t0 or t1 < t0, `samples` is empty. What comes after a hole
+  /// that contains t1 is not used: it is the future. One sample if t0 == t1.
   ImuInterval Between(Timestamp t0,
                       Timestamp t1,
                       Duration max_gap,

@@ -95,8 +95,29 @@ TEST(ImuBufferTest, CountsGaps) {
   EXPECT_EQ(Between(buffer, 0, 5).gaps, 0);
   EXPECT_EQ(Between(buffer, 0, 95).gaps, 2);
   EXPECT_EQ(Between(buffer, 0, 95).longest_gap, Duration{50'000'000});
-  EXPECT_EQ(Between(buffer, 50, 60).gaps, 1) << "inside the hole";
+  EXPECT_EQ(Between(buffer, 35, 64).gaps, 1) << "where a hole becomes known";
+  EXPECT_EQ(Between(buffer, 64, 80).gaps, 0) << "inside the hole";
+  EXPECT_EQ(Between(buffer, 80, 95).gaps, 0) << "at its end";
+  EXPECT_EQ(Between(buffer, 80, 95).longest_gap, Duration{50'000'000});
   EXPECT_EQ(Between(buffer, 30, 40).gaps, 0) << "between two holes";
+}
+
+TEST(ImuBufferTest, DoesNotLookAcrossAHole) {
+  ImuBuffer one, other;
+  for (double ms : {0, 5, 10, 15, 20})
+    one.Add(Sample(ms)), other.Add(Sample(ms));
+  one.Add(Sample(80));
+  ImuSample altered = Sample(80);
+  altered.gyro *= -3;
+  other.Add(altered);
+  for (const ImuBuffer* buffer : {&one, &other}) {
+    const ImuInterval held = Between(*buffer, 12, 28);
+    ASSERT_EQ(held.samples.size(), 4u);  // 12 15 20 28
+    EXPECT_EQ(held.samples.back().gyro, Sample(20).gyro);
+    EXPECT_TRUE(Between(*buffer, 28, 45).samples.empty());
+  }
+  // Once the hole is over its end is known.
+  EXPECT_EQ(Between(one, 45, 80).samples.size(), 2u);
 }
 
 TEST(ImuBufferTest, RefusesWhatIsNotFiniteOrNotInOrder) {

@@ -3,6 +3,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -36,21 +37,28 @@ struct ThreadedVio::Impl {
         packet = std::move(packets.front());
         packets.pop_front();
       }
-      VioOutput output = back.Process(packet);
-      {
+      try {
+        VioOutput output = back.Process(packet);
         const std::lock_guard lock(mutex);
         outputs.push_back(std::move(output));
         if (back.feedback()) feedback.push_back(*back.feedback());
         ++num_done;
+      } catch (...) {
+        // A programmer's error or no memory: the caller's thread has to hear of it.
+        const std::lock_guard lock(mutex);
+        failure = std::current_exception();
+        stop = true;
       }
       changed.notify_all();
+      if (failure) return;
     }
   }
 
   // Waits until `count` frames have passed the back stage and takes what they left.
   std::vector<VioOutput> Collect(std::int64_t count) {
     std::unique_lock lock(mutex);
-    changed.wait(lock, [&] { return num_done >= count; });
+    changed.wait(lock, [&] { return num_done >= count || failure; });
+    if (failure) std::rethrow_exception(failure);
     for (Feedback& f : feedback)
       front.AddFeedback(std::move(f));
     feedback.clear();
@@ -69,6 +77,7 @@ struct ThreadedVio::Impl {
   std::vector<VioOutput> outputs;
   std::vector<Feedback> feedback;
   std::int64_t num_done = 0;
+  std::exception_ptr failure;  // set once, by the worker
 
   std::thread worker;  // last: starts when everything above exists
 };
