@@ -18,6 +18,7 @@
 #include "facet/eval/ground_truth.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
+#include "facet/io/text_file.h"
 #include "facet/report/comparison.h"
 #include "facet/report/report_page.h"
 
@@ -182,18 +183,6 @@ std::vector<ComparedSequence> Collect(const std::vector<RunCell>& cells,
   return compared;
 }
 
-void WriteFile(const fs::path& file, const std::string& text) {
-  const fs::path partial = file.string() + ".partial";
-  std::ofstream stream(partial, std::ios::binary);
-  stream << text;
-  stream.close();
-  std::error_code error;
-  if (stream) fs::rename(partial, file, error);
-  if (!stream || error) {
-    throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
-  }
-}
-
 void WriteTables(const fs::path& out, const ordered_json& comparison) {
   std::string csv, markdown;
   for (const Table& table : ComparisonTables(comparison)) {
@@ -201,10 +190,10 @@ void WriteTables(const fs::path& out, const ordered_json& comparison) {
     csv += ToCsv(table) + '\n';
     markdown += ToMarkdown(table);
   }
-  WriteFile(out / "comparison.json", comparison.dump(1) + "\n");
-  WriteFile(out / "comparison.csv", csv);
-  WriteFile(out / "comparison.md", markdown);
-  WriteFile(out / "runs.csv", RunsCsv(comparison));
+  ReplaceTextFile(out / "comparison.json", comparison.dump(1) + "\n");
+  ReplaceTextFile(out / "comparison.csv", csv);
+  ReplaceTextFile(out / "comparison.md", markdown);
+  ReplaceTextFile(out / "runs.csv", RunsCsv(comparison));
 }
 
 // The first start of every combination that has one stands for it in the figures.
@@ -250,7 +239,7 @@ void Compare(const CompareArguments& arguments) {
   WriteTables(arguments.out, comparison);
   std::cout << "written: " << arguments.out << "/comparison.{json,csv,md,html}, runs.csv\n";
   const Report report = MakeReport(sequences, compared, comparison);
-  WriteFile(fs::path(arguments.out) / "comparison.html", ReportHtml(report));
+  ReplaceTextFile(fs::path(arguments.out) / "comparison.html", ReportHtml(report));
   if (!arguments.report.empty()) {
     WriteReport(arguments.report, report);
     std::cout << "written: " << arguments.report << "/report.html\n";

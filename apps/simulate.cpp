@@ -20,6 +20,7 @@
 
 #include "facet/io/config_file.h"
 #include "facet/io/result_folder.h"
+#include "facet/io/text_file.h"
 #include "facet/render/sequence_writer.h"
 #include "facet/render/simulator.h"
 
@@ -64,11 +65,7 @@ void ApplyOptions(SimulateArguments& a) {
   SimulatorOptions& options = a.request.options;
   if (a.noise_free || a.clean_images) CleanImages(options);
   if (a.noise_free || a.clean_imu) CleanImu(options);
-  const std::vector<ConfigField> fields = ListFields(options);
-  for (const std::string& text : a.overrides) {
-    const ConfigEntry entry = ParseOverride(text);
-    ApplyConfig({&entry, 1}, fields);
-  }
+  ApplyOverrides(a.overrides, ListFields(options));
 }
 
 void CheckOut(const std::string& out) {

@@ -94,10 +94,7 @@ int Main(int argc, char** argv) {
   app.add_option("--output", output, "file for the causal trajectory (TUM)");
   CLI11_PARSE(app, argc, argv);
 
-  std::vector<ConfigEntry> entries;
-  for (const std::string& text : overrides)
-    entries.push_back(ParseOverride(text));
-  ApplyConfig(entries, ListFields(options.estimator));
+  ApplyOverrides(overrides, ListFields(options.estimator));
   const AprilRecording recording =
       LoadAprilRecording(Find("euroc_april_corners"), Find("euroc_mh01_handheld/mav0"));
   if (window_table) {

@@ -10,18 +10,9 @@
 #include <CLI/CLI.hpp>
 
 #include "facet/io/config_file.h"
-#include "facet/testing/data_dir.h"
 
 namespace facet {
 namespace {
-
-std::vector<Scenario> FindScenarios(double duration_s) {
-  if (const auto folder = testing::DataDir("euroc_flights")) {
-    return RecordedScenarios(*folder, duration_s);
-  }
-  std::fprintf(stderr, "%s\n", testing::MissingData("euroc_flights").c_str());
-  return MadeUpScenarios(duration_s);
-}
 
 int Main(int argc, char** argv) {
   CLI::App app("Monte Carlo of the back end on simulated features along real flights");
@@ -41,10 +32,7 @@ int Main(int argc, char** argv) {
   app.add_option("--set", overrides, "option of the estimator, key=value");
   CLI11_PARSE(app, argc, argv);
 
-  std::vector<ConfigEntry> entries;
-  for (const std::string& text : overrides)
-    entries.push_back(ParseOverride(text));
-  ApplyConfig(entries, ListFields(options.estimator));
+  ApplyOverrides(overrides, ListFields(options.estimator));
   options.simulator.imu.noise.gyro_noise *= imu_noise_scale;
   options.simulator.imu.noise.accel_noise *= imu_noise_scale;
   for (const Scenario& scenario : FindScenarios(duration_s)) {

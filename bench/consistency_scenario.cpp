@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "consistency_scenario.h"
 
+#include <cstdio>
+
 #include "facet/sim/euroc_csv.h"
 #include "facet/sim/euroc_rig.h"
+#include "facet/testing/data_dir.h"
 
 namespace facet {
 
@@ -48,6 +51,14 @@ std::vector<Scenario> MadeUpScenarios(double duration_s) {
         {"made-up " + std::to_string(seed), SplineTrajectory::Fit(poses), 0, duration_s});
   }
   return scenarios;
+}
+
+std::vector<Scenario> FindScenarios(double duration_s) {
+  if (const auto folder = testing::DataDir("euroc_flights")) {
+    return RecordedScenarios(*folder, duration_s);
+  }
+  std::fprintf(stderr, "%s\n", testing::MissingData("euroc_flights").c_str());
+  return MadeUpScenarios(duration_s);
 }
 
 SimulatedRun Simulate(const Scenario& scenario,

@@ -27,6 +27,9 @@ std::vector<Scenario> RecordedScenarios(const std::filesystem::path& folder, dou
 /// Made-up flights, for machines without the recordings.
 std::vector<Scenario> MadeUpScenarios(double duration_s);
 
+/// The recorded flights if they are there, otherwise the made-up ones, with a word on stderr.
+std::vector<Scenario> FindScenarios(double duration_s);
+
 struct ConsistencyOptions {
   ConsistencyOptions();
 

@@ -309,10 +309,7 @@ int Main(int argc, char** argv) {
 
   cv::setNumThreads(1);  // otherwise OpenCV hides cost in other threads
   FrontendOptions options;
-  std::vector<ConfigEntry> entries;
-  for (const std::string& text : overrides)
-    entries.push_back(ParseOverride(text));
-  ApplyConfig(entries, ListFields(options));
+  ApplyOverrides(overrides, ListFields(options));
   AslDataset dataset(sequence);
   const Trajectory truth = ReadTrajectory(FindTruth(sequence));
   Run run = Process(dataset, truth, options, hints);

@@ -17,7 +17,6 @@
 
 #include "facet/eval/trajectory_error.h"
 #include "facet/io/config_file.h"
-#include "facet/testing/data_dir.h"
 
 namespace facet {
 namespace {
@@ -133,15 +132,8 @@ int Main(int argc, char** argv) {
   app.add_option("--set", overrides, "option of the estimator, key=value");
   CLI11_PARSE(app, argc, argv);
 
-  std::vector<ConfigEntry> entries;
-  for (const std::string& text : overrides)
-    entries.push_back(ParseOverride(text));
-  ApplyConfig(entries, ListFields(options.estimator));
-  const auto folder = testing::DataDir("euroc_flights");
-  if (!folder) std::fprintf(stderr, "%s\n", testing::MissingData("euroc_flights").c_str());
-  const std::vector<Scenario> scenarios =
-      folder ? RecordedScenarios(*folder, duration_s) : MadeUpScenarios(duration_s);
-  for (const Scenario& scenario : scenarios) {
+  ApplyOverrides(overrides, ListFields(options.estimator));
+  for (const Scenario& scenario : FindScenarios(duration_s)) {
     if (only.empty() || scenario.name == only) RunLadder(scenario, options, jobs);
   }
   return 0;

@@ -146,9 +146,7 @@ FrameGeometry::FrameGeometry(const StereoRig& rig) {
 void FrameGeometry::Update(const std::vector<WindowFrame>& frames) {
   current_.resize(frames.size());
   frozen_.resize(frames.size());
-  is_frozen_.resize(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    is_frozen_[i] = frames[i].pose_frozen;
     current_[i] = MakePose(*this, frames[i].x.T_WB);
     frozen_[i] = frames[i].pose_frozen ? MakePose(*this, frames[i].lin.T_WB) : current_[i];
   }

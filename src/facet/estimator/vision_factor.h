@@ -34,7 +34,6 @@ class FrameGeometry {
 
   const Pose& current(int frame) const { return current_[frame]; }
   const Pose& frozen(int frame) const { return frozen_[frame]; }
-  bool is_frozen(int frame) const { return is_frozen_[frame] != 0; }
 
   Matrix3d R_CB[2];
   Vector3d p_BC[2];
@@ -42,7 +41,6 @@ class FrameGeometry {
  private:
   std::vector<Pose> current_;
   std::vector<Pose> frozen_;
-  std::vector<char> is_frozen_;
 };
 
 /// Linearised rows of one landmark, already squared: normal equations in (frames, landmark).

@@ -11,6 +11,7 @@
 #include "facet/eval/mesh_evaluation.h"
 #include "facet/eval/time_alignment.h"
 #include "facet/io/errors.h"
+#include "facet/io/text_file.h"
 
 namespace facet {
 
@@ -144,18 +145,7 @@ std::filesystem::path EvaluationFile(const std::filesystem::path& result) {
 }
 
 void WriteEvaluation(const RunEvaluation& evaluation) {
-  const fs::path file = EvaluationFile(evaluation.result);
-  const fs::path partial = file.string() + ".partial";
-  std::ofstream stream(partial);
-  stream << ToJson(evaluation).dump(2) << '\n';
-  stream.close();
-  std::error_code error;
-  if (stream) fs::rename(partial, file, error);
-  if (!stream || error) {
-    std::error_code ignored;
-    fs::remove(partial, ignored);
-    throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
-  }
+  ReplaceTextFile(EvaluationFile(evaluation.result), ToJson(evaluation).dump(2) + '\n');
 }
 
 }  // namespace facet

@@ -247,4 +247,11 @@ std::string FormatConfig(std::span<const ConfigField> fields) {
   return text;
 }
 
+void ApplyOverrides(std::span<const std::string> overrides, std::span<const ConfigField> fields) {
+  for (const std::string& text : overrides) {
+    const ConfigEntry entry = ParseOverride(text);
+    ApplyConfig({&entry, 1}, fields);
+  }
+}
+
 }  // namespace facet

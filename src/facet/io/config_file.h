@@ -86,6 +86,9 @@ ConfigEntry ParseOverride(const std::string& text);
 /// all entries up to the bad one were applied, or all.
 void ApplyConfig(std::span<const ConfigEntry> entries, std::span<const ConfigField> fields);
 
+/// Each "key.path=value" in order, so that the last one wins. Throws ConfigError.
+void ApplyOverrides(std::span<const std::string> overrides, std::span<const ConfigField> fields);
+
 /// YAML with every parameter, its value, meaning and range. Reading it back gives identical values.
 std::string FormatConfig(std::span<const ConfigField> fields);
 

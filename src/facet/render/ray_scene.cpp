@@ -9,6 +9,7 @@
 #include <embree3/rtcore.h>
 
 #include "facet/base/check.h"
+#include "facet/geometry/triangle.h"
 
 namespace facet {
 
@@ -25,32 +26,6 @@ namespace {
 
 constexpr float kEndGap = 1e-3F;  // metres
 
-/// Nearest point of the triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-Vector3d NearestOnTriangle(const Vector3d& p,
-                           const Vector3d& a,
-                           const Vector3d& b,
-                           const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const Vector3d bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-  const Vector3d cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) {
-    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  }
-  const double scale = 1 / (va + vb + vc);
-  return a + vb * scale * ab + vc * scale * ac;
-}
-
 struct NearestQuery {
   const SceneMesh* mesh = nullptr;
   Vector3d p_W;
@@ -60,7 +35,7 @@ struct NearestQuery {
 bool UpdateNearest(RTCPointQueryFunctionArguments* arguments) {
   auto& query = *static_cast<NearestQuery*>(arguments->userPtr);
   const std::size_t t = arguments->primID;
-  const Vector3d nearest = NearestOnTriangle(query.p_W,
+  const Vector3d nearest = ClosestOnTriangle(query.p_W,
                                              query.mesh->corner(t, 0).cast<double>(),
                                              query.mesh->corner(t, 1).cast<double>(),
                                              query.mesh->corner(t, 2).cast<double>());

@@ -11,6 +11,7 @@
 
 #include "facet/io/errors.h"
 #include "facet/io/ply_writer.h"
+#include "facet/io/text_file.h"
 
 namespace facet {
 namespace {
@@ -159,13 +160,6 @@ void WriteMesh(const fs::path& file, const SceneMesh& mesh, const PlaneTable& ta
 }
 
 }  // namespace
-
-void WriteTextFile(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file);
-  stream << text;
-  stream.close();
-  if (!stream) throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
-}
 
 void WriteCalibration(const fs::path& sequence,
                       const StereoRig& rig,

@@ -35,6 +35,4 @@ void WriteSurfaces(const std::filesystem::path& sequence,
                    const SceneMesh& mesh,
                    const SurfaceTruth& truth);
 
-void WriteTextFile(const std::filesystem::path& file, const std::string& text);
-
 }  // namespace facet

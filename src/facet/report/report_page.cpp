@@ -2,7 +2,6 @@
 #include "facet/report/report_page.h"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <set>
 
@@ -11,6 +10,7 @@
 #include <unistd.h>
 
 #include "facet/io/errors.h"
+#include "facet/io/text_file.h"
 #include "facet/report/comparison.h"
 #include "facet/report/figures.h"
 
@@ -209,20 +209,6 @@ std::string ForScript(std::string json) {
   return json;
 }
 
-void WriteFile(const fs::path& file, const std::string& text) {
-  const fs::path partial = file.string() + ".partial";
-  std::ofstream stream(partial, std::ios::binary);
-  stream << text;
-  stream.close();
-  std::error_code error;
-  if (stream) fs::rename(partial, file, error);
-  if (!stream || error) {
-    std::error_code ignored;
-    fs::remove(partial, ignored);
-    throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
-  }
-}
-
 // Draws a PNG beside an SVG if rsvg-convert (Debian: librsvg2-bin) is there.
 void Rasterize(const fs::path& svg) {
   std::string program = "rsvg-convert", zoom = "--zoom=1.5", out = "--output";
@@ -236,7 +222,7 @@ void Rasterize(const fs::path& svg) {
 }
 
 void WriteFigure(const fs::path& svg, const ReportFigure& figure) {
-  WriteFile(svg, figure.svg);
+  ReplaceTextFile(svg, figure.svg);
   Rasterize(svg);
 }
 
@@ -291,7 +277,7 @@ void WriteReport(const std::filesystem::path& folder, const Report& report) {
   if (error) {
     throw ConfigError("--report " + folder.string() + ": cannot be created: " + error.message());
   }
-  WriteFile(folder / "report.json", ReportDocument(report).dump(1) + "\n");
+  ReplaceTextFile(folder / "report.json", ReportDocument(report).dump(1) + "\n");
   if (!report.comparison.is_null()) {
     const ReportFigure figure = MakeComparisonFigure(report.comparison);
     if (!figure.svg.empty()) WriteFigure(folder / (figure.name + ".svg"), figure);
@@ -302,7 +288,7 @@ void WriteReport(const std::filesystem::path& folder, const Report& report) {
       WriteFigure(folder / (prefix + figure.name + ".svg"), figure);
     }
   }
-  WriteFile(folder / "report.html", ReportHtml(report));
+  ReplaceTextFile(folder / "report.html", ReportHtml(report));
 }
 
 }  // namespace facet
