@@ -2,6 +2,7 @@
 #include "load_options.h"
 
 #include "facet/io/config_file.h"
+#include "facet/io/errors.h"
 
 namespace facet {
 
@@ -9,9 +10,9 @@ VioOptions LoadOptions(const std::string& file, const std::vector<std::string>& 
   VioOptions options;
   const std::vector<ConfigField> fields = ListFields(options);
   if (!file.empty()) ApplyConfig(ReadConfigFile(file), fields);
-  for (const std::string& text : overrides) {
-    const ConfigEntry entry = ParseOverride(text);
-    ApplyConfig({&entry, 1}, fields);
+  ApplyOverrides(overrides, fields);
+  if (options.pipeline != "S" && options.pipeline != "SP" && options.pipeline != "SPR") {
+    throw ConfigError("pipeline: '" + options.pipeline + "' is unknown; S, SP and SPR are known");
   }
   return options;
 }

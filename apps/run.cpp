@@ -31,7 +31,7 @@ namespace {
 
 struct RunArguments {
   std::string sequence, out, config, calibration, imu_calibration;
-  std::string pipeline = "S";
+  std::string pipeline;  // empty: what the configuration says
   std::vector<std::string> overrides;
   RunRange range;
   int threads = 1;
@@ -59,11 +59,10 @@ std::shared_ptr<spdlog::logger> MakeLog(bool verbose) {
   return log;
 }
 
-void CheckAvailable(const RunArguments& arguments) {
-  if (arguments.pipeline != "S") {
-    throw ConfigError("--pipeline " + arguments.pipeline +
-                      ": is not built yet, only S is; leave the option out");
-  }
+VioOptions ChooseOptions(const RunArguments& arguments) {
+  VioOptions options = LoadOptions(arguments.config, arguments.overrides);
+  if (!arguments.pipeline.empty()) options.pipeline = arguments.pipeline;
+  return options;
 }
 
 void LogFrame(spdlog::logger& log, const VioOutput& output) {
@@ -119,6 +118,7 @@ SequenceRun RunWith(Vio& vio,
   functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
   functions.window_keyframes = [&] { return vio.WindowKeyframes(); };
   functions.map = [&] { return vio.Map(); };
+  functions.planes = [&] { return vio.Planes(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
   const auto observer = [&](int done, int total, const VioOutput& output) {
@@ -174,19 +174,18 @@ int ExitCode(RunEnd end) {
 }
 
 void Run(const RunArguments& arguments) {
-  CheckAvailable(arguments);
-  const VioOptions options = LoadOptions(arguments.config, arguments.overrides);
+  const VioOptions options = ChooseOptions(arguments);
   const auto log = MakeLog(arguments.verbose);
   AslDataset dataset(arguments.sequence, {arguments.calibration, arguments.imu_calibration});
   log->debug("calibration: {}", dataset.calibration_source());
-  ResultFolder folder(arguments.out.empty() ? "runs/" + dataset.name() + "-" + arguments.pipeline
+  ResultFolder folder(arguments.out.empty() ? "runs/" + dataset.name() + "-" + options.pipeline
                                             : arguments.out);
 
   MeshFiles mesh_files(
       folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
   SequenceRun run = RunPipeline(dataset, options, arguments, mesh_files, *log);
   run.record.version = FACET_VERSION;
-  run.record.pipeline = arguments.pipeline;
+  run.record.pipeline = options.pipeline;
   run.record.threads = arguments.threads;
   run.record.config = FormatOptions(options);
   WriteResult(folder.staging(), run.record);
@@ -203,7 +202,7 @@ void AddOptions(CLI::App& command, RunArguments& a) {
   command.add_option("SEQUENCE", a.sequence, "folder that holds mav0/, or mav0/ itself")
       ->required();
   command.add_option("--out", a.out, "result folder (default: runs/<sequence>-<pipeline>)");
-  command.add_option("--pipeline", a.pipeline, "S, SP or SPR (default: S, the only one yet)")
+  command.add_option("--pipeline", a.pipeline, "S, SP or SPR (default: SPR)")
       ->check(CLI::IsMember({"S", "SP", "SPR"}));
   command.add_option("--config", a.config, "YAML with any subset of the parameters");
   command.add_option("--set", a.overrides, "key.path=value, repeatable; wins over the file")

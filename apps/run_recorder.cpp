@@ -22,6 +22,8 @@ void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
   f.wall_ms = cost.wall_ms;
   f.latency_ms = cost.latency_ms;
   f.num_landmarks = output.num_landmarks;
+  f.num_planes = output.num_planes;
+  f.num_constraints = output.num_constraints;
   frames_.push_back(f);
   num_resets_ += output.was_reset ? 1 : 0;
   num_imu_gaps_ += output.imu_gaps;

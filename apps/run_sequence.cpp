@@ -108,6 +108,7 @@ class SequenceRunner {
     run_.record.peak_rss_mb = PeakRssMb();
     recorder_.Finish(vio_.window_keyframes());
     if (vio_.map) run_.record.map = vio_.map();
+    if (vio_.planes) run_.record.planes = vio_.planes();
     SummarizeProblems();
     if (run_.end == RunEnd::kComplete) JudgeTracking();
     if (!run_.message.empty()) run_.record.warnings.push_back(run_.message);

@@ -23,6 +23,7 @@ struct VioFunctions {
   std::function<std::vector<VioOutput>()> finish;
   std::function<std::vector<KeyframePose>()> window_keyframes;
   std::function<std::optional<TriangleMesh>()> map = {};  ///< may be empty
+  std::function<std::vector<PlaneRecord>()> planes = {};  ///< may be empty
 };
 
 /// Which part of a recording is run and how fast.

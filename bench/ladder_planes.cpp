@@ -39,7 +39,7 @@ PlaneAssignments OraclePlanes::operator()(const MapSnapshot& snapshot) {
       out.created.push_back({known->second.id, fit.plane, fit.centroid});
     }
     for (const LandmarkEstimate* landmark : landmarks)
-      out.joined.emplace_back(landmark->id, known->second.id);
+      out.joined.push_back({landmark->id, known->second.id});
   }
   return out;
 }

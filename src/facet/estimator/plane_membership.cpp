@@ -34,6 +34,7 @@ bool MayJoin(const FrameGeometry& geometry,
              const WindowPlane& plane,
              const WindowLandmark& landmark,
              const JoinLimits& limits,
+             double max_distance_m,
              const RobustOptions& robust) {
   if (!landmark.has_depth || landmark.observations.empty() ||
       landmark.inverse_distance <= WindowLandmark::kMinPlaneInverseDistance) {
@@ -44,7 +45,8 @@ bool MayJoin(const FrameGeometry& geometry,
   const double error_m =
       WhitenedPlaneError(geometry, plane, landmark, robust) * robust.plane_sigma_m;
   return std::abs(error_m) <=
-         std::max(limits.max_distance_m, 3 * std::hypot(sigma, robust.plane_sigma_m));
+         std::max(
+             {limits.max_distance_m, max_distance_m, 3 * std::hypot(sigma, robust.plane_sigma_m)});
 }
 
 }  // namespace
@@ -52,9 +54,8 @@ bool MayJoin(const FrameGeometry& geometry,
 void ApplyAssignments(const PlaneAssignments& assignments,
                       const JoinLimits& limits,
                       const RobustOptions& robust,
-                      FrameGeometry& geometry,
+                      const FrameGeometry& geometry,
                       SlidingWindow& window) {
-  geometry.Update(window.frames);
   for (const NewPlane& created : assignments.created) {
     if (window.IndexOf(created.id) >= 0) continue;
     window.planes.emplace_back(created.id, created.plane_W, created.centroid_W);
@@ -64,11 +65,12 @@ void ApplyAssignments(const PlaneAssignments& assignments,
     const int plane = window.IndexOf(plane_id);
     if (landmark != nullptr && plane >= 0) landmark->planes.Remove(plane);
   }
-  for (const auto& [landmark_id, plane_id] : assignments.joined) {
-    WindowLandmark* landmark = window.Find(landmark_id);
-    const int plane = window.IndexOf(plane_id);
+  for (const PlaneJoin& join : assignments.joined) {
+    WindowLandmark* landmark = window.Find(join.landmark);
+    const int plane = window.IndexOf(join.plane);
     if (landmark == nullptr || plane < 0 || landmark->planes.Contains(plane)) continue;
-    if (MayJoin(geometry, window.planes[plane], *landmark, limits, robust)) {
+    const WindowPlane& known = window.planes[plane];
+    if (MayJoin(geometry, known, *landmark, limits, join.max_distance_m, robust)) {
       landmark->planes.Add(plane);
     }
   }

@@ -15,11 +15,12 @@ struct JoinLimits {
 };
 
 /// Adds the created planes and the links, and takes back what left. Landmarks that are not in the
-/// window or beyond the limits, and unknown planes, are passed over. Updates `geometry`.
+/// window or beyond the limits, and unknown planes, are passed over. `geometry` must be up to
+/// date.
 void ApplyAssignments(const PlaneAssignments& assignments,
                       const JoinLimits& limits,
                       const RobustOptions& robust,
-                      FrameGeometry& geometry,
+                      const FrameGeometry& geometry,
                       SlidingWindow& window);
 
 /// Cuts the links whose landmark is more than `max_sigma` from its plane. Returns how many.

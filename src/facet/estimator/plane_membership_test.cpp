@@ -30,6 +30,7 @@ struct Scene {
 
   void Apply(const PlaneAssignments& assignments, const JoinLimits& limits = kLimits) {
     FrameGeometry geometry(test.rig);
+    geometry.Update(test.window.frames);
     ApplyAssignments(assignments, limits, kRobust, geometry, test.window);
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <Eigen/LU>
 
@@ -201,6 +202,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
         solver_.system().PlaneInformation(),
         {options_.planes.settled_normal_deg * kDegree, options_.planes.settled_offset_m},
         window_);
+    KeepPlaneCovariances();
     RemoveOutliers();
   }
   FillResult(window_.frames.back(), NumSeenInNewest(), result);
@@ -215,6 +217,18 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   updater_.SetReference(window_, newest_covariance_);
   Shrink(result.finished_keyframes);
   return result;
+}
+
+void VioEstimator::KeepPlaneCovariances() {
+  const std::vector<Matrix<9, 9>> covariances = solver_.system().PlaneCovariances();
+  plane_covariances_.clear();
+  for (std::size_t k = 0; k < window_.planes.size(); ++k) {
+    Matrix<10, 9> J = Matrix<10, 9>::Zero();
+    J.topLeftCorner<6, 6>().setIdentity();
+    J.block<3, 2>(6, 6) = TangentBasis(window_.planes[k].n_lin);
+    J(9, 8) = 1;
+    plane_covariances_.emplace_back(window_.planes[k].id, J * covariances[k] * J.transpose());
+  }
 }
 
 EstimatorResult VioEstimator::TrackPassingFrame(const FrameObservations& observations,
@@ -532,9 +546,29 @@ void VioEstimator::Reset() {
   window_.Clear();
   assignments_ = {};
   ended_planes_.clear();
+  plane_covariances_.clear();
   passing_.reset();
   initialised_ = start_is_over_ = false;
   newest_covariance_.setZero();
+}
+
+int VioEstimator::NumPlaneConstraints() const {
+  const std::vector<int> members = CountMembers(window_);
+  return std::accumulate(members.begin(), members.end(), 0);
+}
+
+void VioEstimator::SnapshotPlanes(MapSnapshot& snapshot) const {
+  const std::vector<int> members = CountMembers(window_);
+  for (std::size_t k = 0; k < window_.planes.size(); ++k) {
+    const WindowPlane& plane = window_.planes[k];
+    snapshot.planes.push_back(
+        {plane.id, plane.plane(), plane.anchor_W, members[k], plane.settled, {}});
+    PlaneEstimate& estimate = snapshot.planes.back();
+    estimate.covariance.setZero();
+    for (const auto& [id, covariance] : plane_covariances_) {
+      if (id == plane.id) estimate.covariance = covariance;
+    }
+  }
 }
 
 MapSnapshot VioEstimator::Snapshot() const {
@@ -557,10 +591,14 @@ MapSnapshot VioEstimator::Snapshot() const {
     snapshot.landmarks.push_back({landmark.id,
                                   T_WC.p + ray_W / rho,
                                   static_cast<int>(landmark.observations.size()),
-                                  1 / (rho * rho * std::sqrt(information + 1e-12))});
+                                  1 / (rho * rho * std::sqrt(information + 1e-12)),
+                                  {}});
+    for (int k = 0; k < landmark.planes.count; ++k) {
+      const int plane = landmark.planes.index[static_cast<std::size_t>(k)];
+      snapshot.landmarks.back().planes[static_cast<std::size_t>(k)] = window_.planes[plane].id;
+    }
   }
-  for (const WindowPlane& plane : window_.planes)
-    snapshot.planes.push_back({plane.id, plane.plane()});
+  SnapshotPlanes(snapshot);
   std::sort(snapshot.landmarks.begin(), snapshot.landmarks.end(), [](const auto& a, const auto& b) {
     return a.id < b.id;
   });

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "facet/base/stage_timer.h"
@@ -53,7 +54,10 @@ class VioEstimator {
   bool is_initialised() const { return initialised_; }
   const SlidingWindow& window() const { return window_; }
 
-  /// Latest state, keyframe poses and landmarks.
+  /// How many point-on-plane rows are in force.
+  int NumPlaneConstraints() const;
+
+  /// Latest state, keyframe poses, planes and landmarks.
   MapSnapshot Snapshot() const;
 
  private:
@@ -76,6 +80,8 @@ class VioEstimator {
   void Shrink(std::vector<KeyframePose>& finished);
   /// Planes that were ended: those that the prior does not know go at once, the others are marked.
   void EndPlanes(MarginalizationPlan& plan);
+  void KeepPlaneCovariances();
+  void SnapshotPlanes(MapSnapshot& snapshot) const;
   void MoveOriginToNewestFrame();
   /// Whether the start is over. If it is not but the window is full, drops a duplicate frame.
   bool UpdateStart(std::vector<KeyframePose>& finished);
@@ -100,6 +106,8 @@ class VioEstimator {
   std::optional<WindowFrame> passing_;
   PlaneAssignments assignments_;  ///< to come into force with the next keyframe
   std::vector<PlaneId> ended_planes_;
+  /// PlaneEstimate::covariance after the newest keyframe's solve.
+  std::vector<std::pair<PlaneId, Matrix<10, 10>>> plane_covariances_;
   bool initialised_ = false;
   bool start_is_over_ = false;
   Timestamp first_t_;

@@ -292,6 +292,26 @@ std::vector<Matrix3d> WindowSystem::PlaneInformation() const {
   return information;
 }
 
+std::vector<Matrix<9, 9>> WindowSystem::PlaneCovariances() const {
+  const int num_planes = static_cast<int>(layout_.plane_column.size());
+  std::vector<Matrix<9, 9>> out(static_cast<std::size_t>(num_planes));
+  if (num_planes == 0) return out;
+  // Sigma = L^-T L^-1, so the columns of L^-1 that belong to pose and planes are enough.
+  const int pose = 3 * num_planes;
+  MatrixXd columns = MatrixXd::Zero(layout_.dense_dim, pose + 6);
+  for (int k = 0; k < num_planes; ++k)
+    columns.block<3, 3>(layout_.plane_column[k], 3 * k).setIdentity();
+  columns.block<6, 6>(layout_.pose_column.back(), pose).setIdentity();
+  factor_.matrixL().solveInPlace(columns);
+  Eigen::Matrix<double, Eigen::Dynamic, 9> both(layout_.dense_dim, 9);
+  both.leftCols<6>() = columns.rightCols<6>();
+  for (int k = 0; k < num_planes; ++k) {
+    both.rightCols<3>() = columns.middleCols<3>(3 * k);
+    out[static_cast<std::size_t>(k)].noalias() = both.transpose() * both;
+  }
+  return out;
+}
+
 Matrix<15, 15> WindowSystem::NewestFrameCovariance() const {
   // The newest frame's pose and motion are the last columns of the dense part, so the last block of
   // its Cholesky factor alone says it: Sigma = L^-T L^-1.

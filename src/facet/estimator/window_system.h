@@ -59,6 +59,10 @@ class WindowSystem {
   /// tangent directions and offset.
   std::vector<Matrix3d> PlaneInformation() const;
 
+  /// Joint covariance of the newest pose and each plane from the last factorisation: theta p, two
+  /// tangent directions, offset.
+  std::vector<Matrix<9, 9>> PlaneCovariances() const;
+
   /// Marginal covariance of the newest frame (with motion) from the last factorisation: theta p v
   /// b_g b_a.
   Matrix<15, 15> NewestFrameCovariance() const;

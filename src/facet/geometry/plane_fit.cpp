@@ -31,6 +31,7 @@ PlaneFit FitPlane(std::span<const Vector3d> points, std::span<const double> weig
   fit.thickness_m = spread(0);
   fit.extent_minor_m = spread(1);
   fit.extent_major_m = spread(2);
+  fit.major_W = eigen.eigenvectors().col(2);
   fit.plane.n = eigen.eigenvectors().col(0);
   fit.plane.d = fit.plane.n.dot(fit.centroid);
   return fit;

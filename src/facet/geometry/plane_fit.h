@@ -13,6 +13,7 @@ struct PlaneFit {
   Vector3d centroid = Vector3d::Zero();
   /// Standard deviations of the points along the plane's principal directions and across it [m].
   double extent_major_m = 0, extent_minor_m = 0, thickness_m = 0;
+  Vector3d major_W = Vector3d::UnitX();  ///< unit, along the plane, where they spread most
 };
 
 /// `weights` is empty (all equal) or has one positive weight per point. At least one point; fewer

@@ -4,26 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
-#include <string_view>
 
 #include <nlohmann/json.hpp>
 
 #include "facet/io/errors.h"
 #include "facet/io/ply_writer.h"
+#include "facet/io/text_file.h"
 
 namespace facet {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-void WriteText(const std::filesystem::path& file, std::string_view text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.flush();
-  if (!stream) throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
-}
 
 // ---------------------------------------------------------------------------------------- csv
 
@@ -106,6 +98,36 @@ std::string TimingCsv(const std::vector<FrameRecord>& frames) {
   return text;
 }
 
+// The last column holds the outline's corners, "x y z" apart by semicolons.
+std::string PlanesCsv(const std::vector<PlaneRecord>& planes) {
+  std::string text =
+      "id,nx,ny,nz,d,cx,cy,cz,orientation,label,first_seen_ns,last_seen_ns,landmarks,area_m2,"
+      "sigma_normal_rad,sigma_d_m,outline\n";
+  for (const PlaneRecord& plane : planes) {
+    text += std::to_string(plane.id.value);
+    AppendVector(text, plane.plane_W.n);
+    AppendNumber(text, plane.plane_W.d);
+    AppendVector(text, plane.centroid_W);
+    AppendText(text, ToString(plane.orientation));
+    AppendText(text, ToString(plane.label));
+    AppendText(text, std::to_string(plane.first_seen.ns));
+    AppendText(text, std::to_string(plane.last_seen.ns));
+    AppendText(text, std::to_string(plane.num_landmarks));
+    for (double value : {plane.area_m2, plane.sigma_normal_rad, plane.sigma_d_m})
+      AppendNumber(text, value, ",%.6g");
+    text += ',';
+    for (std::size_t k = 0; k < plane.outline_W.size(); ++k) {
+      const Vector3d& p = plane.outline_W[k];
+      char corner[100];
+      std::snprintf(
+          corner, sizeof(corner), "%s%.3f %.3f %.3f", k == 0 ? "" : ";", p.x(), p.y(), p.z());
+      text += corner;
+    }
+    text += '\n';
+  }
+  return text;
+}
+
 // ------------------------------------------------------------------------------------- summary
 
 double Median(std::vector<double> values) {
@@ -177,6 +199,15 @@ Json Summary(const RunRecord& run) {
   json["stages"] = StagesSummary(frames);
   if (const auto init_s = run.InitSeconds()) json["init_s"] = *init_s;
   if (!landmarks.empty()) json["landmarks_median"] = Median(landmarks);
+  json["planes_total"] = run.planes.size();
+  const auto most = [&](int FrameRecord::*count) {
+    int out = 0;
+    for (const FrameRecord& f : frames)
+      out = std::max(out, f.*count);
+    return out;
+  };
+  json["planes_max_active"] = most(&FrameRecord::num_planes);
+  json["constraints_max"] = most(&FrameRecord::num_constraints);
   if (run.mesh) json["mesh_faces"] = run.mesh->faces.size();
   if (!run.mesh_areas_m2.empty()) {
     json["mesh_area_m2_median"] = Median(run.mesh_areas_m2);
@@ -214,15 +245,16 @@ std::optional<double> RunRecord::InitSeconds() const {
 void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   WriteTum(folder / "trajectory.tum", run.CausalTrajectory());
   WriteTum(folder / "keyframes.tum", run.keyframes);
-  WriteText(folder / "states.csv", StatesCsv(run.frames));
-  WriteText(folder / "timing.csv", TimingCsv(run.frames));
+  WriteTextFile(folder / "states.csv", StatesCsv(run.frames));
+  WriteTextFile(folder / "timing.csv", TimingCsv(run.frames));
   WritePlyPoints(folder / "landmarks.ply", run.landmarks);
   if (run.mesh) WritePlyMesh(folder / "mesh.ply", *run.mesh);
   if (run.map) WritePlyMesh(folder / "map.ply", *run.map);
-  WriteText(folder / "config.yaml", run.config);
+  WriteTextFile(folder / "planes.csv", PlanesCsv(run.planes));
+  WriteTextFile(folder / "config.yaml", run.config);
   // Text from file names may be in any encoding; what is not UTF-8 is replaced, not refused.
-  WriteText(folder / "summary.json",
-            Summary(run).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  WriteTextFile(folder / "summary.json",
+                Summary(run).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace facet

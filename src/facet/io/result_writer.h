@@ -10,6 +10,7 @@
 #include "facet/base/stage_timer.h"
 #include "facet/imu/imu_types.h"
 #include "facet/io/trajectory_file.h"
+#include "facet/map/plane_record.h"
 #include "facet/mesh/triangle_mesh.h"
 
 namespace facet {
@@ -52,6 +53,7 @@ struct RunRecord {
   std::vector<Vector3d> landmarks;     ///< of the horizon at the end, in W
   std::optional<TriangleMesh> mesh;    ///< of the horizon at the end, in W
   std::optional<TriangleMesh> map;     ///< of the whole run, in W
+  std::vector<PlaneRecord> planes;     ///< ever in the estimator, in W
   /// Surface of the horizon mesh and of the newest keyframe's own faces, by keyframe [m^2].
   std::vector<double> mesh_areas_m2, view_areas_m2;
   std::string config;  ///< YAML of every parameter in force
@@ -62,9 +64,9 @@ struct RunRecord {
 };
 
 /// Writes trajectory.tum, keyframes.tum, states.csv, timing.csv, landmarks.ply, summary.json,
-/// config.yaml and, where there are some, mesh.ply and map.ply into an existing folder. Everything
-/// but timing.csv and summary.json depends on the estimates alone. Throws OutputError naming the
-/// file that could not be written completely.
+/// planes.csv, config.yaml and, where there are some, mesh.ply and map.ply into an existing folder.
+/// Everything but timing.csv and summary.json depends on the estimates alone. Throws OutputError
+/// naming the file that could not be written completely.
 void WriteResult(const std::filesystem::path& folder, const RunRecord& run);
 
 }  // namespace facet

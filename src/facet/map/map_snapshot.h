@@ -2,6 +2,7 @@
 // Immutable copy of what the estimator knows, for the front end (depth), the mesher and output.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "facet/geometry/plane.h"
@@ -15,6 +16,11 @@ struct LandmarkEstimate {
   int num_observations = 0;
   double sigma_depth_m =
       0;  ///< 1-sigma of the distance from its cameras, their poses taken as known
+  std::array<PlaneId, 3> planes{};  ///< the planes it lies on; the rest is invalid
+
+  bool IsOn(PlaneId plane) const {
+    return planes[0] == plane || planes[1] == plane || planes[2] == plane;
+  }
 };
 
 struct KeyframePose {
@@ -26,6 +32,12 @@ struct KeyframePose {
 struct PlaneEstimate {
   PlaneId id;
   Plane plane_W;
+  Vector3d anchor_W = Vector3d::Zero();  ///< a fixed point near its landmarks
+  int num_landmarks = 0;                 ///< that lie on it, in the window
+  bool is_settled = false;               ///< known well enough to stay for the whole run
+  /// Joint with the newest keyframe's pose: theta and p of the pose, then how the normal moves
+  /// [rad, along the axes of W] and n . (p - anchor) [m]. Zero until the plane was solved for.
+  Matrix<10, 10> covariance = Matrix<10, 10>::Zero();
 };
 
 struct MapSnapshot {

@@ -18,10 +18,17 @@ struct NewPlane {
   Vector3d centroid_W = Vector3d::Zero();  ///< of its landmarks
 };
 
+/// A landmark that is on a plane from now on, unless it is hardly known across the plane or is
+/// farther from it than its uncertainty and max_distance_m allow.
+struct PlaneJoin {
+  LandmarkId landmark;
+  PlaneId plane;
+  double max_distance_m = 0;
+};
+
 struct PlaneAssignments {
   std::vector<NewPlane> created;
-  std::vector<std::pair<LandmarkId, PlaneId>>
-      joined;                                        ///< landmarks that are on a plane from now on
+  std::vector<PlaneJoin> joined;
   std::vector<std::pair<LandmarkId, PlaneId>> left;  ///< landmarks that are no longer
   std::vector<PlaneId> ended;                        ///< planes that leave the estimator
 

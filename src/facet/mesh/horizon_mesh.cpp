@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "facet/base/check.h"
 #include "facet/mesh/vertex_normals.h"
 
 namespace facet {
@@ -349,6 +350,12 @@ void HorizonMesh::DropUnusedVertices() {
     for (int& corner : face.corners)
       corner = new_index_[corner];
   }
+}
+
+void HorizonMesh::SetFacePlanes(std::span<const int> planes) {
+  FACET_CHECK(planes.size() == faces_.size()) << planes.size() << " for " << faces_.size();
+  for (std::size_t f = 0; f < faces_.size(); ++f)
+    faces_[f].plane_id = planes[f];
 }
 
 TriangleMesh HorizonMesh::ToTriangleMesh() const {

@@ -67,6 +67,9 @@ class HorizonMesh {
   /// rig.
   void Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC);
 
+  /// The plane of each of faces(), -1: none.
+  void SetFacePlanes(std::span<const int> planes);
+
   /// Every face leaves: the world has changed or the run is over.
   void Clear();
 

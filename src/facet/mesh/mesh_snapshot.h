@@ -14,7 +14,9 @@ struct MeshSnapshot {
   FrameId frame;
   Timestamp t;
   TriangleMesh mesh;                   ///< in W, with normals, colours and plane ids
+  SE3 T_WC;                            ///< left camera of the keyframe
   std::vector<LandmarkId> vertex_ids;  ///< one per vertex, ascending; see IsSupport
+  std::vector<double> sigma_depth_m;   ///< one per vertex: 1-sigma of its distance from the camera
   std::vector<char> may_vote;          ///< one per face: passed the strict limits
   std::vector<char> in_view;           ///< one per face: triangulated in this keyframe
 };

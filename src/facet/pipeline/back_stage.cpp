@@ -8,19 +8,41 @@ namespace facet {
 BackStage::BackStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
     : time_offset_(rig.time_offset),
       estimator_(rig, noise, options.estimator),
-      mesh_(rig, options.mesh) {}
+      mesh_(rig, options.mesh) {
+  if (options.pipeline != "S") planes_.emplace(options.regularities);
+}
 
 VioOutput BackStage::Process(const FrontPacket& packet) {
   VioOutput out;
   out.times = packet.times;
   EstimatorResult result = estimator_.AddFrame(packet.frontend.observations, packet.imu, out.times);
   FillOutput(packet, std::move(result), out);
-  if (out.was_reset) mesh_.Reset();
+  if (out.was_reset) {
+    mesh_.Reset();
+    if (planes_) planes_->Reset();
+  }
   if (out.snapshot) {
-    const ScopedStage stage(out.times, Stage::kMesh);
-    out.mesh = mesh_.Process(packet.frontend.observations, packet.mesh, *out.snapshot);
+    std::shared_ptr<MeshSnapshot> mesh;
+    {
+      const ScopedStage stage(out.times, Stage::kMesh);
+      mesh = mesh_.Process(packet.frontend.observations, packet.mesh, *out.snapshot);
+    }
+    if (mesh && planes_) FindRegularities(out, *mesh);
+    out.mesh = std::move(mesh);
   }
   return out;
+}
+
+// Planes go from the mesh to the estimator as data; they come into force with the next keyframe.
+void BackStage::FindRegularities(VioOutput& out, MeshSnapshot& mesh) {
+  const ScopedStage stage(out.times, Stage::kRegularities);
+  estimator_.Assign(planes_->Process(mesh, *out.snapshot));
+  mesh_.SetFacePlanes(planes_->face_planes());
+  mesh.mesh.plane_ids = planes_->face_planes();
+}
+
+std::vector<PlaneRecord> BackStage::Planes() const {
+  return planes_ ? planes_->Records() : std::vector<PlaneRecord>();
 }
 
 void BackStage::FillOutput(const FrontPacket& packet, EstimatorResult result, VioOutput& out) {
@@ -38,6 +60,8 @@ void BackStage::FillOutput(const FrontPacket& packet, EstimatorResult result, Vi
   out.sigma_v = result.covariance.diagonal().segment<3>(6).cwiseMax(0).cwiseSqrt();
   out.num_tracks = static_cast<int>(observations.features.size());
   out.num_landmarks = static_cast<int>(estimator_.window().landmarks().size());
+  out.num_planes = static_cast<int>(estimator_.window().planes.size());
+  out.num_constraints = estimator_.NumPlaneConstraints();
   out.imu_gaps = packet.imu.gaps;
   out.was_reset = result.was_reset;
   out.finished_keyframes = std::move(result.finished_keyframes);

@@ -6,6 +6,7 @@
 #include "facet/pipeline/front_stage.h"
 #include "facet/pipeline/mesh_stage.h"
 #include "facet/pipeline/vio_output.h"
+#include "facet/regularities/plane_tracker.h"
 
 namespace facet {
 
@@ -23,12 +24,17 @@ class BackStage {
 
   std::optional<TriangleMesh> Map() const { return mesh_.Map(); }
 
+  /// Every plane that was ever a variable, in the order of their ids.
+  std::vector<PlaneRecord> Planes() const;
+
  private:
+  void FindRegularities(VioOutput& out, MeshSnapshot& mesh);
   void FillOutput(const FrontPacket& packet, EstimatorResult result, VioOutput& out);
 
   Duration time_offset_;
   VioEstimator estimator_;
   MeshStage mesh_;
+  std::optional<PlaneTracker> planes_;  ///< empty in pipeline S
   std::optional<Feedback> feedback_;
 };
 

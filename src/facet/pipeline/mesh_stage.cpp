@@ -52,15 +52,15 @@ void MeshStage::AddSupport(const MeshPacket& images) {
   }
 }
 
-std::shared_ptr<const MeshSnapshot> MeshStage::Process(const FrameObservations& observations,
-                                                       const MeshPacket& images,
-                                                       const MapSnapshot& snapshot) {
+std::shared_ptr<MeshSnapshot> MeshStage::Process(const FrameObservations& observations,
+                                                 const MeshPacket& images,
+                                                 const MapSnapshot& snapshot) {
   if (!options_.enabled) return nullptr;
   FillView(observations, images, snapshot);
   AddSupport(images);
   horizon_.Update(view_, snapshot, T_BC_);
   KeepLostFaces();
-  return std::make_shared<const MeshSnapshot>(MakeMeshSnapshot(view_, horizon_));
+  return std::make_shared<MeshSnapshot>(MakeMeshSnapshot(view_, horizon_));
 }
 
 void MeshStage::Reset() {

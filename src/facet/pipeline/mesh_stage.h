@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "facet/camera/stereo_rig.h"
 #include "facet/map/map_snapshot.h"
@@ -21,9 +22,12 @@ class MeshStage {
   MeshStage(const StereoRig& rig, const MeshOptions& options);
 
   /// A keyframe with a pose. Null when the mesh is switched off.
-  std::shared_ptr<const MeshSnapshot> Process(const FrameObservations& observations,
-                                              const MeshPacket& images,
-                                              const MapSnapshot& snapshot);
+  std::shared_ptr<MeshSnapshot> Process(const FrameObservations& observations,
+                                        const MeshPacket& images,
+                                        const MapSnapshot& snapshot);
+
+  /// Which plane each face of the last snapshot is on, -1: none. The map keeps it.
+  void SetFacePlanes(std::span<const int> planes) { horizon_.SetFacePlanes(planes); }
 
   /// The estimator started over: what was in the horizon stays in the map as it is.
   void Reset();

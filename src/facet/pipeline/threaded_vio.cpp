@@ -116,6 +116,10 @@ std::optional<TriangleMesh> ThreadedVio::Map() const {
   return impl_->back.Map();
 }
 
+std::vector<PlaneRecord> ThreadedVio::Planes() const {
+  return impl_->back.Planes();
+}
+
 int ThreadedVio::num_refused_imu() const {
   return impl_->num_refused_imu;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "facet/map/plane_record.h"
 #include "facet/pipeline/vio_pipeline.h"
 
 namespace facet {
@@ -33,6 +34,9 @@ class ThreadedVio {
 
   /// The mesh of the whole run so far; empty when the map is switched off. After Finish.
   std::optional<TriangleMesh> Map() const;
+
+  /// Every plane that was ever a variable, in the order of their ids; none in pipeline S.
+  std::vector<PlaneRecord> Planes() const;
 
   int num_refused_imu() const;
 

@@ -27,6 +27,8 @@ struct VioOutput {
   Vector3d sigma_v = Vector3d::Zero();      ///< 1-sigma [m/s], in W
   int num_tracks = 0;                       ///< features tracked in this frame
   int num_landmarks = 0;                    ///< landmarks in the window
+  int num_planes = 0;                       ///< in the estimator
+  int num_constraints = 0;                  ///< landmarks on planes, once per plane
   int imu_gaps = 0;                         ///< IMU holes since the previous frame
   bool was_reset = false;                   ///< the estimator started over before this frame
   /// Keyframes that left the window with this frame, with their final (smoothed) poses.

@@ -38,6 +38,10 @@ std::optional<TriangleMesh> VioPipeline::Map() const {
   return impl_->back.Map();
 }
 
+std::vector<PlaneRecord> VioPipeline::Planes() const {
+  return impl_->back.Planes();
+}
+
 int VioPipeline::num_refused_imu() const {
   return impl_->num_refused_imu;
 }

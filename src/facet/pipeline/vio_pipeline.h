@@ -9,6 +9,7 @@
 #include "facet/camera/stereo_rig.h"
 #include "facet/frontend/stereo_frontend.h"
 #include "facet/imu/imu_types.h"
+#include "facet/map/plane_record.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/pipeline/vio_output.h"
 
@@ -35,6 +36,9 @@ class VioPipeline {
 
   /// The mesh of the whole run so far; empty when the map is switched off.
   std::optional<TriangleMesh> Map() const;
+
+  /// Every plane that was ever a variable, in the order of their ids; none in pipeline S.
+  std::vector<PlaneRecord> Planes() const;
 
   /// Samples that AddImu refused.
   int num_refused_imu() const;

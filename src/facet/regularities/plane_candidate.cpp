@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_candidate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "facet/geometry/plane_fit.h"
+
+namespace facet {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kFlatness_m = 0.005;  // of real surfaces, 1-sigma
+constexpr double kMinBand_m = 0.01;    // half thickness that every plane is granted
+constexpr double kMaxFaceAngle = 25 * kDegree;
+constexpr double kMaxTurn = 20 * kDegree;  // from the peak to the fit
+constexpr int kRounds = 3;
+constexpr double kCell_m = 0.3;  // pieces farther apart than a cell are not connected
+// Errors that all points of a view have in common: of the calibration and of the matching.
+constexpr double kCommonAngle = 0.2 * kDegree;
+constexpr double kCommonOffset_m = 0.003;
+
+struct WeightedPlane {
+  PlaneFit fit;
+  int num_points = 0;
+  double total_weight = 0;
+  double expected_thickness_m = 0;
+};
+
+// Through the distinct corners of the faces, each with its own uncertainty across the plane.
+WeightedPlane FitFaces(const SurfaceFaces& faces,
+                       const std::vector<int>& on_plane,
+                       const Vector3d& n_W) {
+  std::vector<int> corners;
+  for (const int f : on_plane)
+    corners.insert(corners.end(), faces.faces[f].corners.begin(), faces.faces[f].corners.end());
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  std::vector<Vector3d> points;
+  std::vector<double> weights;
+  WeightedPlane out;
+  for (const int corner : corners) {
+    const double sigma = faces.points[corner].SigmaAlong(n_W);
+    points.push_back(faces.points[corner].p_W);
+    weights.push_back(1 / (sigma * sigma + kFlatness_m * kFlatness_m));
+    out.total_weight += weights.back();
+  }
+  out.num_points = static_cast<int>(points.size());
+  if (points.empty()) return out;
+  out.fit = FitPlane(points, weights);
+  out.expected_thickness_m = std::sqrt(static_cast<double>(points.size()) / out.total_weight);
+  if (out.fit.plane.n.dot(n_W) < 0) {
+    out.fit.plane.n = -out.fit.plane.n;
+    out.fit.plane.d = -out.fit.plane.d;
+  }
+  return out;
+}
+
+double AreaOf(const SurfaceFaces& faces, const std::vector<int>& on_plane) {
+  double area = 0;
+  for (const int f : on_plane)
+    area += faces.faces[f].area_m2;
+  return area;
+}
+
+// Splits faces of one plane into pieces that are connected over a grid of cells.
+std::vector<std::vector<int>> ConnectedPieces(const SurfaceFaces& faces,
+                                              const std::vector<int>& on_plane,
+                                              const Plane& plane_W) {
+  const Matrix<3, 2> basis = TangentBasis(plane_W.n);
+  std::map<std::pair<int, int>, int> piece_of_cell;  // -1: not visited
+  const auto cell_of = [&](const Vector3d& p_W) {
+    const Vector2d xy = basis.transpose() * p_W / kCell_m;
+    return std::pair(static_cast<int>(std::floor(xy.x())), static_cast<int>(std::floor(xy.y())));
+  };
+  for (const int f : on_plane) {
+    piece_of_cell.emplace(cell_of(faces.faces[f].centre_W), -1);
+    for (const int corner : faces.faces[f].corners)
+      piece_of_cell.emplace(cell_of(faces.points[corner].p_W), -1);
+  }
+  int num_pieces = 0;
+  std::vector<std::pair<int, int>> open;
+  for (auto& [start, piece] : piece_of_cell) {
+    if (piece >= 0) continue;
+    piece = num_pieces++;
+    open.assign(1, start);
+    while (!open.empty()) {
+      const auto [x, y] = open.back();
+      open.pop_back();
+      for (int k = 0; k < 9; ++k) {
+        const auto neighbour = piece_of_cell.find({x + k % 3 - 1, y + k / 3 - 1});
+        if (neighbour == piece_of_cell.end() || neighbour->second >= 0) continue;
+        neighbour->second = piece;
+        open.push_back(neighbour->first);
+      }
+    }
+  }
+  std::vector<std::vector<int>> pieces(static_cast<std::size_t>(num_pieces));
+  for (const int f : on_plane)
+    pieces[piece_of_cell.at(cell_of(faces.faces[f].centre_W))].push_back(f);
+  return pieces;
+}
+
+Matrix3d NormalCovariance(const WeightedPlane& plane, double inflation) {
+  // The normal turns about each principal direction by an error that the spread across it averages.
+  const Vector3d n = plane.fit.plane.n;
+  const double w = plane.total_weight;
+  const double minor = plane.fit.extent_minor_m, major = plane.fit.extent_major_m;
+  const Vector3d e_major = plane.fit.major_W;
+  const Vector3d e_minor = n.cross(e_major);
+  const double common = kCommonAngle * kCommonAngle;
+  return (inflation / (w * major * major) + common) * e_major * e_major.transpose() +
+         (inflation / (w * minor * minor) + common) * e_minor * e_minor.transpose();
+}
+
+std::optional<PlaneCandidate> MakeCandidate(const SurfaceFaces& faces,
+                                            std::vector<int> on_plane,
+                                            const Plane& start,
+                                            double min_area_m2,
+                                            const DetectionOptions& options) {
+  const double area = AreaOf(faces, on_plane);
+  if (area < min_area_m2) return std::nullopt;
+  const WeightedPlane plane = FitFaces(faces, on_plane, start.n);
+  const double max_thickness = std::max(options.max_thickness_m, 1.5 * plane.expected_thickness_m);
+  if (plane.num_points < options.min_vertices || plane.fit.extent_minor_m < options.min_extent_m ||
+      plane.fit.thickness_m > max_thickness ||
+      plane.fit.plane.n.dot(start.n) < std::cos(kMaxTurn)) {
+    return std::nullopt;
+  }
+  const double ratio = plane.fit.thickness_m / plane.expected_thickness_m;
+  const double inflation = std::max(1.0, ratio * ratio);
+  PlaneCandidate candidate;
+  candidate.plane_W = plane.fit.plane;
+  candidate.centroid_W = plane.fit.centroid;
+  candidate.area_m2 = area;
+  candidate.thickness_m = plane.fit.thickness_m;
+  candidate.normal_covariance = NormalCovariance(plane, inflation);
+  candidate.offset_variance_m2 = inflation / plane.total_weight + kCommonOffset_m * kCommonOffset_m;
+  candidate.orientation =
+      OrientationOf(candidate.plane_W.n, candidate.normal_covariance, options.max_plane_lean_deg);
+  if (candidate.plane_W.SignedDistance(faces.camera_W) < 0) {
+    candidate.plane_W.n = -candidate.plane_W.n;
+    candidate.plane_W.d = -candidate.plane_W.d;
+  }
+  candidate.faces = std::move(on_plane);
+  return candidate;
+}
+
+}  // namespace
+
+std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
+                              std::span<const int> pool,
+                              const Plane& plane_W,
+                              double max_distance_m) {
+  std::vector<int> out;
+  for (const int f : pool) {
+    const SurfaceFace& face = faces.faces[f];
+    if (std::abs(face.n_W.dot(plane_W.n)) < std::cos(kMaxFaceAngle)) continue;
+    const bool is_near = std::all_of(face.corners.begin(), face.corners.end(), [&](int corner) {
+      const SurfacePoint& point = faces.points[corner];
+      const double gate = std::max(kMinBand_m, 3 * point.SigmaAlong(plane_W.n));
+      return std::abs(plane_W.SignedDistance(point.p_W)) <= std::min(gate, max_distance_m);
+    });
+    if (is_near) out.push_back(f);
+  }
+  return out;
+}
+
+PlaneOrientation OrientationOf(const Vector3d& n_W,
+                               const Matrix3d& normal_covariance,
+                               double max_lean_deg) {
+  const Vector3d up = Vector3d::UnitZ();
+  const Vector3d steepest = up - up.dot(n_W) * n_W;  // the normal leans by turning this way
+  const double sine = steepest.norm();
+  const double tilt = std::atan2(sine, std::abs(n_W.z()));
+  double sigma = 0;
+  if (sine > 1e-9) {
+    const Vector3d direction = steepest / sine;
+    sigma = std::sqrt(std::max(direction.dot(normal_covariance * direction), 0.0));
+  }
+  const double limit = std::max(max_lean_deg * kDegree, 3 * sigma);
+  const double to_level = tilt, to_upright = 0.5 * std::numbers::pi - tilt;
+  if (to_level <= std::min(limit, to_upright)) return PlaneOrientation::kHorizontal;
+  if (to_upright <= limit) return PlaneOrientation::kVertical;
+  return PlaneOrientation::kOblique;
+}
+
+std::vector<PlaneCandidate> FitCandidates(const SurfaceFaces& faces,
+                                          std::span<const int> pool,
+                                          const Plane& start,
+                                          double min_area_m2,
+                                          const DetectionOptions& options) {
+  Plane plane = start;
+  std::vector<int> on_plane;
+  for (int round = 0; round < kRounds; ++round) {
+    on_plane = FacesOnPlane(faces, pool, plane, options.max_distance_m);
+    if (AreaOf(faces, on_plane) < min_area_m2) return {};
+    plane = FitFaces(faces, on_plane, plane.n).fit.plane;
+  }
+  std::vector<PlaneCandidate> out;
+  for (std::vector<int>& piece : ConnectedPieces(faces, on_plane, plane)) {
+    auto candidate = MakeCandidate(faces, std::move(piece), start, min_area_m2, options);
+    if (candidate) out.push_back(std::move(*candidate));
+  }
+  return out;
+}
+
+}  // namespace facet

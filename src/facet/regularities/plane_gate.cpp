@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_gate.h"
+
+#include <limits>
+
+#include <Eigen/Cholesky>
+
+namespace facet {
+
+namespace {
+
+// d (n . (p - anchor) - offset) for p fixed in the body.
+Matrix<1, 10> DistanceJacobian(const PlaneEstimate& plane, const SE3& T_WB, const Vector3d& p_W) {
+  const Vector3d& n = plane.plane_W.n;
+  const Vector3d p_B = T_WB.q.conjugate() * (p_W - T_WB.p);
+  Matrix<1, 10> J;
+  J.head<3>() = -n.transpose() * T_WB.R() * Hat(p_B);
+  J.segment<3>(3) = n.transpose();
+  J.segment<3>(6) = (p_W - plane.anchor_W).transpose();
+  J(9) = -1;
+  return J;
+}
+
+}  // namespace
+
+double DistanceVariance(const PlaneEstimate& plane, const SE3& T_WB, const Vector3d& p_W) {
+  const Matrix<1, 10> J = DistanceJacobian(plane, T_WB, p_W);
+  return std::max((J * plane.covariance * J.transpose())(0), 0.0);
+}
+
+double ChiSquare(const PlaneCandidate& candidate, const PlaneEstimate& plane, const SE3& T_WB) {
+  const Vector3d& n = plane.plane_W.n;
+  const Matrix<3, 2> B = TangentBasis(n);
+  const double sign = candidate.plane_W.n.dot(n) < 0 ? -1 : 1;
+  const Vector3d m_W = sign * candidate.plane_W.n;
+  const Vector3d m_B = T_WB.q.conjugate() * m_W;
+
+  Vector3d r;
+  r.head<2>() = B.transpose() * (m_W - n);
+  r(2) = plane.plane_W.SignedDistance(candidate.centroid_W);
+  Matrix<3, 10> J = Matrix<3, 10>::Zero();
+  J.block<2, 3>(0, 0) = -B.transpose() * T_WB.R() * Hat(m_B);
+  J.block<2, 3>(0, 6) = -B.transpose();
+  J.row(2) = DistanceJacobian(plane, T_WB, candidate.centroid_W);
+
+  Matrix3d covariance = J * plane.covariance * J.transpose();
+  covariance.topLeftCorner<2, 2>() += B.transpose() * candidate.normal_covariance * B;
+  covariance(2, 2) += candidate.offset_variance_m2;
+  const Eigen::LLT<Matrix3d> factor(covariance);
+  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return factor.matrixL().solve(r).squaredNorm();
+}
+
+}  // namespace facet

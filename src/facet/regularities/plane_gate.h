@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How well a plane of the estimator is known from where the camera is, through the joint covariance
+// of plane and newest pose: after a round trip the plane itself may be known to a millimetre and
+// still be 10 cm away from where it is expected.
+#pragma once
+
+#include "facet/regularities/plane_candidate.h"
+
+namespace facet {
+
+/// Variance of the distance between the plane and a point that is fixed to the camera and now at
+/// p_W [m^2].
+double DistanceVariance(const PlaneEstimate& plane, const SE3& T_WB, const Vector3d& p_W);
+
+/// Squared Mahalanobis distance between a sighting and a plane: normal (2 degrees of freedom) and
+/// distance at the sighting's centroid. Infinite when the covariance is of no use.
+double ChiSquare(const PlaneCandidate& candidate, const PlaneEstimate& plane, const SE3& T_WB);
+
+}  // namespace facet

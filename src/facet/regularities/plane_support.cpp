@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_support.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace facet {
+
+namespace {
+
+constexpr double kCell_m = 0.1;
+constexpr double kCoarse_m = 0.5;
+constexpr int kMaxCells = 100;  // per side of one triangle
+
+using Cell = std::array<int, 2>;
+
+std::uint64_t Key(int x, int y) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32) |
+         static_cast<std::uint32_t>(y);
+}
+
+Vector2d MiddleOf(std::uint64_t key) {
+  const auto x = static_cast<std::int32_t>(key >> 32);
+  const auto y = static_cast<std::int32_t>(key & 0xffffffffU);
+  return kCell_m * Vector2d(x + 0.5, y + 0.5);
+}
+
+int CellOf(double m, double size_m) {
+  return static_cast<int>(std::floor(m / size_m));
+}
+
+double Cross(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+}  // namespace
+
+PlaneSupport::PlaneSupport(const Plane& plane_W, const Vector3d& origin_W)
+    : origin_W_(origin_W), basis_(TangentBasis(plane_W.n)), n_W_(plane_W.n) {}
+
+Vector2d PlaneSupport::ToPlane(const Vector3d& p_W) const {
+  return basis_.transpose() * (p_W - origin_W_);
+}
+
+Vector3d PlaneSupport::ToWorld(const Vector2d& xy, const Plane& plane_W) const {
+  const Vector3d p = origin_W_ + basis_ * xy;
+  return p - plane_W.SignedDistance(p) * plane_W.n;
+}
+
+void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
+  Vector2d a = ToPlane(p_W[0]), b = ToPlane(p_W[1]), c = ToPlane(p_W[2]);
+  if (Cross(a, b, c) < 0) std::swap(b, c);
+  const Vector2d low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
+  const Cell first = {CellOf(low.x(), kCell_m), CellOf(low.y(), kCell_m)};
+  const Cell last = {CellOf(high.x(), kCell_m), CellOf(high.y(), kCell_m)};
+  if (last[0] - first[0] > kMaxCells || last[1] - first[1] > kMaxCells) return;
+  for (int x = first[0]; x <= last[0]; ++x) {
+    for (int y = first[1]; y <= last[1]; ++y) {
+      const Vector2d middle = kCell_m * Vector2d(x + 0.5, y + 0.5);
+      if (Cross(a, b, middle) < 0 || Cross(b, c, middle) < 0 || Cross(c, a, middle) < 0) continue;
+      if (!cells_.insert(Key(x, y)).second) continue;
+      sum_ += middle;
+      coarse_.insert(Key(CellOf(middle.x(), kCoarse_m), CellOf(middle.y(), kCoarse_m)));
+    }
+  }
+}
+
+bool PlaneSupport::IsNear(const Vector3d& p_W, double radius_m) const {
+  const Vector2d xy = ToPlane(p_W);
+  const int x = CellOf(xy.x(), kCoarse_m), y = CellOf(xy.y(), kCoarse_m);
+  const int reach = std::max(1, static_cast<int>(std::lround(radius_m / kCoarse_m)));
+  for (int dx = -reach; dx <= reach; ++dx) {
+    for (int dy = -reach; dy <= reach; ++dy) {
+      if (coarse_.contains(Key(x + dx, y + dy))) return true;
+    }
+  }
+  return false;
+}
+
+double PlaneSupport::area_m2() const {
+  return kCell_m * kCell_m * static_cast<double>(cells_.size());
+}
+
+Vector3d PlaneSupport::Centroid(const Plane& plane_W) const {
+  if (cells_.empty()) return ToWorld(Vector2d::Zero(), plane_W);
+  return ToWorld(sum_ / static_cast<double>(cells_.size()), plane_W);
+}
+
+// Andrew's monotone chain.
+std::vector<Vector3d> PlaneSupport::Outline(const Plane& plane_W) const {
+  std::vector<Vector2d> corners;
+  for (const std::uint64_t cell : cells_) {
+    for (int k = 0; k < 4; ++k)
+      corners.push_back(MiddleOf(cell) + 0.5 * kCell_m * Vector2d(k % 2 * 2 - 1, k / 2 * 2 - 1));
+  }
+  std::sort(corners.begin(), corners.end(), [](const Vector2d& a, const Vector2d& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  std::vector<Vector2d> hull;
+  const auto extend = [&](const Vector2d& p, std::size_t floor) {
+    while (hull.size() >= floor + 2 && Cross(hull[hull.size() - 2], hull.back(), p) <= 1e-9)
+      hull.pop_back();
+    hull.push_back(p);
+  };
+  for (const Vector2d& p : corners)
+    extend(p, 0);
+  const std::size_t lower = hull.empty() ? 0 : hull.size() - 1;
+  for (auto p = corners.rbegin(); p != corners.rend(); ++p)
+    extend(*p, lower);
+  if (!hull.empty()) hull.pop_back();
+  const bool is_right_handed = basis_.col(0).cross(basis_.col(1)).dot(plane_W.n) > 0;
+  if (!is_right_handed) std::reverse(hull.begin(), hull.end());
+  std::vector<Vector3d> out;
+  for (const Vector2d& p : hull)
+    out.push_back(ToWorld(p, plane_W));
+  return out;
+}
+
+}  // namespace facet

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Which part of an infinite plane is surface that was seen: cells of 10 cm.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <unordered_set>
+#include <vector>
+
+#include "facet/geometry/plane.h"
+
+namespace facet {
+
+/// The cells are fixed to a point and two directions of the plane as it was at first; later,
+/// slightly different estimates of the plane do not move them. Memory grows with the area.
+class PlaneSupport {
+ public:
+  PlaneSupport(const Plane& plane_W, const Vector3d& origin_W);
+
+  void AddTriangle(const std::array<Vector3d, 3>& p_W);
+
+  /// Whether surface was seen within about `radius_m` (whole half metres) of the point's
+  /// projection.
+  bool IsNear(const Vector3d& p_W, double radius_m) const;
+
+  double area_m2() const;
+
+  /// Mean of the cells, on the plane.
+  Vector3d Centroid(const Plane& plane_W) const;
+
+  /// Convex hull of the cells, on the plane, counter-clockwise seen from where its normal points.
+  std::vector<Vector3d> Outline(const Plane& plane_W) const;
+
+ private:
+  Vector2d ToPlane(const Vector3d& p_W) const;
+  Vector3d ToWorld(const Vector2d& xy, const Plane& plane_W) const;
+
+  Vector3d origin_W_;
+  Matrix<3, 2> basis_;
+  Vector3d n_W_;
+  std::unordered_set<std::uint64_t> cells_, coarse_;
+  Vector2d sum_ = Vector2d::Zero();  // of the cells' middles
+};
+
+}  // namespace facet

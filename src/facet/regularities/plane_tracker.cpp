@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "facet/geometry/plane_fit.h"
+#include "facet/regularities/plane_gate.h"
+#include "facet/regularities/plane_label.h"
+
+namespace facet {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kFlatness_m = 0.005;
+constexpr double kSameAngle = 5 * kDegree;
+constexpr double kGrowth_m = 0.5;  // how far beyond its known surface a plane may claim faces
+constexpr double kTentativeLife_s = 1.5;
+constexpr double kMaxLandmarkSigma_m = 0.1;
+
+double AngleBetween(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), std::abs(a.dot(b)));
+}
+
+}  // namespace
+
+PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapshot& map) {
+  PlaneAssignments out;
+  now_ = mesh.t;
+  FillSurfaceFaces(mesh, faces_);
+  IndexLandmarks(mesh, map);
+  Refresh(map, out);
+  ClaimFaces(map);
+  std::vector<char> taken(plane_of_face_.size());
+  std::transform(plane_of_face_.begin(), plane_of_face_.end(), taken.begin(), [](int plane) {
+    return plane >= 0 ? 1 : 0;
+  });
+  for (const PlaneCandidate& candidate : detector_.Detect(faces_, taken))
+    Recognise(map, candidate);
+  Promote(map, out);
+  JoinLandmarks(map, out);
+  UpdateSupports();
+  SetFacePlanes();
+  return out;
+}
+
+// Both lists are sorted by id.
+void PlaneTracker::IndexLandmarks(const MeshSnapshot& mesh, const MapSnapshot& map) {
+  landmark_of_point_.assign(mesh.vertex_ids.size(), -1);
+  std::size_t l = 0;
+  for (std::size_t i = 0; i < mesh.vertex_ids.size(); ++i) {
+    while (l < map.landmarks.size() && map.landmarks[l].id < mesh.vertex_ids[i])
+      ++l;
+    if (l == map.landmarks.size()) break;
+    if (map.landmarks[l].id == mesh.vertex_ids[i]) landmark_of_point_[i] = static_cast<int>(l);
+  }
+}
+
+// The estimator's values are the truth about its planes, and what it dropped is gone.
+void PlaneTracker::Refresh(const MapSnapshot& map, PlaneAssignments& out) {
+  for (std::size_t k = planes_.size(); k-- > 0;) {
+    KnownPlane& plane = planes_[k];
+    plane.recognised_at_m = 0;
+    if (plane.IsTentative()) {
+      if (ToSeconds(now_ - plane.last_seen) > kTentativeLife_s)
+        planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(k));
+      continue;
+    }
+    const auto estimate = std::find_if(map.planes.begin(),
+                                       map.planes.end(),
+                                       [&](const PlaneEstimate& e) { return e.id == plane.id; });
+    if (estimate == map.planes.end()) {
+      Forget(k);
+      continue;
+    }
+    plane.estimate = *estimate;
+    const double max_age = options_.tracking.max_age_s;
+    if (max_age > 0 && ToSeconds(now_ - *plane.handed_over) >= max_age) {
+      out.ended.push_back(plane.id);
+      Forget(k);
+    }
+  }
+}
+
+void PlaneTracker::Forget(std::size_t plane) {
+  gone_.push_back(MakeRecord(planes_[plane]));
+  planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(plane));
+}
+
+// A face is on a plane seen a moment ago when all its corners are: the nearest such plane has it.
+void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
+  const PlaneTrackingOptions& limits = options_.tracking;
+  plane_of_face_.assign(faces_.faces.size(), -1);
+  const double min_cosine = std::cos(limits.max_face_angle_deg * kDegree);
+  std::vector<double> best(faces_.faces.size(), 1.0);  // largest distance of a corner in gates
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    const KnownPlane& known = planes_[k];
+    if (known.IsTentative() || ToSeconds(now_ - known.last_seen) > limits.active_s) continue;
+    const Plane& plane = known.estimate.plane_W;
+    for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+      const SurfaceFace& face = faces_.faces[f];
+      if (std::abs(plane.SignedDistance(face.centre_W)) > limits.max_gate_m ||
+          std::abs(plane.n.dot(face.n_W)) < min_cosine ||
+          !known.support.IsNear(face.centre_W, kGrowth_m)) {
+        continue;
+      }
+      const double variance = DistanceVariance(known.estimate, map.latest.T_WB, face.centre_W) +
+                              kFlatness_m * kFlatness_m;
+      double worst = 0;
+      for (const int corner : face.corners) {
+        const SurfacePoint& point = faces_.points[corner];
+        const double sigma = point.SigmaAlong(plane.n);
+        const double gate = std::clamp(
+            3 * std::sqrt(sigma * sigma + variance), limits.min_gate_m, limits.max_gate_m);
+        worst = std::max(worst, std::abs(plane.SignedDistance(point.p_W)) / gate);
+      }
+      if (worst >= best[f]) continue;
+      best[f] = worst;
+      plane_of_face_[f] = static_cast<int>(k);
+    }
+  }
+}
+
+int PlaneTracker::FindKnown(const MapSnapshot& map, const PlaneCandidate& candidate) const {
+  int found = -1;
+  double best = options_.tracking.max_chi_square;
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    const KnownPlane& known = planes_[k];
+    if (known.IsTentative() || known.estimate.covariance(9, 9) <= 0 ||
+        AngleBetween(known.estimate.plane_W.n, candidate.plane_W.n) > 2 * kSameAngle ||
+        !known.support.IsNear(candidate.centroid_W, options_.tracking.max_gap_m)) {
+      continue;
+    }
+    const double chi_square = ChiSquare(candidate, known.estimate, map.latest.T_WB);
+    if (chi_square >= best) continue;
+    best = chi_square;
+    found = static_cast<int>(k);
+  }
+  return found;
+}
+
+int PlaneTracker::FindTentative(const PlaneCandidate& candidate) const {
+  int found = -1;
+  double best = options_.tracking.min_separation_m;
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    const KnownPlane& known = planes_[k];
+    if (!known.IsTentative() ||
+        AngleBetween(known.estimate.plane_W.n, candidate.plane_W.n) > kSameAngle ||
+        !known.support.IsNear(candidate.centroid_W, options_.tracking.max_gap_m)) {
+      continue;
+    }
+    const double distance = std::abs(known.estimate.plane_W.SignedDistance(candidate.centroid_W));
+    if (distance >= best) continue;
+    best = distance;
+    found = static_cast<int>(k);
+  }
+  return found;
+}
+
+// Neither the known plane nor clearly another one.
+bool PlaneTracker::IsNearKnown(const PlaneCandidate& candidate) const {
+  return std::any_of(planes_.begin(), planes_.end(), [&](const KnownPlane& known) {
+    const Plane& plane = known.estimate.plane_W;
+    return !known.IsTentative() && AngleBetween(plane.n, candidate.plane_W.n) < kSameAngle &&
+           std::abs(plane.SignedDistance(candidate.centroid_W)) <
+               options_.tracking.min_separation_m &&
+           known.support.IsNear(candidate.centroid_W, kGrowth_m);
+  });
+}
+
+void PlaneTracker::Recognise(const MapSnapshot& map, const PlaneCandidate& candidate) {
+  int plane = FindKnown(map, candidate);
+  if (plane >= 0) {
+    planes_[plane].recognised_at_m =
+        std::abs(planes_[plane].estimate.plane_W.SignedDistance(candidate.centroid_W));
+  } else {
+    if (IsNearKnown(candidate)) return;
+    plane = FindTentative(candidate);
+    if (plane < 0) {
+      plane = static_cast<int>(planes_.size());
+      planes_.emplace_back(candidate, now_);
+    }
+    KnownPlane& tentative = planes_[plane];
+    tentative.estimate.plane_W = candidate.plane_W;
+    tentative.orientation = candidate.orientation;
+    if (tentative.sightings == 0 || tentative.last_seen < now_) ++tentative.sightings;
+    tentative.last_seen = now_;
+  }
+  for (const int f : candidate.faces)
+    plane_of_face_[f] = plane;
+}
+
+bool PlaneTracker::HasEnoughLandmarks(int plane, const MapSnapshot& map) const {
+  std::vector<int> landmarks;
+  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+    if (plane_of_face_[f] != plane) continue;
+    for (const int corner : faces_.faces[f].corners) {
+      if (landmark_of_point_[corner] < 0) continue;
+      if (faces_.points[corner].SigmaAlong(planes_[plane].estimate.plane_W.n) <
+          kMaxLandmarkSigma_m) {
+        landmarks.push_back(landmark_of_point_[corner]);
+      }
+    }
+  }
+  std::sort(landmarks.begin(), landmarks.end());
+  landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
+  if (static_cast<int>(landmarks.size()) < options_.tracking.min_landmarks) return false;
+  std::vector<Vector3d> points;
+  for (const int l : landmarks)
+    points.push_back(map.landmarks[l].p_W);
+  return FitPlane(points).extent_minor_m >= options_.tracking.min_landmark_extent_m;
+}
+
+void PlaneTracker::Promote(const MapSnapshot& map, PlaneAssignments& out) {
+  for (std::size_t k = 0; k < planes_.size(); ++k) {
+    KnownPlane& plane = planes_[k];
+    if (!plane.IsTentative() || plane.last_seen < now_ ||
+        plane.sightings < options_.tracking.min_sightings ||
+        !HasEnoughLandmarks(static_cast<int>(k), map)) {
+      continue;
+    }
+    plane.id = PlaneId{next_id_++};
+    plane.estimate.id = plane.id;
+    plane.handed_over = now_;
+    out.created.push_back(
+        {plane.id, plane.estimate.plane_W, plane.support.Centroid(plane.estimate.plane_W)});
+  }
+}
+
+// A landmark joins when two faces around it are on the plane, or half of them.
+void PlaneTracker::JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out) {
+  std::vector<int> faces_around(map.landmarks.size(), 0);
+  std::vector<std::pair<int, int>> sightings;  // landmark, plane: one per face
+  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+    const int plane = plane_of_face_[f];
+    for (const int corner : faces_.faces[f].corners) {
+      const int landmark = landmark_of_point_[corner];
+      if (landmark < 0) continue;
+      ++faces_around[landmark];
+      if (plane >= 0 && !planes_[plane].IsTentative()) sightings.emplace_back(landmark, plane);
+    }
+  }
+  std::sort(sightings.begin(), sightings.end());
+  for (std::size_t i = 0; i < sightings.size();) {
+    std::size_t end = i;
+    while (end < sightings.size() && sightings[end] == sightings[i])
+      ++end;
+    const auto [landmark, plane] = sightings[i];
+    const int count = static_cast<int>(end - i);
+    i = end;
+    KnownPlane& known = planes_[plane];
+    const LandmarkEstimate& estimate = map.landmarks[landmark];
+    if (estimate.IsOn(known.id)) continue;
+    if (count < 2 && 2 * count < faces_around[landmark]) continue;
+    out.joined.push_back({estimate.id, known.id, 2 * known.recognised_at_m});
+    ++known.num_landmarks;
+  }
+}
+
+void PlaneTracker::UpdateSupports() {
+  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+    if (plane_of_face_[f] < 0 || !faces_.faces[f].in_view) continue;
+    KnownPlane& plane = planes_[plane_of_face_[f]];
+    const auto& c = faces_.faces[f].corners;
+    plane.support.AddTriangle(
+        {faces_.points[c[0]].p_W, faces_.points[c[1]].p_W, faces_.points[c[2]].p_W});
+    plane.last_seen = now_;
+  }
+}
+
+void PlaneTracker::SetFacePlanes() {
+  face_planes_.assign(faces_.faces.size(), -1);
+  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+    const int plane = plane_of_face_[f];
+    if (plane >= 0 && !planes_[plane].IsTentative())
+      face_planes_[f] = static_cast<int>(planes_[plane].id.value);
+  }
+}
+
+void PlaneTracker::Reset() {
+  for (std::size_t k = planes_.size(); k-- > 0;) {
+    if (!planes_[k].IsTentative()) gone_.push_back(MakeRecord(planes_[k]));
+  }
+  planes_.clear();
+}
+
+PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {
+  PlaneRecord record;
+  record.id = plane.id;
+  record.plane_W = plane.estimate.plane_W;
+  record.centroid_W = plane.support.Centroid(record.plane_W);
+  record.orientation = plane.orientation;
+  record.first_seen = plane.first_seen;
+  record.last_seen = plane.last_seen;
+  record.num_landmarks = plane.num_landmarks;
+  record.area_m2 = plane.support.area_m2();
+  record.outline_W = plane.support.Outline(record.plane_W);
+  const Matrix<10, 10>& covariance = plane.estimate.covariance;
+  record.sigma_normal_rad = std::sqrt(std::max(covariance.block<3, 3>(6, 6).trace() / 2, 0.0));
+  Matrix<1, 4> J;  // d = offset + n . anchor
+  J << plane.estimate.anchor_W.transpose(), 1;
+  record.sigma_d_m =
+      std::sqrt(std::max((J * covariance.bottomRightCorner<4, 4>() * J.transpose())(0), 0.0));
+  return record;
+}
+
+std::vector<PlaneRecord> PlaneTracker::Records() const {
+  std::vector<PlaneRecord> out = gone_;
+  for (const KnownPlane& plane : planes_) {
+    if (!plane.IsTentative()) out.push_back(MakeRecord(plane));
+  }
+  std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  LabelPlanes(out);
+  return out;
+}
+
+}  // namespace facet

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The regularities of the scene over the whole run (paper II-A.3 and II-A.4): planes are found in
+// the mesh, recognised when they are seen again, and given their landmarks. What this finds goes to
+// the estimator as data, before its next keyframe.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "facet/map/map_snapshot.h"
+#include "facet/map/plane_assignments.h"
+#include "facet/map/plane_record.h"
+#include "facet/regularities/plane_detector.h"
+#include "facet/regularities/plane_support.h"
+#include "facet/regularities/regularity_options.h"
+
+namespace facet {
+
+/// Not thread-safe. Never throws for any content of the mesh.
+class PlaneTracker {
+ public:
+  explicit PlaneTracker(const RegularityOptions& options)
+      : options_(options), detector_(options.detection) {}
+
+  /// After a keyframe: the mesh and what the estimator knows. Both must be of the same keyframe.
+  PlaneAssignments Process(const MeshSnapshot& mesh, const MapSnapshot& map);
+
+  /// The plane of each face of the last mesh, -1: none.
+  const std::vector<int>& face_planes() const { return face_planes_; }
+
+  /// Every plane that was ever handed to the estimator, in the order of their ids.
+  std::vector<PlaneRecord> Records() const;
+
+  /// The estimator started over: its planes are gone.
+  void Reset();
+
+ private:
+  /// A plane that was seen; without an id it is tentative and the estimator does not know it.
+  struct KnownPlane {
+    PlaneId id;
+    PlaneEstimate estimate;
+    PlaneOrientation orientation = PlaneOrientation::kOblique;
+    PlaneSupport support;
+    int sightings = 0;
+    int num_landmarks = 0;
+    Timestamp first_seen, last_seen;
+    std::optional<Timestamp> handed_over;
+    double recognised_at_m = 0;  ///< how far off it was when it was recognised just now
+
+    KnownPlane(const PlaneCandidate& candidate, Timestamp t)
+        : support(candidate.plane_W, candidate.centroid_W), first_seen(t), last_seen(t) {}
+
+    bool IsTentative() const { return !id.IsValid(); }
+  };
+
+  void IndexLandmarks(const MeshSnapshot& mesh, const MapSnapshot& map);
+  void Refresh(const MapSnapshot& map, PlaneAssignments& out);
+  void ClaimFaces(const MapSnapshot& map);
+  void Recognise(const MapSnapshot& map, const PlaneCandidate& candidate);
+  int FindKnown(const MapSnapshot& map, const PlaneCandidate& candidate) const;
+  int FindTentative(const PlaneCandidate& candidate) const;
+  bool IsNearKnown(const PlaneCandidate& candidate) const;
+  void Promote(const MapSnapshot& map, PlaneAssignments& out);
+  bool HasEnoughLandmarks(int plane, const MapSnapshot& map) const;
+  void JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out);
+  void UpdateSupports();
+  void SetFacePlanes();
+  void Forget(std::size_t plane);
+  PlaneRecord MakeRecord(const KnownPlane& plane) const;
+
+  RegularityOptions options_;
+  PlaneDetector detector_;
+  std::vector<KnownPlane> planes_;
+  std::vector<PlaneRecord> gone_;  // planes that the estimator no longer has
+  std::int64_t next_id_ = 0;
+  Timestamp now_;
+  // Of the last keyframe
+  SurfaceFaces faces_;
+  std::vector<int> landmark_of_point_;  // into MapSnapshot::landmarks, -1: none
+  std::vector<int> plane_of_face_;      // into planes_, -1: none
+  std::vector<int> face_planes_;
+};
+
+}  // namespace facet

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Every knob of the search for planes. (!) marks the ones worth tuning.
+#pragma once
+
+#include <string>
+
+#include "facet/base/options.h"
+
+namespace facet {
+
+/// How planes are found among the faces of the mesh (plane_detector.h).
+struct DetectionOptions {
+  /// A face votes for a floor or a wall when it leans less than this [deg]. (!)
+  double max_lean_deg = 15;
+  /// A plane that leans more than this, and more than three of its sigmas, is neither [deg].
+  double max_plane_lean_deg = 2;
+  /// Kernel of a vote, 1-sigma: height or distance [m], azimuth [deg].
+  double vote_sigma_m = 0.03, vote_sigma_deg = 5;
+  /// Surface within a vote's kernel that makes a peak, and least surface of a plane [m^2]. (!)
+  double min_area_m2 = 0.15;
+  /// Least spread (1-sigma) of a plane's points in its narrow direction [m].
+  double min_extent_m = 0.12;
+  /// Points farther from the plane than this are not on it [m].
+  double max_distance_m = 0.08;
+  /// Least number of vertices on a plane.
+  int min_vertices = 10;
+  /// RMS distance of a plane's points above which it is none, or 1.5 times what is expected [m].
+  double max_thickness_m = 0.02;
+  /// Planes at any angle, by growing regions.
+  bool oblique = true;
+  double oblique_min_area_m2 = 0.4;
+  /// At most this many new planes of each kind per keyframe.
+  int max_candidates = 6;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("max_lean_deg", max_lean_deg, Range{0.1, 45}, "a face that leans more does not vote");
+    v.Field("max_plane_lean_deg",
+            max_plane_lean_deg,
+            Range{0, 45},
+            "a plane that leans more is neither floor nor wall [deg]");
+    v.Field("vote_sigma_m", vote_sigma_m, Range{0.002, 1}, "width of a vote [m]");
+    v.Field("vote_sigma_deg", vote_sigma_deg, Range{0.5, 30}, "width of a vote in azimuth [deg]");
+    v.Field("min_area_m2", min_area_m2, Range{1e-3, 1e3}, "least surface of a plane [m^2]");
+    v.Field("min_extent_m", min_extent_m, Range{1e-3, 10}, "least spread across [m]");
+    v.Field("max_distance_m", max_distance_m, Range{1e-3, 10}, "points farther off are not on it");
+    v.Field("min_vertices", min_vertices, Range{3, 1000}, "least number of vertices on a plane");
+    v.Field("max_thickness_m", max_thickness_m, Range{1e-4, 1}, "RMS distance of its points [m]");
+    v.Field("oblique", oblique, Range{}, "also planes that are neither level nor upright");
+    v.Field("oblique_min_area_m2",
+            oblique_min_area_m2,
+            Range{1e-3, 1e3},
+            "least surface of such a plane [m^2]");
+    v.Field("max_candidates", max_candidates, Range{1, 100}, "new planes of a kind per keyframe");
+  }
+};
+
+/// How planes are kept, recognised and given their landmarks (plane_tracker.h).
+struct PlaneTrackingOptions {
+  /// Keyframes that must have shown a plane before it becomes a variable.
+  int min_sightings = 3;
+  /// Landmarks that must lie on it then, and their least spread across (1-sigma) [m]. (!)
+  int min_landmarks = 10;
+  double min_landmark_extent_m = 0.12;
+  /// A plane unseen for longer is dormant: only a whole new sighting brings it back [s].
+  double active_s = 1.5;
+  /// A face is on a plane when its corners are within three sigmas of it, but between these [m].
+  double min_gate_m = 0.02, max_gate_m = 0.08;
+  /// Angle between a face's normal and the plane's [deg].
+  double max_face_angle_deg = 25;
+  /// Squared sigmas within which a sighting is a known plane (3 degrees of freedom). (!)
+  double max_chi_square = 11.3;
+  /// How far along the plane a sighting may be from what is known of it [m].
+  double max_gap_m = 2.5;
+  /// Planes nearer than this and within 5 deg of a known one are the same, or not new yet [m].
+  double min_separation_m = 0.05;
+  /// A plane leaves the estimator this long after it came in [s]; 0: it stays (the paper: 6).
+  double max_age_s = 0;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("min_sightings", min_sightings, Range{1, 100}, "keyframes that must have shown it");
+    v.Field("min_landmarks", min_landmarks, Range{3, 1000}, "landmarks that a new plane needs");
+    v.Field("min_landmark_extent_m",
+            min_landmark_extent_m,
+            Range{0, 10},
+            "least spread across of its landmarks [m]");
+    v.Field("active_s", active_s, Range{0, 1e3}, "a plane unseen for longer is dormant [s]");
+    v.Field("min_gate_m", min_gate_m, Range{0, 1}, "least gate for the corners of faces [m]");
+    v.Field("max_gate_m", max_gate_m, Range{0, 1}, "largest gate for the corners of faces [m]");
+    v.Field("max_face_angle_deg", max_face_angle_deg, Range{1, 90}, "normal of a face on a plane");
+    v.Field("max_chi_square", max_chi_square, Range{0, 1e3}, "squared sigmas of recognition");
+    v.Field("max_gap_m", max_gap_m, Range{0, 1e3}, "along the plane, to what is known of it [m]");
+    v.Field("min_separation_m",
+            min_separation_m,
+            Range{0, 10},
+            "nearer to a known plane a new one must wait [m]");
+    v.Field("max_age_s", max_age_s, Range{0, 1e6}, "a plane leaves after this; 0: it stays [s]");
+  }
+};
+
+struct RegularityOptions {
+  DetectionOptions detection;
+  PlaneTrackingOptions tracking;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Group("detection", detection);
+    v.Group("tracking", tracking);
+  }
+};
+
+}  // namespace facet

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/surface_face.h"
+
+namespace facet {
+
+namespace {
+// A pixel's worth of direction at EuRoC's focal length, times the distance: the error across.
+constexpr double kSigmaDirection = 1.5e-3;
+}  // namespace
+
+void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
+  const TriangleMesh& source = mesh.mesh;
+  out.camera_W = mesh.T_WC.p;
+  out.points.clear();
+  out.faces.clear();
+  for (std::size_t i = 0; i < source.vertices.size(); ++i) {
+    SurfacePoint point;
+    point.p_W = source.vertices[i];
+    const Vector3d ray = point.p_W - out.camera_W;
+    const double distance = ray.norm();
+    if (distance > 1e-6) point.ray_W = ray / distance;
+    point.sigma_along_m = mesh.sigma_depth_m[i];
+    point.sigma_across_m = kSigmaDirection * distance;
+    out.points.push_back(point);
+  }
+  for (std::size_t f = 0; f < source.faces.size(); ++f) {
+    SurfaceFace face;
+    face.corners = source.faces[f];
+    const Vector3d& a = out.points[face.corners[0]].p_W;
+    const Vector3d& b = out.points[face.corners[1]].p_W;
+    const Vector3d& c = out.points[face.corners[2]].p_W;
+    const Vector3d n = (b - a).cross(c - a);
+    const double norm = n.norm();
+    face.centre_W = (a + b + c) / 3;
+    face.area_m2 = 0.5 * norm;
+    if (norm > 1e-12) face.n_W = n / norm;
+    face.may_vote = mesh.may_vote[f] != 0 && norm > 1e-12;
+    face.in_view = mesh.in_view[f] != 0;
+    out.faces.push_back(face);
+  }
+}
+
+}  // namespace facet

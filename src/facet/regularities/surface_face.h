@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The faces of the mesh as the search for planes sees them.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "facet/mesh/mesh_snapshot.h"
+
+namespace facet {
+
+/// A vertex of the mesh with what is known of its distance from the camera.
+struct SurfacePoint {
+  Vector3d p_W = Vector3d::Zero();
+  Vector3d ray_W = Vector3d::UnitZ();  ///< unit, from the newest camera
+  double sigma_along_m = 0;            ///< 1-sigma along the ray
+  double sigma_across_m = 0;           ///< and across it
+
+  /// 1-sigma in the direction of a unit normal.
+  double SigmaAlong(const Vector3d& n_W) const {
+    const double c = n_W.dot(ray_W);
+    return std::sqrt(c * c * sigma_along_m * sigma_along_m +
+                     (1 - c * c) * sigma_across_m * sigma_across_m);
+  }
+};
+
+struct SurfaceFace {
+  std::array<int, 3> corners{};  ///< into SurfaceFaces::points
+  Vector3d centre_W = Vector3d::Zero();
+  Vector3d n_W = Vector3d::UnitZ();  ///< unit, towards the camera that saw it
+  double area_m2 = 0;
+  bool may_vote = false;
+  bool in_view = false;  ///< seen by the newest keyframe
+};
+
+/// Indices as in the snapshot's mesh.
+struct SurfaceFaces {
+  std::vector<SurfacePoint> points;
+  std::vector<SurfaceFace> faces;
+  Vector3d camera_W = Vector3d::Zero();
+};
+
+/// `faces` is filled anew; it keeps its storage.
+void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& faces);
+
+}  // namespace facet
