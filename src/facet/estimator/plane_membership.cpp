@@ -11,6 +11,9 @@ namespace facet {
 
 namespace {
 
+// Of a landmark that is known to 10 cm and a plane that is flat to 1 cm.
+constexpr double kMaxInnovationRatio = 10;
+
 // 1-sigma of the landmark in the direction n_W, as vision knows it when the poses are given.
 double SigmaAlong(const FrameGeometry& geometry,
                   WindowLandmark landmark,
@@ -85,8 +88,13 @@ int DetachOutliers(const FrameGeometry& geometry,
     if (!landmark.IsOnPlanes()) continue;
     for (int k = landmark.planes.count - 1; k >= 0; --k) {
       const int plane = landmark.planes.index[static_cast<std::size_t>(k)];
-      const double error = WhitenedPlaneError(geometry, window.planes[plane], landmark, robust);
-      if (std::abs(error) <= max_sigma) continue;
+      const WindowPlane& known = window.planes[plane];
+      const double error = std::abs(WhitenedPlaneError(geometry, known, landmark, robust));
+      if (error * kMaxInnovationRatio <= max_sigma) continue;
+      // The row itself has drawn the landmark to the plane. What vision alone would say is farther
+      // off by this ratio, in sigmas of both together.
+      const double ratio = SigmaAlong(geometry, landmark, known.n, robust) / robust.plane_sigma_m;
+      if (error * std::sqrt(1 + ratio * ratio) <= max_sigma) continue;
       landmark.planes.Remove(plane);
       ++detached;
     }

@@ -23,7 +23,8 @@ void ApplyAssignments(const PlaneAssignments& assignments,
                       const FrameGeometry& geometry,
                       SlidingWindow& window);
 
-/// Cuts the links whose landmark is more than `max_sigma` from its plane. Returns how many.
+/// Cuts the links whose landmark, as vision alone would place it, is more than `max_sigma` from its
+/// plane. Returns how many.
 /// `geometry` must be up to date.
 int DetachOutliers(const FrameGeometry& geometry,
                    const RobustOptions& robust,
