@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "facet/base/check.h"
+#include "facet/estimator/relation_factor.h"
+#include "facet/estimator/robust_loss.h"
 #include "facet/estimator/schur_kernel.h"
 
 namespace facet {
@@ -20,7 +22,7 @@ struct Slice {
 
 template <class J, class R>
 void AddFactor(
-    const J& jacobian, const R& r, std::initializer_list<Slice> slices, MatrixXd& H, VectorXd& b) {
+    const J& jacobian, const R& r, const std::vector<Slice>& slices, MatrixXd& H, VectorXd& b) {
   const MatrixXd JtJ = jacobian.transpose() * jacobian;
   const VectorXd Jtr = jacobian.transpose() * r;
   for (const Slice& a : slices) {
@@ -127,6 +129,26 @@ double AddImuLink(
   return cost;
 }
 
+double AddPlaneRelation(const SlidingWindow& window,
+                        const StateLayout& layout,
+                        const WindowRelation& relation,
+                        const RelationNoise& noise,
+                        MatrixXd* H,
+                        VectorXd* b) {
+  if (H == nullptr)
+    return HuberLoss(RelationError(window, relation, noise).norm(), noise.huber_sigma).cost;
+  const RelationRows rows = LinearizeRelation(window, relation, noise);
+  const PlaneRelation& planes = relation.relation;
+  Matrix<RelationRows::kMaxRows, 12> J;
+  J << rows.J_a, rows.J_b, rows.J_frame;
+  std::vector<Slice> slices = {{layout.plane_column[window.IndexOf(planes.a)], 3, 0}};
+  if (!planes.IsUnary()) slices.push_back({layout.plane_column[window.IndexOf(planes.b)], 3, 3});
+  if (NeedsFrame(planes.kind))
+    slices.push_back({layout.pose_column[window.IndexOf(relation.frame)], 6, 6});
+  AddFactor(J, rows.r, slices, *H, *b);
+  return rows.cost;
+}
+
 bool IsConstraining(const WindowLandmark& landmark) {
   return landmark.has_depth && (landmark.observations.size() >= 2 ||
                                 (landmark.IsOnPlanes() && !landmark.observations.empty()));
@@ -204,6 +226,8 @@ void WindowSystem::Linearize(const SlidingWindow& window, const RobustOptions& r
   for (int j = 1; j < static_cast<int>(window.frames.size()); ++j) {
     if (window.frames[j].has_imu_link) cost_ += AddImuLink(window, layout_, j, &H_, &b_);
   }
+  for (const WindowRelation& relation : window.relations)
+    cost_ += AddPlaneRelation(window, layout_, relation, robust.relations, &H_, &b_);
   LinearizeVision(window, robust);
 }
 
@@ -214,6 +238,8 @@ double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robu
   for (int j = 1; j < static_cast<int>(window.frames.size()); ++j) {
     if (window.frames[j].has_imu_link) cost += AddImuLink(window, layout_, j, nullptr, nullptr);
   }
+  for (const WindowRelation& relation : window.relations)
+    cost += AddPlaneRelation(window, layout_, relation, robust.relations, nullptr, nullptr);
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (IsConstraining(landmark)) cost += LandmarkCost(geometry_, window.planes, landmark, robust);
   }

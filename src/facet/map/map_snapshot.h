@@ -7,6 +7,7 @@
 
 #include "facet/geometry/plane.h"
 #include "facet/imu/imu_types.h"
+#include "facet/map/plane_relation.h"
 
 namespace facet {
 
@@ -44,6 +45,7 @@ struct MapSnapshot {
   NavState latest;                      ///< newest frame
   std::vector<KeyframePose> keyframes;  ///< oldest first
   std::vector<PlaneEstimate> planes;
+  std::vector<PlaneRelation> relations;     ///< between these planes, in force
   std::vector<LandmarkEstimate> landmarks;  ///< sorted by id; every point in front of its cameras
 };
 
