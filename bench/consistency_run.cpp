@@ -95,7 +95,8 @@ class Runner {
       out_.keyframes.causal.push_back({run_.frames[i].t, result.state.T_WB});
       out_.keyframes.truth.push_back({run_.frames[i].t, run_.truth[i].T_WB});
     }
-    if (planes_ && observations.is_keyframe) estimator_.Assign(planes_(estimator_.Snapshot()));
+    if (planes_ && observations.is_keyframe)
+      estimator_.Assign(planes_(observations, estimator_.Snapshot()));
     if (batch_ && was_initialised) batch_->AddFrame(observations, imu, result.state);
   }
 

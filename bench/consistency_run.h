@@ -40,7 +40,7 @@ struct ConsistencyRun {
 };
 
 /// What a search for planes would say after a keyframe.
-using PlanePolicy = std::function<PlaneAssignments(const MapSnapshot&)>;
+using PlanePolicy = std::function<PlaneAssignments(const FrameObservations&, const MapSnapshot&)>;
 
 ConsistencyRun RunConsistency(const SimulatedRun& run,
                               const ConsistencyOptions& options,

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -23,31 +24,57 @@ namespace {
 
 struct Rung {
   std::string name;
-  std::function<PlanePolicy(const SimulatedRun&)> make;  ///< empty: no planes
+  std::function<PlanePolicy(const SimulatedRun&, SearchQuality&)> make;  ///< empty: no planes
 };
 
-std::vector<Rung> MakeRungs() {
+/// Options of the search; the estimator's come with ConsistencyOptions.
+struct SearchOptions {
+  MeshOptions mesh;
+  RegularityOptions regularities;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Group("mesh", mesh);
+    v.Group("regularities", regularities);
+  }
+};
+
+std::vector<Rung> MakeRungs(const SearchOptions& search) {
   const auto oracle = [](double max_age_s) {
-    return [max_age_s](const SimulatedRun& run) -> PlanePolicy {
+    return [max_age_s](const SimulatedRun& run, SearchQuality& /*quality*/) -> PlanePolicy {
       OraclePlaneOptions options;
       options.max_age_s = max_age_s;
       return OraclePlanes(run, options);
     };
   };
-  return {{"S", nullptr}, {"true planes, kept", oracle(0)}, {"true planes, 6 s", oracle(6.0)}};
+  const auto own = [search](const SimulatedRun& run, SearchQuality& quality) -> PlanePolicy {
+    const auto policy = std::make_shared<OwnSearch>(run, search.mesh, search.regularities, quality);
+    return [policy](const FrameObservations& observations, const MapSnapshot& snapshot) {
+      return (*policy)(observations, snapshot);
+    };
+  };
+  const auto placebo = [](const SimulatedRun& run, SearchQuality& /*quality*/) -> PlanePolicy {
+    return PlaceboPlanes(run);
+  };
+  return {{"S", nullptr},
+          {"true planes, kept", oracle(0)},
+          {"true planes, 6 s", oracle(6.0)},
+          {"SPR", own},
+          {"placebo, shuffled", placebo}};
 }
 
 struct Outcome {
   double ate_m = 0;
   double pose_nees = 0, yaw_nees = 0;  ///< over their degrees of freedom, mean over the frames
   int num_resets = 0;
+  SearchQuality quality;
 };
 
 Outcome RunRung(const SimulatedRun& run, const ConsistencyOptions& options, const Rung& rung) {
-  const PlanePolicy planes = rung.make ? rung.make(run) : nullptr;
+  Outcome out;
+  const PlanePolicy planes = rung.make ? rung.make(run, out.quality) : nullptr;
   const ConsistencyRun result = RunConsistency(run, options, false, planes);
   const KeyframeTrajectories& keyframes = result.keyframes;
-  Outcome out;
   out.ate_m = EvaluateTrajectory(keyframes.causal, keyframes.truth).ate_m.rmse;
   out.num_resets = result.num_resets;
   for (const FrameError& frame : result.frames) {
@@ -67,6 +94,7 @@ void PrintRatio(const char* name,
                 const std::vector<Outcome>& base) {
   double sum = 0, square = 0, ate = 0, pose_nees = 0, yaw_nees = 0;
   int resets = 0;
+  SearchQuality quality;
   const double n = static_cast<double>(outcomes.size());
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const double log_ratio = std::log(outcomes[i].ate_m / base[i].ate_m);
@@ -76,6 +104,9 @@ void PrintRatio(const char* name,
     pose_nees += outcomes[i].pose_nees;
     yaw_nees += outcomes[i].yaw_nees;
     resets += outcomes[i].num_resets;
+    quality.num_created += outcomes[i].quality.num_created;
+    quality.num_joined += outcomes[i].quality.num_joined;
+    quality.num_wrong += outcomes[i].quality.num_wrong;
   }
   const double mean = sum / n;
   const double error = std::sqrt(std::max(square / n - mean * mean, 0.0) / std::max(n - 1, 1.0));
@@ -90,10 +121,19 @@ void PrintRatio(const char* name,
       pose_nees / n,
       yaw_nees / n,
       resets);
+  if (quality.num_joined > 0) {
+    std::printf("  %-24s planes %.1f   landmarks joined %.0f   of them wrongly %.1f %%\n",
+                "",
+                quality.num_created / n,
+                quality.num_joined / n,
+                100.0 * quality.num_wrong / quality.num_joined);
+  }
 }
 
-void RunLadder(const Scenario& scenario, const ConsistencyOptions& options, int jobs) {
-  const std::vector<Rung> rungs = MakeRungs();
+void RunLadder(const Scenario& scenario,
+               const ConsistencyOptions& options,
+               const std::vector<Rung>& rungs,
+               int jobs) {
   const auto seeds = static_cast<std::size_t>(options.num_seeds);
   std::vector<std::vector<Outcome>> outcomes(rungs.size(), std::vector<Outcome>(seeds));
   std::atomic<std::size_t> next{0};
@@ -119,7 +159,8 @@ int Main(int argc, char** argv) {
   CLI::App app("What planes can gain, rung by rung, on simulated features");
   ConsistencyOptions options;
   options.num_seeds = 64;
-  std::vector<std::string> overrides;
+  SearchOptions search;
+  std::vector<std::string> overrides, search_overrides;
   std::string only;
   double duration_s = 40;
   int jobs = 1;
@@ -130,11 +171,14 @@ int Main(int argc, char** argv) {
   app.add_option("--only", only, "name of one flight");
   app.add_option("--jobs", jobs, "runs at the same time")->check(CLI::Range(1, 256));
   app.add_option("--set", overrides, "option of the estimator, key=value");
+  app.add_option("--search", search_overrides, "option of the search, mesh.* or regularities.*");
   CLI11_PARSE(app, argc, argv);
 
   ApplyOverrides(overrides, ListFields(options.estimator));
+  ApplyOverrides(search_overrides, ListFields(search));
   for (const Scenario& scenario : FindScenarios(duration_s)) {
-    if (only.empty() || scenario.name == only) RunLadder(scenario, options, jobs);
+    if (only.empty() || scenario.name == only)
+      RunLadder(scenario, options, MakeRungs(search), jobs);
   }
   return 0;
 }

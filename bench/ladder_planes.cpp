@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "ladder_planes.h"
 
+#include <algorithm>
+
 #include "facet/geometry/plane_fit.h"
 
 namespace facet {
@@ -14,7 +16,8 @@ void OraclePlanes::EndOld(Timestamp now, PlaneAssignments& out) {
   });
 }
 
-PlaneAssignments OraclePlanes::operator()(const MapSnapshot& snapshot) {
+PlaneAssignments OraclePlanes::operator()(const FrameObservations& /*observations*/,
+                                          const MapSnapshot& snapshot) {
   PlaneAssignments out;
   const Timestamp now = snapshot.latest.t;
   // A surface whose plane just ended starts anew one keyframe later.
@@ -42,6 +45,51 @@ PlaneAssignments OraclePlanes::operator()(const MapSnapshot& snapshot) {
       out.joined.push_back({landmark->id, known->second.id});
   }
   return out;
+}
+
+PlaneAssignments PlaceboPlanes::operator()(const FrameObservations& observations,
+                                           const MapSnapshot& snapshot) {
+  PlaneAssignments out = oracle_(observations, snapshot);
+  for (const NewPlane& plane : out.created)
+    planes_.push_back(plane.id);
+  for (PlaneJoin& join : out.joined) {
+    const auto own = std::find(planes_.begin(), planes_.end(), join.plane) - planes_.begin();
+    join.plane = planes_[static_cast<std::size_t>(own + 1) % planes_.size()];
+  }
+  return out;
+}
+
+OwnSearch::OwnSearch(const SimulatedRun& run,
+                     const MeshOptions& mesh,
+                     const RegularityOptions& options,
+                     SearchQuality& quality)
+    : run_(run), mesh_(run.rig, mesh), tracker_(options), quality_(quality) {}
+
+PlaneAssignments OwnSearch::operator()(const FrameObservations& observations,
+                                       const MapSnapshot& snapshot) {
+  FrameObservations sorted = observations;
+  std::sort(sorted.features.begin(), sorted.features.end(), [](const auto& a, const auto& b) {
+    return a.landmark < b.landmark;
+  });
+  MeshPacket images;
+  images.intensities.assign(sorted.features.size(), 128);
+  const auto mesh = mesh_.Process(sorted, images, snapshot);
+  PlaneAssignments found = tracker_.Process(*mesh, snapshot);
+  Judge(found);
+  return found;
+}
+
+void OwnSearch::Judge(const PlaneAssignments& found) {
+  quality_.num_created += static_cast<int>(found.created.size());
+  for (const PlaneJoin& join : found.joined) {
+    const auto truth = run_.landmarks.find(join.landmark);
+    if (truth == run_.landmarks.end()) continue;
+    std::map<PlaneId, int>& surfaces = surfaces_of_plane_[join.plane];
+    const int count = ++surfaces[truth->second.surface];
+    ++quality_.num_joined;
+    quality_.num_wrong += std::any_of(
+        surfaces.begin(), surfaces.end(), [&](const auto& other) { return other.second > count; });
+  }
 }
 
 }  // namespace facet

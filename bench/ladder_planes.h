@@ -7,7 +7,17 @@
 
 #include "consistency_run.h"
 
+#include "facet/pipeline/mesh_stage.h"
+#include "facet/regularities/plane_tracker.h"
+
 namespace facet {
+
+/// How the search's answers compare with the truth.
+struct SearchQuality {
+  int num_created = 0;
+  int num_joined = 0;
+  int num_wrong = 0;  ///< joined a plane most of whose landmarks lie on another surface
+};
 
 struct OraclePlaneOptions {
   double max_age_s = 0;       ///< a plane ends this long after its creation; 0: stays all run
@@ -22,7 +32,7 @@ class OraclePlanes {
   OraclePlanes(const SimulatedRun& run, const OraclePlaneOptions& options)
       : run_(run), options_(options) {}
 
-  PlaneAssignments operator()(const MapSnapshot& snapshot);
+  PlaneAssignments operator()(const FrameObservations& observations, const MapSnapshot& snapshot);
 
  private:
   struct Known {
@@ -36,6 +46,40 @@ class OraclePlanes {
   OraclePlaneOptions options_;
   std::map<PlaneId, Known> known_;  ///< by surface
   std::int64_t next_id_ = 0;
+};
+
+/// True planes with the landmarks of others: each landmark is said to lie on the plane after its
+/// own. The estimator has to refuse them.
+class PlaceboPlanes {
+ public:
+  explicit PlaceboPlanes(const SimulatedRun& run) : oracle_(run, OraclePlaneOptions()) {}
+
+  PlaneAssignments operator()(const FrameObservations& observations, const MapSnapshot& snapshot);
+
+ private:
+  OraclePlanes oracle_;
+  std::vector<PlaneId> planes_;
+};
+
+/// The product's own search: mesh, detection, recognition, membership.
+class OwnSearch {
+ public:
+  /// `quality` must outlive this and is added to.
+  OwnSearch(const SimulatedRun& run,
+            const MeshOptions& mesh,
+            const RegularityOptions& options,
+            SearchQuality& quality);
+
+  PlaneAssignments operator()(const FrameObservations& observations, const MapSnapshot& snapshot);
+
+ private:
+  void Judge(const PlaneAssignments& found);
+
+  const SimulatedRun& run_;
+  MeshStage mesh_;
+  PlaneTracker tracker_;
+  std::map<PlaneId, std::map<PlaneId, int>> surfaces_of_plane_;
+  SearchQuality& quality_;
 };
 
 }  // namespace facet

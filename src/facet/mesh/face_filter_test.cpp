@@ -41,6 +41,7 @@ TEST(FaceFilter, NoiseInDepthIsNotHeldAgainstAFace) {
   EXPECT_EQ(JudgeFace(Face(a, b, c, 0.08), FaceLimits()), FaceVerdict::kAccepted);
 }
 
+// But for elongation: steep faces vote, once their surroundings have proven them to be surface.
 TEST(FaceFilter, WhatIsStrictlyAcceptedIsAccepted) {
   Rng rng(1);
   for (int trial = 0; trial < 20000; ++trial) {
@@ -50,7 +51,8 @@ TEST(FaceFilter, WhatIsStrictlyAcceptedIsAccepted) {
                                  centre + 0.2 * rng.Normal3(),
                                  rng.Uniform(0, 0.2));
     if (JudgeFace(face, StrictFaceLimits()) != FaceVerdict::kAccepted) continue;
-    EXPECT_EQ(JudgeFace(face, FaceLimits()), FaceVerdict::kAccepted);
+    const FaceVerdict verdict = JudgeFace(face, FaceLimits());
+    EXPECT_TRUE(verdict == FaceVerdict::kAccepted || verdict == FaceVerdict::kElongated);
   }
 }
 

@@ -55,7 +55,7 @@ struct FaceLimits {
 inline FaceLimits StrictFaceLimits() {
   FaceLimits limits;
   limits.min_side_ratio = 0.3;
-  limits.min_elongation = 1.2;
+  limits.min_elongation = 0.4;
   limits.max_side_m = 0.6;
   limits.max_side_per_depth = 0.3;
   limits.min_angle_deg = 15;
