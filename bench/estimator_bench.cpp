@@ -12,11 +12,11 @@ namespace {
 constexpr int kPoses = 10, kFullStates = 5, kLandmarks = 200;
 constexpr int kPlanes = 20, kPlaneRows = 500;
 
-testing::TestWindow MakeWindow(int num_landmarks = kLandmarks) {
+testing::TestWindow MakeWindow() {
   testing::TestWindowOptions options;
   options.num_frames = kPoses + kFullStates;
   options.num_pose_frames = kPoses;
-  options.num_landmarks = num_landmarks;
+  options.num_landmarks = kLandmarks;
   Rng rng(11);
   testing::TestWindow test = testing::MakeTestWindow(options, rng);
   testing::Disturb(test.window, testing::StepSigmas{}, rng);
@@ -72,23 +72,27 @@ void BM_OptimizeKeyframe(benchmark::State& state) {
 }
 BENCHMARK(BM_OptimizeKeyframe)->Unit(benchmark::kMicrosecond);
 
-// Landmarks of a full window, 350 of them.
-constexpr int kManyLandmarks = 400;
-
-// 20 planes with 500 rows on the landmarks of the window, and 30 relations between them. The
-// landmarks are anywhere, so the surfaces are called rough.
+// 20 planes with 500 landmarks on them, and 28 relations between them. As in simulated flights, a
+// landmark is seen from some three keyframes, nearly always by both cameras. The landmarks are
+// anywhere, so the surfaces are called rough.
 testing::TestWindow MakeWindowWithPlanes() {
-  testing::TestWindow test = MakeWindow(kManyLandmarks);
-  SlidingWindow& window = test.window;
+  testing::TestWindowOptions options;
+  options.num_frames = kPoses + kFullStates;
+  options.num_pose_frames = kPoses;
+  options.num_landmarks = 740;
+  options.miss_share = 0.8;
+  options.right_share = 0.9;
   Rng rng(12);
+  testing::TestWindow test = testing::MakeTestWindow(options, rng);
+  testing::Disturb(test.window, testing::StepSigmas{}, rng);
+  SlidingWindow& window = test.window;
   for (int k = 0; k < kPlanes; ++k) {
     const Vector3d n = rng.UnitVector();
     const Vector3d& p_W = test.points[static_cast<std::size_t>(k)];
     window.planes.emplace_back(PlaneId{k}, Plane{n, n.dot(p_W)}, p_W);
   }
-  const auto n = window.landmarks().size();
   for (std::size_t row = 0; row < kPlaneRows; ++row)
-    window.landmarks()[row % n].planes.Add(static_cast<int>((row + row / n) % kPlanes));
+    window.landmarks()[row].planes.Add(static_cast<int>(row % kPlanes));
   for (int k = 1; k < kPlanes; ++k) {
     window.AddRelation({PlaneRelationKind::kParallel, PlaneId{0}, PlaneId{k}});
     if (k % 2 == 0) window.AddRelation({PlaneRelationKind::kVertical, PlaneId{k}});
@@ -122,6 +126,10 @@ void BM_OptimizeKeyframePlanes(benchmark::State& state) {
     state.ResumeTiming();
     iterations = solver.Solve(window, options.keyframe_iterations).iterations;
   }
+  std::size_t num_observations = 0;
+  for (const WindowLandmark& landmark : test.window.landmarks())
+    num_observations += landmark.observations.size();
+  state.counters["observations"] = static_cast<double>(num_observations);
   state.counters["landmarks"] = static_cast<double>(test.window.landmarks().size());
   state.counters["planes"] = static_cast<double>(test.window.planes.size());
   state.counters["plane_rows"] = num_rows;

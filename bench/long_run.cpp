@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// long_run [--duration S] [--seeds N] [--set key=value]...
+// long_run [--duration S] [--seeds N] [--pipelines S,planes,relations] [--set key=value]...
 // Does the covariance still describe the error after ten minutes with planes that stay? Made-up
 // flights in one room, simulated features, true planes and relations. Prints the normalised errors
-// minute by minute.
+// minute by minute, and over all runs.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
@@ -95,8 +97,13 @@ class RelatedOracle {
 };
 
 enum class Pipeline { kS, kPlanes, kRelations };
+constexpr const char* kNames[] = {"S", "planes", "relations"};
 
-void Study(const Scenario& scenario, const ConsistencyOptions& options, Pipeline pipeline) {
+/// Adds the mean yaw NEES of each run: runs are independent, the minutes of one are not.
+void Study(const Scenario& scenario,
+           const ConsistencyOptions& options,
+           Pipeline pipeline,
+           std::vector<double>& yaw_by_run) {
   std::vector<Normalised> minutes(
       static_cast<std::size_t>(std::ceil(scenario.duration_s / kMinute)));
   Normalised all;
@@ -108,12 +115,14 @@ void Study(const Scenario& scenario, const ConsistencyOptions& options, Pipeline
     if (pipeline != Pipeline::kS) planes = RelatedOracle(run, pipeline == Pipeline::kRelations);
     const ConsistencyRun result = RunConsistency(run, options, false, planes);
     num_resets += result.num_resets;
+    Normalised one;
     for (const FrameError& frame : result.frames) {
+      one.Add(frame);
       minutes[static_cast<std::size_t>(frame.elapsed_s / kMinute)].Add(frame);
       all.Add(frame);
     }
+    yaw_by_run.push_back(one.yaw / one.count);
   }
-  constexpr const char* kNames[] = {"S", "true planes, kept", "true planes and relations, kept"};
   std::printf("%s, %.0f s, %d realisations, %s; resets %d\n",
               scenario.name.c_str(),
               scenario.duration_s,
@@ -127,26 +136,43 @@ void Study(const Scenario& scenario, const ConsistencyOptions& options, Pipeline
   std::fflush(stdout);
 }
 
+void PrintMean(const char* name, const std::vector<double>& yaw_by_run) {
+  const double n = static_cast<double>(yaw_by_run.size());
+  double sum = 0, square = 0;
+  for (double yaw : yaw_by_run) {
+    sum += yaw;
+    square += yaw * yaw;
+  }
+  const double mean = sum / n;
+  const double error = std::sqrt(std::max(square / n - mean * mean, 0.0) / std::max(n - 1, 1.0));
+  std::printf("%s: yaw NEES over %.0f runs %.2f, standard error %.2f\n", name, n, mean, error);
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("Normalised errors over long runs with planes that stay");
   ConsistencyOptions options;
   options.num_seeds = 4;
   std::vector<std::string> overrides;
   double duration_s = 600;
-  bool with_s = false;
+  std::vector<std::string> pipelines = {"planes", "relations"};
   app.add_option("--seeds", options.num_seeds, "realisations per flight")
       ->check(CLI::Range(1, 100000));
   app.add_option("--first-seed", options.first_seed, "the first of them");
   app.add_option("--duration", duration_s, "length of a run [s]")->check(CLI::Range(10, 7200));
-  app.add_flag("--with-s", with_s, "without planes, too");
+  app.add_option(
+         "--pipelines", pipelines, "S, planes (true ones, kept), relations (the same with them)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"S", "planes", "relations"}));
   app.add_option("--set", overrides, "option of the estimator, key=value");
   CLI11_PARSE(app, argc, argv);
 
   ApplyOverrides(overrides, ListFields(options.estimator));
-  for (const Scenario& scenario : MadeUpScenarios(duration_s)) {
-    if (with_s) Study(scenario, options, Pipeline::kS);
-    Study(scenario, options, Pipeline::kPlanes);
-    Study(scenario, options, Pipeline::kRelations);
+  for (const std::string& name : pipelines) {
+    const auto index = std::find(std::begin(kNames), std::end(kNames), name) - std::begin(kNames);
+    std::vector<double> yaw_by_run;
+    for (const Scenario& scenario : MadeUpScenarios(duration_s))
+      Study(scenario, options, static_cast<Pipeline>(index), yaw_by_run);
+    PrintMean(name.c_str(), yaw_by_run);
   }
   return 0;
 }
