@@ -113,6 +113,19 @@ TEST(RelationFactorTest, RowsKnowNothingOfPositionAndHeading) {
   EXPECT_LT(worst, 1e-13);
 }
 
+// The counter-test: the planes' columns alone would measure where everything is.
+TEST(RelationFactorTest, WithoutTheFrameTheyWouldKnow) {
+  Rng rng(10);
+  for (const PlaneRelationKind kind : {kParallel, kCoplanar, kHorizontal}) {
+    const TestWindow test = MakeWindow(kind, 0.02, 0.0, rng);
+    const RelationRows rows = LinearizeRelation(test.window, test.window.relations[0], kLinear);
+    const auto& planes = test.window.planes;
+    const Matrix<4, 4> seen = rows.J_a * testing::GaugeDirections(planes[0], Vector3d::Zero()) +
+                              rows.J_b * testing::GaugeDirections(planes[1], Vector3d::Zero());
+    EXPECT_GT(seen.cwiseAbs().maxCoeff(), 0.1) << static_cast<int>(kind);
+  }
+}
+
 TEST(RelationFactorTest, TurningAndMovingEverythingChangesNoCost) {
   Rng rng(3);
   for (const PlaneRelationKind kind : kAllKinds) {
