@@ -77,6 +77,22 @@ void ApplyAssignments(const PlaneAssignments& assignments,
       landmark->planes.Add(plane);
     }
   }
+  for (const PlaneRelation& relation : assignments.unrelated)
+    window.RemoveRelation(relation);
+  for (const PlaneRelation& relation : assignments.related)
+    window.AddRelation(relation);
+}
+
+void ApplyProjections(const PlaneAssignments& assignments,
+                      bool convert_back,
+                      SlidingWindow& window) {
+  const auto set = [&](const std::vector<LandmarkId>& ids, bool is_projection) {
+    for (const LandmarkId id : ids) {
+      if (WindowLandmark* landmark = window.Find(id)) landmark->is_projection = is_projection;
+    }
+  };
+  if (convert_back) set(assignments.unprojected, false);
+  set(assignments.projected, true);
 }
 
 int DetachOutliers(const FrameGeometry& geometry,
@@ -135,6 +151,22 @@ void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow
       if (!window.planes[plane].settled) links.Remove(plane);
     }
   }
+}
+
+void CutUnsettledRelations(const std::vector<char>& leaving_planes, SlidingWindow& window) {
+  const auto is_unsettled = [&](PlaneId id) {
+    const int plane = window.IndexOf(id);
+    const WindowPlane& p = window.planes[plane];
+    return leaving_planes[static_cast<std::size_t>(plane)] == 0 && !p.settled && !p.frozen;
+  };
+  const auto leaves = [&](PlaneId id) {
+    return leaving_planes[static_cast<std::size_t>(window.IndexOf(id))] != 0;
+  };
+  std::erase_if(window.relations, [&](const WindowRelation& w) {
+    const PlaneRelation& r = w.relation;
+    if (r.IsUnary()) return false;
+    return (leaves(r.a) && is_unsettled(r.b)) || (leaves(r.b) && is_unsettled(r.a));
+  });
 }
 
 void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window) {
