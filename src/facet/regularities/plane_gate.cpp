@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/regularities/plane_gate.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <Eigen/Cholesky>
@@ -48,7 +50,8 @@ double ChiSquare(const PlaneCandidate& candidate, const PlaneEstimate& plane, co
   covariance(2, 2) += candidate.offset_variance_m2;
   const Eigen::LLT<Matrix3d> factor(covariance);
   if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  return factor.matrixL().solve(r).squaredNorm();
+  const double chi_square = factor.matrixL().solve(r).squaredNorm();
+  return std::isfinite(chi_square) ? chi_square : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace facet

@@ -25,6 +25,13 @@ Vector2d MiddleOf(std::uint64_t key) {
   return kCell_m * Vector2d(x + 0.5, y + 0.5);
 }
 
+// What is farther off than this has no cell: neither have coordinates that are not numbers.
+constexpr double kMaxReach_m = 1e5;
+
+bool HasCell(const Vector2d& xy) {
+  return xy.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < kMaxReach_m;
+}
+
 int CellOf(double m, double size_m) {
   return static_cast<int>(std::floor(m / size_m));
 }
@@ -49,6 +56,7 @@ Vector3d PlaneSupport::ToWorld(const Vector2d& xy, const Plane& plane_W) const {
 
 void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
   Vector2d a = ToPlane(p_W[0]), b = ToPlane(p_W[1]), c = ToPlane(p_W[2]);
+  if (!HasCell(a) || !HasCell(b) || !HasCell(c)) return;
   if (Cross(a, b, c) < 0) std::swap(b, c);
   const Vector2d low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
   const Cell first = {CellOf(low.x(), kCell_m), CellOf(low.y(), kCell_m)};
@@ -67,6 +75,7 @@ void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
 
 bool PlaneSupport::IsNear(const Vector3d& p_W, double radius_m) const {
   const Vector2d xy = ToPlane(p_W);
+  if (!HasCell(xy)) return false;
   const int x = CellOf(xy.x(), kCoarse_m), y = CellOf(xy.y(), kCoarse_m);
   const int reach = std::max(1, static_cast<int>(std::lround(radius_m / kCoarse_m)));
   for (int dx = -reach; dx <= reach; ++dx) {

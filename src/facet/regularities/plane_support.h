@@ -17,6 +17,7 @@ class PlaneSupport {
  public:
   PlaneSupport(const Plane& plane_W, const Vector3d& origin_W);
 
+  /// Triangles of more than 10 m, and those without finite corners, are left out.
   void AddTriangle(const std::array<Vector3d, 3>& p_W);
 
   /// Whether surface was seen within about `radius_m` (whole half metres) of the point's

@@ -38,7 +38,7 @@ std::array<Bump, kPhases> MakeBumps() {
 // Adds a bump of the given height around `position`, in bins.
 void AddBump(double position, double weight, double* bins, int num_bins) {
   static const std::array<Bump, kPhases> kBumps = MakeBumps();
-  if (!(position > -kTaps && position < num_bins + kTaps)) return;
+  if (!(position > -kTaps && position < num_bins + kTaps) || !std::isfinite(weight)) return;
   const int fine = static_cast<int>(std::floor(position * kPhases + 0.5));
   const int whole = fine >= 0 ? fine / kPhases : -((kPhases - 1 - fine) / kPhases);
   const Bump& bump = kBumps[static_cast<std::size_t>(fine - whole * kPhases)];
@@ -107,6 +107,7 @@ void WallVotes::AddColumn(int column, double distance_m, double weight) {
 }
 
 void WallVotes::Add(const Vector3d& centre_W, const Vector3d& n_W, double weight) {
+  if (!n_W.allFinite()) return;
   const double azimuth = std::atan2(n_W.y(), n_W.x());
   const double reach = kReach * sigma_rad_;
   const int first = static_cast<int>(std::ceil((azimuth - reach) / kAzimuthStep));
