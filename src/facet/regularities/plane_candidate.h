@@ -32,8 +32,8 @@ std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
 
 /// Fits a plane to the pool's faces near `start`, all three degrees of freedom, and judges it.
 /// Every connected piece large enough is a candidate of its own: two tables of the same height are
-/// two planes. Candidates that are too small, too thick or too narrow are left out, and so are
-/// those that turned away from `start`.
+/// two planes, and so are two surfaces that a step parts. Candidates that are too small, too thick
+/// or too narrow are left out, and so are those that turned away from `start`.
 std::vector<PlaneCandidate> FitCandidates(const SurfaceFaces& faces,
                                           std::span<const int> pool,
                                           const Plane& start,

@@ -32,9 +32,12 @@ void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
     const Vector3d n = (b - a).cross(c - a);
     const double norm = n.norm();
     face.centre_W = (a + b + c) / 3;
-    face.area_m2 = 0.5 * norm;
-    if (norm > 1e-12) face.n_W = n / norm;
-    face.may_vote = mesh.may_vote[f] != 0 && norm > 1e-12;
+    const bool has_area = norm > 1e-12 && std::isfinite(norm);
+    if (has_area) {
+      face.area_m2 = 0.5 * norm;
+      face.n_W = n / norm;
+    }
+    face.may_vote = mesh.may_vote[f] != 0 && has_area;
     face.in_view = mesh.in_view[f] != 0;
     out.faces.push_back(face);
   }
