@@ -150,13 +150,22 @@ PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
   return candidate;
 }
 
+std::vector<int> Without(const std::vector<int>& faces, const std::vector<int>& taken) {
+  std::vector<int> out;
+  std::set_difference(
+      faces.begin(), faces.end(), taken.begin(), taken.end(), std::back_inserter(out));
+  return out;
+}
+
+// All lists of faces are ascending.
 struct CandidateSearch {
   const SurfaceFaces& faces;
   double min_area_m2;
   const DetectionOptions& options;
 
-  // A plane that bridges two surfaces is taken apart, and each part finds its own faces.
-  void Run(std::vector<int> pool,
+  // A plane that bridges two surfaces, or lies across them, is taken apart, and each part finds its
+  // own faces.
+  void Run(const std::vector<int>& pool,
            const Plane& start,
            int num_splits,
            std::vector<PlaneCandidate>& out) const {
@@ -169,37 +178,57 @@ struct CandidateSearch {
       on_plane = std::move(found);
       plane = FitFaces(faces, on_plane, plane.n).fit.plane;
     }
-    for (std::vector<int>& piece : ConnectedPieces(faces, on_plane, plane)) {
+    const std::vector<std::vector<int>> pieces = ConnectedPieces(faces, on_plane, plane);
+    if (pieces.size() > 1 && num_splits > 0) {
+      RunParts(pieces, pool, start, num_splits - 1, out);
+      return;
+    }
+    for (const std::vector<int>& piece : pieces) {
       if (AreaOf(faces, piece) < min_area_m2) continue;
       const WeightedPlane fit = FitFaces(faces, piece, start.n);
-      if (const auto step = FindStep(fit.points, fit.weights, fit.fit)) {
-        if (num_splits > 0) RunOnBothSides(piece, *step, pool, start, num_splits - 1, out);
-      } else if (IsAcceptable(fit, start, options)) {
-        out.push_back(MakeCandidate(faces, std::move(piece), fit, options));
+      const auto step = FindStep(fit.points, fit.weights, fit.fit);
+      if (!step) {
+        Accept(piece, fit, start, out);
+      } else if (num_splits > 0) {
+        RunParts(BothSides(piece, *step), pool, start, num_splits - 1, out);
+      } else {  // extending the sides led here again
+        for (const std::vector<int>& side : BothSides(piece, *step))
+          Accept(side, FitFaces(faces, side, start.n), start, out);
       }
     }
   }
 
-  void RunOnBothSides(const std::vector<int>& piece,
-                      const SurfaceStep& step,
-                      std::vector<int> pool,
-                      const Plane& start,
-                      int num_splits,
-                      std::vector<PlaneCandidate>& out) const {
-    for (const bool is_beyond : {false, true}) {
-      std::vector<int> side;
-      std::copy_if(piece.begin(), piece.end(), std::back_inserter(side), [&](int f) {
-        return step.IsBeyond(faces.faces[f].centre_W) == is_beyond;
-      });
-      if (AreaOf(faces, side) < min_area_m2) continue;
-      const std::size_t num_before = out.size();
-      Run(pool, FitFaces(faces, side, start.n).fit.plane, num_splits, out);
-      for (std::size_t k = num_before; k < out.size(); ++k) {
-        std::erase_if(pool, [&](int f) {
-          return std::find(out[k].faces.begin(), out[k].faces.end(), f) != out[k].faces.end();
-        });
-      }
+  void Accept(const std::vector<int>& on_plane,
+              const WeightedPlane& fit,
+              const Plane& start,
+              std::vector<PlaneCandidate>& out) const {
+    if (AreaOf(faces, on_plane) >= min_area_m2 && IsAcceptable(fit, start, options))
+      out.push_back(MakeCandidate(faces, on_plane, fit, options));
+  }
+
+  void RunParts(const std::vector<std::vector<int>>& parts,
+                std::vector<int> pool,
+                const Plane& start,
+                int num_splits,
+                std::vector<PlaneCandidate>& out) const {
+    const std::size_t num_before = out.size();
+    for (std::vector<int> part : parts) {
+      for (std::size_t k = num_before; k < out.size(); ++k)
+        part = Without(part, out[k].faces);
+      if (AreaOf(faces, part) < min_area_m2) continue;
+      const std::size_t first = out.size();
+      Run(pool, FitFaces(faces, part, start.n).fit.plane, num_splits, out);
+      for (std::size_t k = first; k < out.size(); ++k)
+        pool = Without(pool, out[k].faces);
     }
+  }
+
+  std::vector<std::vector<int>> BothSides(const std::vector<int>& piece,
+                                          const SurfaceStep& step) const {
+    std::vector<std::vector<int>> sides(2);
+    for (const int f : piece)
+      sides[step.IsBeyond(faces.faces[f].centre_W) ? 1 : 0].push_back(f);
+    return sides;
   }
 };
 

@@ -3,74 +3,79 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
+#include <utility>
 #include <vector>
 
 namespace facet {
 
 namespace {
 
-constexpr int kMinPoints = 10;  // on each side
+constexpr std::size_t kMinPoints = 10;  // on each side
+constexpr std::size_t kMinShare = 6;    // a sixth of all points on each side
 constexpr double kMinStep_m = 0.03;
-// Beyond what the best of all lines reaches on one plane, with 3 and many degrees of freedom.
-constexpr double kMinFStatistic = 13;
+// Far beyond what the best of all cuts reaches on one plane, with 2 and many degrees of freedom.
+constexpr double kMinFStatistic = 15;
 
-struct Side {
-  std::vector<Vector3d> points;
-  std::vector<double> weights;
+// Sums from which the line through weighted (t, r) and its squared residuals follow.
+struct LineSums {
+  double w = 0, wt = 0, wr = 0, wtt = 0, wtr = 0, wrr = 0;
 
-  void Add(const Vector3d& p, double weight) {
-    points.push_back(p);
-    weights.push_back(weight);
+  void Add(double t, double r, double weight) {
+    w += weight;
+    wt += weight * t;
+    wr += weight * r;
+    wtt += weight * t * t;
+    wtr += weight * t * r;
+    wrr += weight * r * r;
   }
-  double TotalWeight() const { return std::accumulate(weights.begin(), weights.end(), 0.0); }
+  LineSums operator-(const LineSums& other) const {
+    return {w - other.w,
+            wt - other.wt,
+            wr - other.wr,
+            wtt - other.wtt,
+            wtr - other.wtr,
+            wrr - other.wrr};
+  }
+  double Slope() const {
+    const double tt = wtt - wt * wt / w;
+    return tt > 1e-12 * wtt ? (wtr - wt * wr / w) / tt : 0;
+  }
+  double Residual() const { return wrr - wr * wr / w - Slope() * (wtr - wt * wr / w); }
+  double At(double t) const { return wr / w + Slope() * (t - wt / w); }
 };
 
-// Residuals of a plane that bridges two surfaces change their sign at the step: their running sum
-// is farthest from zero there.
-double LikeliestPosition(std::span<const Vector3d> points_W,
-                         std::span<const double> weights,
-                         const Plane& plane_W,
-                         const Vector3d& direction_W) {
+// Cuts the points across one direction where a line on each side fits their distances best.
+std::optional<SurfaceStep> FindStepAlong(std::span<const Vector3d> points_W,
+                                         std::span<const double> weights,
+                                         const PlaneFit& fit,
+                                         const Vector3d& direction_W) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < points_W.size(); ++i)
-    order.emplace_back(direction_W.dot(points_W[i]), i);
+    order.emplace_back(direction_W.dot(points_W[i] - fit.centroid), i);
   std::sort(order.begin(), order.end());
-  double sum = 0, farthest = 0, position = order.front().first;
-  for (std::size_t k = 0; k + 1 < order.size(); ++k) {
-    const std::size_t i = order[k].second;
-    sum += weights[i] * plane_W.SignedDistance(points_W[i]);
-    if (std::abs(sum) <= farthest) continue;
-    farthest = std::abs(sum);
-    position = 0.5 * (order[k].first + order[k + 1].first);
+  std::vector<LineSums> below(order.size());
+  LineSums all;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const auto [t, i] = order[k];
+    all.Add(t, fit.plane.SignedDistance(points_W[i]), weights[i]);
+    below[k] = all;
   }
-  return position;
-}
-
-bool IsStep(std::span<const Vector3d> points_W,
-            std::span<const double> weights,
-            const PlaneFit& fit,
-            const SurfaceStep& step) {
-  Side below, beyond;
-  for (std::size_t i = 0; i < points_W.size(); ++i)
-    (step.IsBeyond(points_W[i]) ? beyond : below).Add(points_W[i], weights[i]);
-  if (std::min(below.points.size(), beyond.points.size()) < kMinPoints) return false;
-  const PlaneFit a = FitPlane(below.points, below.weights);
-  const PlaneFit b = FitPlane(beyond.points, beyond.weights);
-  const double weight_a = below.TotalWeight(), weight_b = beyond.TotalWeight();
-  const double apart =
-      weight_a * a.thickness_m * a.thickness_m + weight_b * b.thickness_m * b.thickness_m;
-  const double together = (weight_a + weight_b) * fit.thickness_m * fit.thickness_m;
-  const double freedom = static_cast<double>(points_W.size()) - 6;
-  if ((together - apart) / 3 < kMinFStatistic * apart / freedom) return false;
-
-  // How far apart the two planes are where they meet, along the normal of both together.
-  const Vector3d& n = fit.plane.n;
-  const Vector3d at =
-      fit.centroid + (step.position_m - step.direction_W.dot(fit.centroid)) * step.direction_W;
-  const double jump =
-      a.plane.SignedDistance(at) / a.plane.n.dot(n) - b.plane.SignedDistance(at) / b.plane.n.dot(n);
-  return std::abs(jump) > kMinStep_m;
+  const std::size_t margin = std::max(kMinPoints, order.size() / kMinShare);
+  std::size_t best = 0;
+  double apart = std::numeric_limits<double>::infinity();
+  for (std::size_t k = margin - 1; k + margin < order.size(); ++k) {
+    const double residual = below[k].Residual() + (all - below[k]).Residual();
+    if (residual >= apart) continue;
+    apart = residual;
+    best = k;
+  }
+  const double freedom = static_cast<double>(order.size()) - 4;
+  if (!((all.Residual() - apart) / 2 > kMinFStatistic * apart / freedom)) return std::nullopt;
+  const double t = 0.5 * (order[best].first + order[best + 1].first);
+  const double step = (all - below[best]).At(t) - below[best].At(t);
+  if (std::abs(step) < kMinStep_m) return std::nullopt;
+  return SurfaceStep{direction_W, direction_W.dot(fit.centroid) + t};
 }
 
 }  // namespace
@@ -79,11 +84,8 @@ std::optional<SurfaceStep> FindStep(std::span<const Vector3d> points_W,
                                     std::span<const double> weights,
                                     const PlaneFit& fit) {
   if (points_W.size() < 2 * kMinPoints) return std::nullopt;
-  for (const Vector3d& direction : {fit.major_W, Vector3d(fit.plane.n.cross(fit.major_W))}) {
-    const SurfaceStep step{direction, LikeliestPosition(points_W, weights, fit.plane, direction)};
-    if (IsStep(points_W, weights, fit, step)) return step;
-  }
-  return std::nullopt;
+  const auto step = FindStepAlong(points_W, weights, fit, fit.major_W);
+  return step ? step : FindStepAlong(points_W, weights, fit, fit.plane.n.cross(fit.major_W));
 }
 
 }  // namespace facet

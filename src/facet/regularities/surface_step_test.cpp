@@ -37,6 +37,18 @@ TEST(SurfaceStepTest, FindsAStepAndWhereItIs) {
   }
 }
 
+// What a tight gate leaves of both sides when the plane leans across the step: its residuals add up
+// to nothing on each side.
+TEST(SurfaceStepTest, FindsAStepInWhatAGateLeft) {
+  Rng rng(4);
+  const Plane bridge{Vector3d(-0.05, 0, 1).normalized(), 0.05};
+  for (int run = 0; run < 100; ++run) {
+    std::vector<Vector3d> points = PointsWithStep(0.1, 0.01, 160, rng);
+    std::erase_if(points, [&](const auto& p) { return std::abs(bridge.SignedDistance(p)) > 0.03; });
+    EXPECT_TRUE(Find(points)) << run;
+  }
+}
+
 TEST(SurfaceStepTest, OnePlaneHasNone) {
   Rng rng(2);
   for (int run = 0; run < 1000; ++run) {
