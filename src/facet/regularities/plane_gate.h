@@ -16,4 +16,11 @@ double DistanceVariance(const PlaneEstimate& plane, const SE3& T_WB, const Vecto
 /// distance at the sighting's centroid. Infinite when the covariance is of no use.
 double ChiSquare(const PlaneCandidate& candidate, const PlaneEstimate& plane, const SE3& T_WB);
 
+/// The same between two planes, compared at the point p_W as the camera sees both; what they have
+/// in common besides the camera's pose is not known here, so that the distance is rather too small.
+double ChiSquare(const PlaneEstimate& a,
+                 const PlaneEstimate& b,
+                 const Vector3d& p_W,
+                 const SE3& T_WB);
+
 }  // namespace facet

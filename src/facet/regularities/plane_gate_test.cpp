@@ -153,6 +153,30 @@ TEST(PlaneGateTest, ChiSquareSeesWhatIsFarOff) {
   EXPECT_GT(ChiSquare(candidate, plane, T_WB), 36);
 }
 
+TEST(PlaneGateTest, TwoPlanesThatDifferAsMuchAsTheyMayHaveThreeDegreesOfFreedom) {
+  Rng rng(6);
+  double sum = 0;
+  constexpr int kRuns = 4000;
+  for (int run = 0; run < kRuns; ++run) {
+    const SE3 T_WB = RandomPose(rng);
+    PlaneEstimate a = RandomPlane(T_WB, 1e-3, rng);
+    PlaneEstimate b = RandomPlane(T_WB, 1e-3, rng);
+    // The same plane from another anchor, and a pose that is known: the planes' errors alone.
+    b.plane_W = a.plane_W;
+    const Matrix<3, 2> B = TangentBasis(a.plane_W.n);
+    for (PlaneEstimate* plane : {&a, &b}) {
+      plane->covariance.setZero();
+      plane->covariance.block<3, 3>(6, 6) = 1e-5 * B * B.transpose();
+      plane->covariance(9, 9) = 1e-5;
+    }
+    PlaneEstimate seen_b = Moved(b, Draw(b.covariance, rng));
+    const PlaneEstimate seen_a = Moved(a, Draw(a.covariance, rng));
+    if (run % 2 == 0) seen_b.plane_W = {-seen_b.plane_W.n, -seen_b.plane_W.d};
+    sum += ChiSquare(seen_a, seen_b, T_WB.p + 2 * rng.Normal3(), T_WB) / kRuns;
+  }
+  EXPECT_NEAR(sum, 3, 0.15);
+}
+
 TEST(PlaneGateTest, AUselessCovarianceRecognisesNothing) {
   Rng rng(5);
   const SE3 T_WB = RandomPose(rng);

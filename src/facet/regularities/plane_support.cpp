@@ -19,10 +19,10 @@ std::uint64_t Key(int x, int y) {
          static_cast<std::uint32_t>(y);
 }
 
-Vector2d MiddleOf(std::uint64_t key) {
+Vector2d MiddleOf(std::uint64_t key, double size_m) {
   const auto x = static_cast<std::int32_t>(key >> 32);
   const auto y = static_cast<std::int32_t>(key & 0xffffffffU);
-  return kCell_m * Vector2d(x + 0.5, y + 0.5);
+  return size_m * Vector2d(x + 0.5, y + 0.5);
 }
 
 // What is farther off than this has no cell: neither have coordinates that are not numbers.
@@ -66,11 +66,35 @@ void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
     for (int y = first[1]; y <= last[1]; ++y) {
       const Vector2d middle = kCell_m * Vector2d(x + 0.5, y + 0.5);
       if (Cross(a, b, middle) < 0 || Cross(b, c, middle) < 0 || Cross(c, a, middle) < 0) continue;
-      if (!cells_.insert(Key(x, y)).second) continue;
-      sum_ += middle;
-      coarse_.insert(Key(CellOf(middle.x(), kCoarse_m), CellOf(middle.y(), kCoarse_m)));
+      AddCell(middle);
     }
   }
+}
+
+void PlaneSupport::AddCell(const Vector2d& middle) {
+  if (!cells_.insert(Key(CellOf(middle.x(), kCell_m), CellOf(middle.y(), kCell_m))).second) return;
+  sum_ += middle;
+  coarse_.insert(Key(CellOf(middle.x(), kCoarse_m), CellOf(middle.y(), kCoarse_m)));
+}
+
+// The cells of the other lie at an angle to these: a few stay empty.
+void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
+  for (const std::uint64_t cell : other.cells_) {
+    const Vector2d xy = ToPlane(other.ToWorld(MiddleOf(cell, kCell_m), plane_W));
+    AddCell(kCell_m * (Vector2d((xy / kCell_m).array().floor()) + Vector2d::Constant(0.5)));
+  }
+}
+
+bool PlaneSupport::IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const {
+  return std::any_of(other.coarse_.begin(), other.coarse_.end(), [&](std::uint64_t cell) {
+    for (const double dx : {-0.5, 0.5}) {
+      for (const double dy : {-0.5, 0.5}) {
+        const Vector2d corner = MiddleOf(cell, kCoarse_m) + kCoarse_m * Vector2d(dx, dy);
+        if (IsNear(other.ToWorld(corner, plane_W), radius_m)) return true;
+      }
+    }
+    return false;
+  });
 }
 
 bool PlaneSupport::IsNear(const Vector3d& p_W, double radius_m) const {
@@ -100,7 +124,8 @@ std::vector<Vector3d> PlaneSupport::Outline(const Plane& plane_W) const {
   std::vector<Vector2d> corners;
   for (const std::uint64_t cell : cells_) {
     for (int k = 0; k < 4; ++k)
-      corners.push_back(MiddleOf(cell) + 0.5 * kCell_m * Vector2d(k % 2 * 2 - 1, k / 2 * 2 - 1));
+      corners.push_back(MiddleOf(cell, kCell_m) +
+                        0.5 * kCell_m * Vector2d(k % 2 * 2 - 1, k / 2 * 2 - 1));
   }
   std::sort(corners.begin(), corners.end(), [](const Vector2d& a, const Vector2d& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();

@@ -24,6 +24,12 @@ class PlaneSupport {
   /// projection.
   bool IsNear(const Vector3d& p_W, double radius_m) const;
 
+  /// Whether surface of the other, which lies on `plane_W`, is within about `radius_m`.
+  bool IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const;
+
+  /// Adds the cells of the other, which lie on `plane_W`.
+  void Add(const PlaneSupport& other, const Plane& plane_W);
+
   double area_m2() const;
 
   /// Mean of the cells, on the plane.
@@ -33,6 +39,7 @@ class PlaneSupport {
   std::vector<Vector3d> Outline(const Plane& plane_W) const;
 
  private:
+  void AddCell(const Vector2d& middle);
   Vector2d ToPlane(const Vector3d& p_W) const;
   Vector3d ToWorld(const Vector2d& xy, const Plane& plane_W) const;
 

@@ -9,6 +9,7 @@
 #include "facet/geometry/plane_fit.h"
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
+#include "facet/regularities/plane_revision.h"
 
 namespace facet {
 
@@ -33,6 +34,10 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   FillSurfaceFaces(mesh, faces_);
   IndexLandmarks(mesh, map);
   Refresh(map, out);
+  if (options_.tracking.revise) {
+    EndMisfits(map, planes_, out);
+    MergeSameSurfaces(map, planes_, out);
+  }
   ClaimFaces(map);
   std::vector<char> taken(plane_of_face_.size());
   std::transform(plane_of_face_.begin(), plane_of_face_.end(), taken.begin(), [](int plane) {
@@ -253,7 +258,7 @@ void PlaneTracker::JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out) 
     i = end;
     KnownPlane& known = planes_[plane];
     const LandmarkEstimate& estimate = map.landmarks[landmark];
-    if (estimate.IsOn(known.id)) continue;
+    if (known.Has(estimate)) continue;
     if (count < 2 && 2 * count < faces_around[landmark]) continue;
     out.joined.push_back({estimate.id, known.id, 2 * known.recognised_at_m});
     ++known.num_landmarks;

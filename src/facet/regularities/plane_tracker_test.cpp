@@ -24,6 +24,8 @@ constexpr double kKeyframe_s = 0.2;
 /// Runs keyframes through a tracker and an estimator that believes it.
 class PlaneTrackerTest : public ::testing::Test {
  protected:
+  PlaneTrackerTest() { floor_.first_id = 50000; }
+
   /// One keyframe that sees the patches.
   PlaneAssignments Step(const std::vector<Patch>& patches) {
     view_.time_s += kKeyframe_s;
@@ -52,7 +54,7 @@ class PlaneTrackerTest : public ::testing::Test {
   PlaneTracker tracker_{RegularityOptions()};
   int num_created_ = 0;
   const Patch wall_ = MakeWall({3, 0, 1.4}, 0, 3, 2);
-  const Patch floor_ = MakeFloor({2, 0, 0}, 2, 3);
+  Patch floor_ = MakeFloor({2, 0, 0}, 2, 3);
 };
 
 TEST_F(PlaneTrackerTest, APlaneIsHandedOverAfterEnoughSightings) {
@@ -289,6 +291,44 @@ TEST_F(PlaneTrackerTest, FacesThatAreNotFiniteBelongToNoPlane) {
     }
   }
   EXPECT_TRUE(std::isfinite(tracker_.Records()[0].area_m2));
+}
+
+TEST_F(PlaneTrackerTest, PartsOfAWallThatMeetAreMerged) {
+  // 4.5 m apart at first: two planes. Then the wall between them is seen.
+  Run({MakeWall({3, -3, 1.4}, 0, 1.5, 2), MakeWall({3, 3, 1.4}, 0, 1.5, 2)}, 5);
+  ASSERT_EQ(num_created_, 2);
+  std::vector<PlaneId> ended;
+  for (double y = -3; y <= 3; y += 0.25) {
+    const PlaneAssignments found = Step({MakeWall({3, y, 1.4}, 0, 1.5, 2)});
+    ended.insert(ended.end(), found.ended.begin(), found.ended.end());
+  }
+  EXPECT_EQ(ended, std::vector{PlaneId{1}});
+  const auto records = tracker_.Records();
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].id, PlaneId{0});
+  EXPECT_NEAR(records[0].area_m2, 15, 1.5);
+  EXPECT_GT(NumMembers(PlaneId{0}), 50);
+  EXPECT_EQ(NumMembers(PlaneId{1}), 0);
+}
+
+TEST_F(PlaneTrackerTest, APlaneThatDoesNotFitItsLandmarksEndsAndItsPartsAreFound) {
+  const std::vector<Patch> parts = {MakeWall({3, 1.05, 1.4}, 0, 2, 2),
+                                    MakeWall({3.2, -1.05, 1.4}, 0, 2, 2)};
+  Run({MakeWall({3.1, 0, 1.4}, 0, 4, 2)}, 4);
+  ASSERT_EQ(num_created_, 1);
+  for (int k = 0; k < 2; ++k) {  // a wrong belief: all landmarks of both parts are on it
+    for (int i = 0; i < 81; ++i)
+      estimator_.memberships[LandmarkId{10000 * k + i}] = {PlaneId{0}};
+  }
+  std::vector<PlaneId> ended;
+  for (int k = 0; k < 10; ++k) {
+    const PlaneAssignments found = Step(parts);
+    ended.insert(ended.end(), found.ended.begin(), found.ended.end());
+  }
+  EXPECT_EQ(ended, std::vector{PlaneId{0}});
+  const auto records = tracker_.Records();
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_NEAR(std::abs(records[0].centroid_W.x() - records[1].centroid_W.x()), 0.2, 0.03);
 }
 
 TEST_F(PlaneTrackerTest, TwoRunsAreTheSame) {

@@ -74,6 +74,8 @@ struct PlaneTrackingOptions {
   double max_gap_m = 2.5;
   /// Planes nearer than this and within 5 deg of a known one are the same, or not new yet [m].
   double min_separation_m = 0.05;
+  /// Planes that turn out to be one surface are merged, and those that are none end.
+  bool revise = true;
   /// A plane leaves the estimator this long after it came in [s]; 0: it stays (the paper: 6).
   double max_age_s = 0;
 
@@ -95,6 +97,7 @@ struct PlaneTrackingOptions {
             min_separation_m,
             Range{0, 10},
             "nearer to a known plane a new one must wait [m]");
+    v.Field("revise", revise, Range{}, "planes are merged, and end when their landmarks misfit");
     v.Field("max_age_s", max_age_s, Range{0, 1e6}, "a plane leaves after this; 0: it stays [s]");
   }
 };

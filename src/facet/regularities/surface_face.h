@@ -24,6 +24,8 @@ struct SurfacePoint {
   }
 };
 
+SurfacePoint MakeSurfacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W);
+
 struct SurfaceFace {
   std::array<int, 3> corners{};  ///< into SurfaceFaces::points
   Vector3d centre_W = Vector3d::Zero();

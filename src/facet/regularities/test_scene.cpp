@@ -76,8 +76,10 @@ MeshSnapshot MakeMesh(const std::vector<Patch>& patches, const TestView& view) {
   for (std::size_t k = 0; k < patches.size(); ++k) {
     const std::size_t first = out.mesh.vertices.size();
     AddPatch(patches[k], view, rng, out);
+    const int own_id = patches[k].first_id;
+    const int first_id = own_id >= 0 ? own_id : kIdsPerPatch * static_cast<int>(k);
     for (std::size_t i = first; i < out.mesh.vertices.size(); ++i)
-      out.vertex_ids.push_back(LandmarkId{static_cast<int>(kIdsPerPatch * k + i - first)});
+      out.vertex_ids.push_back(LandmarkId{first_id + static_cast<int>(i - first)});
   }
   out.sigma_depth_m.assign(out.mesh.vertices.size(), view.sigma_depth_m);
   out.may_vote.assign(out.mesh.faces.size(), 1);

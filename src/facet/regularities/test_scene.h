@@ -19,6 +19,7 @@ struct Patch {
   Vector3d centre_W;
   Vector3d half_a_W, half_b_W;
   double step_m = 0.25;  ///< between vertices
+  int first_id = -1;     ///< of its vertices; negative: 10000 times its place in the scene
 
   Plane ToPlane() const {
     const Vector3d n = half_a_W.cross(half_b_W).normalized();
@@ -43,8 +44,8 @@ struct TestView {
   std::uint64_t seed = 1;
 };
 
-/// The patches as jittered grids of triangles that face the camera. The id of vertex i of patch k
-/// is 10000 k + i in every view.
+/// The patches as jittered grids of triangles that face the camera, with the same ids in every
+/// view. Ids must ascend.
 MeshSnapshot MakeMesh(const std::vector<Patch>& patches, const TestView& view);
 
 SurfaceFaces MakeFaces(const std::vector<Patch>& patches, const TestView& view);
