@@ -202,7 +202,8 @@ struct CandidateSearch {
               const WeightedPlane& fit,
               const Plane& start,
               std::vector<PlaneCandidate>& out) const {
-    if (AreaOf(faces, on_plane) >= min_area_m2 && IsAcceptable(fit, start, options))
+    if (static_cast<int>(on_plane.size()) >= options.min_faces &&
+        AreaOf(faces, on_plane) >= min_area_m2 && IsAcceptable(fit, start, options))
       out.push_back(MakeCandidate(faces, on_plane, fit, options));
   }
 

@@ -233,6 +233,41 @@ TEST(PlaneDetectorTest, ARoomIsItsSurfacesAndEachFaceHasOnePlane) {
   EXPECT_LE(*std::max_element(uses.begin(), uses.end()), 1);
 }
 
+// As published: few faces make no plane, however large they are.
+TEST(PlaneDetectorTest, AMinimumOfFacesIsKept) {
+  Patch coarse = MakeWall({3, 0, 1}, 0, 1.5, 1.5);
+  coarse.step_m = 0.5;  // 18 faces
+  Patch fine = coarse;
+  fine.step_m = 0.37;  // 32 faces
+  DetectionOptions options;
+  EXPECT_EQ(Detect(MakeFaces({coarse}, ViewAt({0, 0, 1})), options).size(), 1u);
+  options.min_faces = 20;
+  EXPECT_TRUE(Detect(MakeFaces({coarse}, ViewAt({0, 0, 1})), options).empty());
+  EXPECT_EQ(Detect(MakeFaces({fine}, ViewAt({0, 0, 1})), options).size(), 1u);
+}
+
+// As published: distances from the world's origin find walls there, but not far away.
+TEST(PlaneDetectorTest, DistancesFromTheWorldsOriginLoseWallsFarAway) {
+  DetectionOptions options;
+  options.world_origin = true;
+  options.oblique = false;
+  int near = 0, far = 0, far_from_camera = 0;
+  for (int seed = 1; seed <= 20; ++seed) {
+    for (const bool is_far : {false, true}) {
+      const Vector3d viewer_W = is_far ? Vector3d(5, 60, 1) : Vector3d(0, 0, 1);
+      TestView view = ViewAt(viewer_W, seed);
+      view.sigma_depth_m = 0.02;
+      const SurfaceFaces faces =
+          MakeFaces({MakeWall(viewer_W + Vector3d(3, 0, 0), 0, 2, 1.5)}, view);
+      (is_far ? far : near) += static_cast<int>(Detect(faces, options).size());
+      if (is_far) far_from_camera += static_cast<int>(Detect(faces).size());
+    }
+  }
+  EXPECT_EQ(near, 20);
+  EXPECT_EQ(far_from_camera, 20);
+  EXPECT_LT(far, 5);
+}
+
 TEST(PlaneDetectorTest, TakenFacesAndThoseThatMayNotVoteAreLeftAlone) {
   SurfaceFaces faces = MakeFaces({MakeFloor({2, 0, 0}, 3, 3)}, ViewAt({0, 0, 1.5}));
   PlaneDetector detector{DetectionOptions()};

@@ -50,11 +50,17 @@ class WallVotes {
   /// finite is left out.
   void Add(const Vector3d& centre_W, const Vector3d& n_W, double weight);
 
+  /// The same with the distance of the face's own plane under every azimuth: the error of its
+  /// normal times the distance from the origin moves the vote.
+  void AddOwnDistance(const Vector3d& centre_W, const Vector3d& n_W, double weight);
+
   std::optional<VotePeak> Highest() const;
 
   void Erase(const Plane& plane_W);
 
  private:
+  template <class Distance>
+  void AddBumps(const Vector3d& n_W, double weight, const Distance& distance);
   void AddColumn(int column, double distance_m, double weight);
 
   Vector3d origin_W_ = Vector3d::Zero();

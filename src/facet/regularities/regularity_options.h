@@ -24,8 +24,13 @@ struct DetectionOptions {
   double max_distance_m = 0.08;
   /// Least number of vertices on a plane.
   int min_vertices = 10;
+  /// Least number of faces of a plane (the paper: 20).
+  int min_faces = 0;
   /// RMS distance of a plane's points above which it is none, or 1.5 times what is expected [m].
   double max_thickness_m = 0.02;
+  /// Walls are voted for as in the paper: each face with the distance of its own plane from the
+  /// world's origin. Far from there, faces of one wall miss each other.
+  bool world_origin = false;
   /// Planes at any angle, by growing regions.
   bool oblique = true;
   double oblique_min_area_m2 = 0.4;
@@ -45,7 +50,9 @@ struct DetectionOptions {
     v.Field("min_extent_m", min_extent_m, Range{1e-3, 10}, "least spread across [m]");
     v.Field("max_distance_m", max_distance_m, Range{1e-3, 10}, "points farther off are not on it");
     v.Field("min_vertices", min_vertices, Range{3, 1000}, "least number of vertices on a plane");
+    v.Field("min_faces", min_faces, Range{0, 1000}, "least number of faces on a plane");
     v.Field("max_thickness_m", max_thickness_m, Range{1e-4, 1}, "RMS distance of its points [m]");
+    v.Field("world_origin", world_origin, Range{}, "walls by their distance from the origin");
     v.Field("oblique", oblique, Range{}, "also planes that are neither level nor upright");
     v.Field("oblique_min_area_m2",
             oblique_min_area_m2,
