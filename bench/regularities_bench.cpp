@@ -31,7 +31,7 @@ std::vector<Patch> MakeHall() {
                                       (30 + 10 * k) * std::numbers::pi / 180));
   }
   for (Patch& patch : patches)
-    patch.step_m = 0.22;
+    patch.step_m = 0.27;
   return patches;
 }
 

@@ -45,6 +45,23 @@ double SquaredMahalanobis(const Matrix3d& covariance, const Vector3d& r) {
 
 }  // namespace
 
+// The Jacobian is affine in p_W.
+DistanceUncertainty::DistanceUncertainty(const PlaneEstimate& plane, const SE3& T_WB) {
+  Matrix<10, 4> K;
+  K.col(3) = DistanceJacobian(plane, T_WB, Vector3d::Zero()).transpose();
+  for (int i = 0; i < 3; ++i)
+    K.col(i) = DistanceJacobian(plane, T_WB, Vector3d::Unit(i)).transpose() - K.col(3);
+  // About the body, so that a world far from its origin costs no digits.
+  K.col(3) += K.leftCols<3>() * T_WB.p;
+  body_W_ = T_WB.p;
+  form_ = K.transpose() * plane.covariance * K;
+}
+
+double DistanceUncertainty::VarianceAt(const Vector3d& p_W) const {
+  const Vector4d p((p_W - body_W_).homogeneous());
+  return std::max(p.dot(form_ * p), 0.0);
+}
+
 double DistanceVariance(const PlaneEstimate& plane, const SE3& T_WB, const Vector3d& p_W) {
   const Matrix<1, 10> J = DistanceJacobian(plane, T_WB, p_W);
   return std::max((J * plane.covariance * J.transpose())(0), 0.0);

@@ -77,6 +77,7 @@ TEST(PlaneGateTest, DistanceVarianceEqualsNumericDerivative) {
     const Matrix<1, 10> J = testing::NumericJacobian<1, 10>(distance);
     const double expected = (J * plane.covariance * J.transpose())(0);
     EXPECT_NEAR(DistanceVariance(plane, T_WB, p_W) / expected, 1, 1e-5);
+    EXPECT_NEAR(DistanceUncertainty(plane, T_WB).VarianceAt(p_W) / expected, 1, 1e-5);
   }
 }
 

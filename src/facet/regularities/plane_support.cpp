@@ -66,13 +66,14 @@ void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
     for (int y = first[1]; y <= last[1]; ++y) {
       const Vector2d middle = kCell_m * Vector2d(x + 0.5, y + 0.5);
       if (Cross(a, b, middle) < 0 || Cross(b, c, middle) < 0 || Cross(c, a, middle) < 0) continue;
-      AddCell(middle);
+      AddCell(x, y);
     }
   }
 }
 
-void PlaneSupport::AddCell(const Vector2d& middle) {
-  if (!cells_.insert(Key(CellOf(middle.x(), kCell_m), CellOf(middle.y(), kCell_m))).second) return;
+void PlaneSupport::AddCell(int x, int y) {
+  if (!cells_.insert(Key(x, y)).second) return;
+  const Vector2d middle = kCell_m * Vector2d(x + 0.5, y + 0.5);
   sum_ += middle;
   coarse_.insert(Key(CellOf(middle.x(), kCoarse_m), CellOf(middle.y(), kCoarse_m)));
 }
@@ -81,7 +82,7 @@ void PlaneSupport::AddCell(const Vector2d& middle) {
 void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
   for (const std::uint64_t cell : other.cells_) {
     const Vector2d xy = ToPlane(other.ToWorld(MiddleOf(cell, kCell_m), plane_W));
-    AddCell(kCell_m * (Vector2d((xy / kCell_m).array().floor()) + Vector2d::Constant(0.5)));
+    AddCell(CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m));
   }
 }
 

@@ -39,7 +39,7 @@ class PlaneSupport {
   std::vector<Vector3d> Outline(const Plane& plane_W) const;
 
  private:
-  void AddCell(const Vector2d& middle);
+  void AddCell(int x, int y);
   Vector2d ToPlane(const Vector3d& p_W) const;
   Vector3d ToWorld(const Vector2d& xy, const Plane& plane_W) const;
 

@@ -105,6 +105,7 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
     const KnownPlane& known = planes_[k];
     if (known.IsTentative() || ToSeconds(now_ - known.last_seen) > limits.active_s) continue;
     const Plane& plane = known.estimate.plane_W;
+    const DistanceUncertainty uncertainty(known.estimate, map.latest.T_WB);
     for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
       const SurfaceFace& face = faces_.faces[f];
       if (std::abs(plane.SignedDistance(face.centre_W)) > limits.max_gate_m ||
@@ -112,8 +113,7 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
           !known.support.IsNear(face.centre_W, kGrowth_m)) {
         continue;
       }
-      const double variance = DistanceVariance(known.estimate, map.latest.T_WB, face.centre_W) +
-                              kFlatness_m * kFlatness_m;
+      const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
       double worst = 0;
       for (const int corner : face.corners) {
         const SurfacePoint& point = faces_.points[corner];
