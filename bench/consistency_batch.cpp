@@ -20,12 +20,14 @@ std::optional<WindowObservation> Prepare(const FeatureObservation& feature,
   if (!left) return std::nullopt;
   WindowObservation out;
   out.xy[0] = left->xy;
-  out.sqrt_info[0] = left->J_xy_px.inverse() / (sigma_scale * feature.sigma_left_px);
+  out.sigma_px[0] = sigma_scale * feature.sigma_left_px;
+  out.sqrt_info[0] = left->J_xy_px.inverse() / out.sigma_px[0];
   if (!feature.px_right) return out;
   if (const auto right = rig.cameras[1].Undistort(*feature.px_right)) {
     out.has_right = true;
     out.xy[1] = right->xy;
-    out.sqrt_info[1] = right->J_xy_px.inverse() / (sigma_scale * feature.sigma_right_px);
+    out.sigma_px[1] = sigma_scale * feature.sigma_right_px;
+    out.sqrt_info[1] = right->J_xy_px.inverse() / out.sigma_px[1];
   }
   return out;
 }

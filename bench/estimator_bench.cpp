@@ -10,6 +10,7 @@ namespace facet {
 namespace {
 
 constexpr int kPoses = 10, kFullStates = 5, kLandmarks = 200;
+constexpr int kPlanes = 20, kPlaneRows = 500;
 
 testing::TestWindow MakeWindow() {
   testing::TestWindowOptions options;
@@ -70,6 +71,72 @@ void BM_OptimizeKeyframe(benchmark::State& state) {
   }
 }
 BENCHMARK(BM_OptimizeKeyframe)->Unit(benchmark::kMicrosecond);
+
+// 20 planes with 500 landmarks on them, and 28 relations between them. As in simulated flights, a
+// landmark is seen from some three keyframes, nearly always by both cameras. The landmarks are
+// anywhere, so the surfaces are called rough.
+testing::TestWindow MakeWindowWithPlanes() {
+  testing::TestWindowOptions options;
+  options.num_frames = kPoses + kFullStates;
+  options.num_pose_frames = kPoses;
+  options.num_landmarks = 740;
+  options.miss_share = 0.8;
+  options.right_share = 0.9;
+  Rng rng(12);
+  testing::TestWindow test = testing::MakeTestWindow(options, rng);
+  testing::Disturb(test.window, testing::StepSigmas{}, rng);
+  SlidingWindow& window = test.window;
+  for (int k = 0; k < kPlanes; ++k) {
+    const Vector3d n = rng.UnitVector();
+    const Vector3d& p_W = test.points[static_cast<std::size_t>(k)];
+    window.planes.emplace_back(PlaneId{k}, Plane{n, n.dot(p_W)}, p_W);
+  }
+  for (std::size_t row = 0; row < kPlaneRows; ++row)
+    window.landmarks()[row].planes.Add(static_cast<int>(row % kPlanes));
+  for (int k = 1; k < kPlanes; ++k) {
+    window.AddRelation({PlaneRelationKind::kParallel, PlaneId{0}, PlaneId{k}});
+    if (k % 2 == 0) window.AddRelation({PlaneRelationKind::kVertical, PlaneId{k}});
+  }
+  return test;
+}
+
+RobustOptions RoughSurfaces() {
+  RobustOptions robust;
+  robust.plane_sigma_m = 1.0;
+  robust.relations.sigma_rad = robust.relations.gravity_sigma_rad = 1.0;
+  return robust;
+}
+
+// The same window with its planes and without.
+void BM_OptimizeKeyframePlanes(benchmark::State& state) {
+  testing::TestWindow test = MakeWindowWithPlanes();
+  int num_rows = 0;
+  for (WindowLandmark& landmark : test.window.landmarks()) {
+    if (state.range(0) == 0) landmark.planes = PlaneLinks();
+    num_rows += landmark.planes.count;
+  }
+  while (state.range(0) == 0 && !test.window.planes.empty())
+    test.window.RemovePlane(0);
+  const SolverOptions options;
+  WindowSolver solver(test.rig, options, RoughSurfaces());
+  int iterations = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    SlidingWindow window = test.window;
+    state.ResumeTiming();
+    iterations = solver.Solve(window, options.keyframe_iterations).iterations;
+  }
+  std::size_t num_observations = 0;
+  for (const WindowLandmark& landmark : test.window.landmarks())
+    num_observations += landmark.observations.size();
+  state.counters["observations"] = static_cast<double>(num_observations);
+  state.counters["landmarks"] = static_cast<double>(test.window.landmarks().size());
+  state.counters["planes"] = static_cast<double>(test.window.planes.size());
+  state.counters["plane_rows"] = num_rows;
+  state.counters["relations"] = static_cast<double>(test.window.relations.size());
+  state.counters["iterations"] = iterations;
+}
+BENCHMARK(BM_OptimizeKeyframePlanes)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
 // The usual step: one pose, one motion and every tenth landmark leave.
 void BM_Marginalize(benchmark::State& state) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/ceres_window.h"
 
+#include <type_traits>
+
 #include <Eigen/Cholesky>
 #include <ceres/autodiff_manifold.h>
 #include <ceres/ceres.h>
@@ -45,6 +47,131 @@ struct RightRotation {
   bool Minus(const T* y, const T* x, T* y_minus_x) const {
     Eigen::Map<Vec3<T>> out(y_minus_x);
     out = Log<T>(Eigen::Map<const Quat<T>>(x).conjugate() * Eigen::Map<const Quat<T>>(y));
+    return true;
+  }
+};
+
+// Two unit vectors across n, chosen as docs/math.md says; n itself is not differentiated.
+Matrix<3, 2> BasisAt(const Vector3d& n) {
+  return TangentBasis(n);
+}
+
+// Where the tangent step u leads from n.
+template <class T>
+Vec3<T> MoveDirection(const Vec3<T>& n, const Eigen::Matrix<T, 3, 2>& basis, const T* u) {
+  const T square = u[0] * u[0] + u[1] * u[1];
+  T cosine = T(1) - square / T(2), ratio = T(1) - square / T(6);
+  if (square > T(1e-12)) {
+    const T angle = sqrt(square);
+    cosine = cos(angle);
+    ratio = sin(angle) / angle;
+  }
+  return cosine * n + ratio * (basis.col(0) * u[0] + basis.col(1) * u[1]);
+}
+
+// The tangent step from n0 (constant) to n.
+template <class T>
+Eigen::Matrix<T, 2, 1> StepBetween(const Vector3d& n0, const Vec3<T>& n) {
+  const Eigen::Matrix<T, 2, 1> across = BasisAt(n0).transpose().cast<T>() * n;
+  const T square = across.squaredNorm();
+  if (square < T(1e-12)) return across * (T(1) + square / T(6));
+  const T sine = sqrt(square), cosine = n0.cast<T>().dot(n);
+  return across * (atan2(sine, cosine) / sine);
+}
+
+template <class T>
+Vector3d ValueOf(const Vec3<T>& v) {
+  Vector3d out;
+  for (int k = 0; k < 3; ++k) {
+    if constexpr (std::is_same_v<T, double>) {
+      out(k) = v(k);
+    } else {
+      out(k) = v(k).a;
+    }
+  }
+  return out;
+}
+
+// Normal and offset, stepped by two tangent directions and the offset.
+struct PlaneStep {
+  template <class T>
+  bool Plus(const T* x, const T* delta, T* x_plus_delta) const {
+    const Vec3<T> n = Eigen::Map<const Vec3<T>>(x);
+    Eigen::Map<Vec3<T>> out(x_plus_delta);
+    out = MoveDirection<T>(n, BasisAt(ValueOf<T>(n)).template cast<T>(), delta);
+    x_plus_delta[3] = x[3] + delta[2];
+    return true;
+  }
+  template <class T>
+  bool Minus(const T* y, const T* x, T* y_minus_x) const {
+    const Vec3<T> n0 = Eigen::Map<const Vec3<T>>(x);
+    Eigen::Map<Eigen::Matrix<T, 2, 1>> out(y_minus_x);
+    out = StepBetween<T>(ValueOf<T>(n0), Eigen::Map<const Vec3<T>>(y));
+    y_minus_x[2] = y[3] - x[3];
+    return true;
+  }
+};
+
+// Distance of a point of the world from a plane.
+struct OnPlaneCost {
+  Vector3d anchor_W;
+  double sigma_m;
+
+  template <class T>
+  bool operator()(const T* plane, const T* point, T* residual) const {
+    const Eigen::Map<const Vec3<T>> n(plane), p_W(point);
+    residual[0] = (n.dot(p_W - anchor_W.cast<T>()) - plane[3]) / T(sigma_m);
+    return true;
+  }
+};
+
+// Section 8 of docs/math.md, in the world; the second plane of a relation to gravity is not used.
+struct RelationCost {
+  PlaneRelationKind kind;
+  RelationNoise noise;
+  Vector3d anchor_a, anchor_b, point_B;
+
+  template <class T>
+  bool operator()(const T* a, const T* b, const T* q, const T* p, T* residual) const {
+    const Vec3<T> n_a(a[0], a[1], a[2]), n_b(b[0], b[1], b[2]);
+    const T s(n_a.dot(n_b) < T(0) ? -1.0 : 1.0);
+    Eigen::Map<Eigen::Matrix<T, 4, 1>> r(residual);
+    r.setZero();
+    const auto heading = [&](double turn) {
+      // The sine is the angle near zero, and knows no sign of the normals.
+      const T angle = atan2(n_a.y(), n_a.x()) - atan2(n_b.y(), n_b.x()) - T(turn);
+      const T folded = atan2(sin(T(2) * angle), cos(T(2) * angle)) / T(2);
+      return folded / T(noise.sigma_rad);
+    };
+    switch (kind) {
+      case PlaneRelationKind::kCoplanar: {
+        const Vec3<T> c = Eigen::Map<const Quat<T>>(q) * Vec3<T>(point_B.cast<T>()) +
+                          Eigen::Map<const Vec3<T>>(p);
+        const T d_a = n_a.dot(c - anchor_a.cast<T>()) - a[3];
+        const T d_b = n_b.dot(c - anchor_b.cast<T>()) - b[3];
+        r(3) = (d_a - s * d_b) / T(noise.sigma_m);
+        r.template head<3>() = (n_a - s * n_b) / T(noise.sigma_rad);
+        break;
+      }
+      case PlaneRelationKind::kParallel:
+        r.template head<3>() = (n_a - s * n_b) / T(noise.sigma_rad);
+        break;
+      case PlaneRelationKind::kOrthogonal:
+        r(0) = n_a.dot(n_b) / T(noise.sigma_rad);
+        break;
+      case PlaneRelationKind::kHorizontal:
+        r.template head<2>() = n_a.template head<2>() / T(noise.gravity_sigma_rad);
+        break;
+      case PlaneRelationKind::kVertical:
+        r(0) = n_a.z() / T(noise.gravity_sigma_rad);
+        break;
+      case PlaneRelationKind::kHeadingParallel:
+        r(0) = heading(0);
+        break;
+      case PlaneRelationKind::kHeadingOrthogonal:
+        r(0) = heading(M_PI / 2);
+        break;
+    }
     return true;
   }
 };
@@ -127,9 +254,11 @@ class QuadraticCost {
  public:
   struct Part {
     bool is_rotation = false;
+    bool is_plane = false;  // x0 is the normal
     Quaterniond q0 = Quaterniond::Identity();
     Vector3d x0 = Vector3d::Zero();
     int parameter = 0, offset_in_parameter = 0;
+    double offset0 = 0;  // of a plane
   };
   QuadraticCost(const MatrixXd& H, const VectorXd& b, std::vector<Part> parts)
       : root_(H.llt().matrixU()), shift_(H.llt().matrixL().solve(b)), parts_(std::move(parts)) {}
@@ -143,7 +272,10 @@ class QuadraticCost {
       const Part& part = parts_[k];
       const T* x = parameters[part.parameter] + part.offset_in_parameter;
       const auto out = static_cast<Eigen::Index>(3 * k);
-      if (part.is_rotation) {
+      if (part.is_plane) {
+        d.template segment<2>(out) = StepBetween<T>(part.x0, Eigen::Map<const Vec3<T>>(x));
+        d(out + 2) = x[3] - T(part.offset0);
+      } else if (part.is_rotation) {
         d.template segment<3>(out) =
             Log<T>(part.q0.conjugate().cast<T>() * Eigen::Map<const Quat<T>>(x));
       } else {
@@ -168,8 +300,10 @@ class CeresWindow {
         rig_(rig),
         options_(options),
         blocks_(window.frames.size()),
-        points_(window.landmarks().size()) {
+        points_(window.landmarks().size()),
+        planes_(window.planes.size()) {
     AddFrames();
+    AddPlanes();
     AddLandmarks();
     AddImu();
     if (window_.prior.dim() > 0) AddPrior();
@@ -190,6 +324,8 @@ class CeresWindow {
     CeresResult result;
     result.cost = summary.final_cost - constant_;
     result.points = points_;
+    for (const auto& plane : planes_)
+      result.planes.push_back(Eigen::Map<const Vector4d>(plane.data()));
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       NavState x = window_.frames[i].x;
       x.T_WB.q = Eigen::Map<const Quaterniond>(blocks_[i].q.data());
@@ -224,17 +360,62 @@ class CeresWindow {
     }
   }
 
+  void AddPlanes() {
+    for (std::size_t k = 0; k < planes_.size(); ++k) {
+      const WindowPlane& plane = window_.planes[k];
+      Eigen::Map<Vector4d>(planes_[k].data()) << plane.n, plane.offset;
+      problem_.AddParameterBlock(
+          planes_[k].data(), 4, new ceres::AutoDiffManifold<PlaneStep, 4, 3>);
+    }
+    for (const WindowRelation& relation : window_.relations) {
+      const PlaneRelation& r = relation.relation;
+      const auto a = static_cast<std::size_t>(window_.IndexOf(r.a));
+      // Any other plane in the place of one that is not used: a block must not appear twice.
+      const std::size_t b =
+          r.IsUnary() ? (a == 0 ? 1 : 0) : static_cast<std::size_t>(window_.IndexOf(r.b));
+      FrameBlock& frame = blocks_[window_.IndexOf(relation.frame)];
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<RelationCost, 4, 4, 4, 4, 3>(
+              new RelationCost{r.kind,
+                               options_.robust.relations,
+                               window_.planes[a].anchor_W,
+                               window_.planes[b].anchor_W,
+                               relation.point_B}),
+          new ceres::HuberLoss(options_.robust.relations.huber_sigma),
+          std::vector<double*>{
+              planes_[a].data(), planes_[b].data(), frame.q.data(), frame.p.data()});
+    }
+  }
+
+  ceres::LossFunction* NewLoss(const WindowLandmark& landmark) const {
+    if (landmark.is_projection) return new ceres::TukeyLoss(options_.robust.projection.tukey_sigma);
+    return new ceres::HuberLoss(options_.robust.huber_sigma);
+  }
+
   void AddLandmarks() {
     for (std::size_t l = 0; l < points_.size(); ++l) {
       const WindowLandmark& landmark = window_.landmarks()[l];
       points_[l] = PointOf(window_, landmark);
-      if (landmark.observations.size() < 2) continue;
+      if (landmark.observations.size() + static_cast<std::size_t>(landmark.planes.count) < 2)
+        continue;
+      for (int k = 0; k < landmark.planes.count; ++k) {
+        const auto plane =
+            static_cast<std::size_t>(landmark.planes.index[static_cast<std::size_t>(k)]);
+        problem_.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<OnPlaneCost, 1, 4, 3>(
+                new OnPlaneCost{window_.planes[plane].anchor_W, options_.robust.plane_sigma_m}),
+            new ceres::HuberLoss(options_.robust.plane_huber_sigma),
+            planes_[plane].data(),
+            points_[l].data());
+      }
       for (const WindowObservation& o : landmark.observations) {
         for (int c = 0; c < (o.has_right ? 2 : 1); ++c) {
-          auto* cost = new ReprojectionCost{rig_.T_BC[c], o.xy[c], o.sqrt_info[c]};
+          const double scale =
+              landmark.is_projection ? o.sigma_px[c] / options_.robust.projection.sigma_px : 1.0;
+          auto* cost = new ReprojectionCost{rig_.T_BC[c], o.xy[c], scale * o.sqrt_info[c]};
           problem_.AddResidualBlock(
               new ceres::AutoDiffCostFunction<ReprojectionCost, 2, 4, 3, 3>(cost),
-              new ceres::HuberLoss(options_.huber_sigma),
+              NewLoss(landmark),
               blocks_[o.frame].q.data(),
               blocks_[o.frame].p.data(),
               points_[l].data());
@@ -280,17 +461,35 @@ class CeresWindow {
       return static_cast<int>(sizes.size()) - 1;
     };
     for (const MarginalPrior::Block& block : window_.prior.blocks) {
+      if (block.IsPlane()) {
+        const int index = window_.IndexOf(block.plane);
+        const WindowPlane& plane = window_.planes[index];
+        const int parameter = add(planes_[static_cast<std::size_t>(index)].data(), 4);
+        parts.push_back({false,
+                         true,
+                         Quaterniond::Identity(),
+                         plane.n_lin,
+                         parameter,
+                         0,
+                         plane.offset - plane.delta.z()});
+        continue;
+      }
       const int frame = window_.IndexOf(block.frame);
       const NavState& lin = window_.frames[frame].lin;
       if (block.is_motion) {
         const int parameter = add(blocks_[frame].m.data(), 9);
-        parts.push_back({false, Quaterniond::Identity(), lin.v_WB, parameter, 0});
-        parts.push_back({false, Quaterniond::Identity(), lin.bias.b_g, parameter, 3});
-        parts.push_back({false, Quaterniond::Identity(), lin.bias.b_a, parameter, 6});
+        parts.push_back({false, false, Quaterniond::Identity(), lin.v_WB, parameter, 0});
+        parts.push_back({false, false, Quaterniond::Identity(), lin.bias.b_g, parameter, 3});
+        parts.push_back({false, false, Quaterniond::Identity(), lin.bias.b_a, parameter, 6});
       } else {
-        parts.push_back({true, lin.T_WB.q, Vector3d::Zero(), add(blocks_[frame].q.data(), 4), 0});
         parts.push_back(
-            {false, Quaterniond::Identity(), lin.T_WB.p, add(blocks_[frame].p.data(), 3), 0});
+            {true, false, lin.T_WB.q, Vector3d::Zero(), add(blocks_[frame].q.data(), 4), 0});
+        parts.push_back({false,
+                         false,
+                         Quaterniond::Identity(),
+                         lin.T_WB.p,
+                         add(blocks_[frame].p.data(), 3),
+                         0});
       }
     }
     if (options_.hold_prior_variables) return;
@@ -318,6 +517,7 @@ class CeresWindow {
   CeresOptions options_;
   std::vector<FrameBlock> blocks_;
   std::vector<Vector3d> points_;
+  std::vector<std::array<double, 4>> planes_;
   std::vector<double*> prior_parameters_;
   double constant_ = 0;  // what Ceres' form of the prior adds
   ceres::Problem problem_;

@@ -11,7 +11,7 @@
 namespace facet::testing {
 
 struct CeresOptions {
-  double huber_sigma = 2.0;
+  RobustOptions robust;
   /// Variables of the window's prior are held.
   bool hold_prior_variables = false;
 };
@@ -20,6 +20,7 @@ struct CeresResult {
   double cost = 0;
   std::vector<NavState> states;  ///< by frame
   std::vector<Vector3d> points;  ///< by landmark
+  std::vector<Vector4d> planes;  ///< by plane: normal, offset from the anchor
   VectorXd prior_gradient;       ///< of all cost but the prior, on the variables of the prior
 };
 

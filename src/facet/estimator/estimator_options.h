@@ -2,6 +2,8 @@
 // Parameters of the fixed-lag smoother. (!) marks the ones worth tuning for another vehicle.
 #pragma once
 
+#include <numbers>
+
 #include "facet/base/options.h"
 #include "facet/estimator/robust_options.h"
 
@@ -89,7 +91,14 @@ struct SolverOptions {
   double plane_sigma_m = 0.01;     ///< how flat real planes are, 1-sigma
   double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many sigma grow linearly
 
-  RobustOptions robust() const { return {huber_sigma, plane_sigma_m, plane_huber_sigma}; }
+  /// Weights of reprojections and planes; the rest has its defaults (see EstimatorOptions).
+  RobustOptions robust() const {
+    RobustOptions out;
+    out.huber_sigma = huber_sigma;
+    out.plane_sigma_m = plane_sigma_m;
+    out.plane_huber_sigma = plane_huber_sigma;
+    return out;
+  }
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -126,14 +135,50 @@ struct SolverOptions {
   }
 };
 
+/// Relations between planes, and of planes to gravity.
+struct RelationOptions {
+  double sigma_deg = 0.7;          ///< parallel, orthogonal, coplanar, heading; 1-sigma
+  double gravity_sigma_deg = 0.7;  ///< horizontal, vertical
+  double coplanar_sigma_m = 0.01;  ///< offsets of coplanar planes
+  double huber_sigma = 2.0;        ///< relations violated by more grow linearly
+  double outlier_sigma = 4.0;      ///< relations violated by more after the solve are dropped
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("sigma_deg",
+            sigma_deg,
+            Range{0.01, 45},
+            "1-sigma of parallel, orthogonal, coplanar and heading [deg]");
+    v.Field("gravity_sigma_deg",
+            gravity_sigma_deg,
+            Range{0.01, 45},
+            "1-sigma of horizontal and vertical [deg]");
+    v.Field("coplanar_sigma_m",
+            coplanar_sigma_m,
+            Range{1e-4, 10},
+            "1-sigma of the offsets of coplanar planes [m]");
+    v.Field("huber_sigma",
+            huber_sigma,
+            Range{0.01, 100},
+            "relations violated by more sigma grow linearly");
+    v.Field("outlier_sigma",
+            outlier_sigma,
+            Range{0.1, 1000},
+            "relations violated by more sigma after the solve are dropped");
+  }
+};
+
 /// Planes as variables.
 struct PlaneOptions {
   int min_landmarks = 8;         ///< a new plane with fewer goes again
   double join_sigma_m = 0.1;     ///< a landmark less well known across a plane does not join it
-  double join_distance_m = 0.1;  ///< nor one farther off than this and 3 of its sigmas
+  double join_distance_m = 0.03; ///< nor one farther off than this and 3 of its sigmas
   double outlier_sigma = 4.0;    ///< a landmark farther from its plane after the solve leaves it
   /// 1-sigma below which a plane may take part in marginalisation
   double settled_normal_deg = 0.5, settled_offset_m = 0.01;
+  int max_planes = 40;             ///< the least known of more go
+  double anchor_distance_m = 3.0;  ///< an anchor farther from its plane's landmarks follows them
+  RelationOptions relations;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -158,6 +203,32 @@ struct PlaneOptions {
             settled_offset_m,
             Range{1e-4, 1},
             "1-sigma of a plane's offset below which it may stay for good [m]");
+    v.Field("max_planes", max_planes, Range{1, 1000}, "the least known of more go");
+    v.Field("anchor_distance_m",
+            anchor_distance_m,
+            Range{0.1, 1e6},
+            "an anchor farther from its plane's landmarks follows them [m]");
+    v.Group("relations", relations);
+  }
+};
+
+/// Pipeline SP: landmarks on planes count like the paper's projection factors.
+struct ProjectionOptions {
+  double sigma_px = 1.8;       ///< noise of their reprojections, 1-sigma per axis
+  double tukey_sigma = 4.685;  ///< reprojections beyond this many sigma do not count
+  bool convert_back = true;    ///< false, as in the paper: once such, always such
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("sigma_px", sigma_px, Range{0.05, 100}, "noise of their reprojections [px]");
+    v.Field("tukey_sigma",
+            tukey_sigma,
+            Range{0.5, 1000},
+            "reprojections beyond this many sigma do not count");
+    v.Field("convert_back",
+            convert_back,
+            Range{},
+            "false, as in the paper: a landmark once such stays such");
   }
 };
 
@@ -204,6 +275,19 @@ struct EstimatorOptions {
   SolverOptions solver;
   StartOptions start;
   PlaneOptions planes;
+  ProjectionOptions projection;
+
+  /// Weights of all rows.
+  RobustOptions robust() const {
+    constexpr double kDegree = std::numbers::pi / 180;
+    RobustOptions out = solver.robust();
+    out.relations = {planes.relations.sigma_deg * kDegree,
+                     planes.relations.gravity_sigma_deg * kDegree,
+                     planes.relations.coplanar_sigma_m,
+                     planes.relations.huber_sigma};
+    out.projection = {projection.sigma_px, projection.tukey_sigma};
+    return out;
+  }
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -212,6 +296,7 @@ struct EstimatorOptions {
     v.Group("solver", solver);
     v.Group("start", start);
     v.Group("planes", planes);
+    v.Group("projection", projection);
   }
 };
 

@@ -49,13 +49,14 @@ void FrameUpdater::SetReference(const SlidingWindow& window, const Matrix<15, 15
   LandmarkBlock block;
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!landmark.has_depth || landmark.observations.back().frame != newest) continue;
-    LinearizeLandmark(geometry_, window.planes, landmark, options_.robust(), block);
+    LinearizeLandmark(geometry_, window.planes, landmark, robust_, block);
     HeldLandmark held;
     const FrameGeometry::Pose& host = geometry_.current(landmark.host);
     held.d_W = host.R_WC0 * landmark.bearing_H;
     held.B_W = host.R_WC0 * TangentBasis(landmark.bearing_H);
     held.rho = landmark.inverse_distance;
     held.p_WH = host.p_WC0;
+    held.is_projection = landmark.is_projection;
     // The ridge stands for a distance known to 1/m at best.
     held.covariance = (block.V + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal())).inverse();
     landmarks_.emplace(landmark.id, held);
@@ -78,10 +79,13 @@ void FrameUpdater::AddVision(const std::vector<Match>& matches,
     for (int c = 0; c < (observation->has_right ? 2 : 1); ++c) {
       const Vector3d h = geometry_.R_CB[c] * (l_B - landmark->rho * geometry_.p_BC[c]);
       if (h.z() < kMinDepth) continue;
-      const Vector2d r = observation->sqrt_info[c] * (h.head<2>() / h.z() - observation->xy[c]);
+      const double scale =
+          landmark->is_projection ? observation->sigma_px[c] / robust_.projection.sigma_px : 1.0;
+      const Matrix2d sqrt_info = scale * observation->sqrt_info[c];
+      const Vector2d r = sqrt_info * (h.head<2>() / h.z() - observation->xy[c]);
       Matrix<2, 3> J_h;
       J_h << 1, 0, -h.x() / h.z(), 0, 1, -h.y() / h.z();
-      const Matrix<2, 3> A = (1.0 / h.z()) * (observation->sqrt_info[c] * J_h) * geometry_.R_CB[c];
+      const Matrix<2, 3> A = (1.0 / h.z()) * (sqrt_info * J_h) * geometry_.R_CB[c];
       Matrix<2, 3> Jl;
       Jl.leftCols<2>() = A * (R_BH * landmark->B_W);
       Jl.col(2) = A * (baseline_B - geometry_.p_BC[c]);

@@ -29,7 +29,9 @@ struct FrameUpdateResult {
 class FrameUpdater {
  public:
   FrameUpdater(const StereoRig& rig, const SolverOptions& options)
-      : geometry_(rig), options_(options) {}
+      : FrameUpdater(rig, options, options.robust()) {}
+  FrameUpdater(const StereoRig& rig, const SolverOptions& options, const RobustOptions& robust)
+      : geometry_(rig), options_(options), robust_(robust) {}
 
   /// Takes the newest frame of the window as reference, with its marginal covariance, and the
   /// landmarks that it sees.
@@ -50,6 +52,7 @@ class FrameUpdater {
     double rho;
     Vector3d p_WH;
     Matrix3d covariance;  // of the two bearing directions and rho
+    bool is_projection;
   };
   struct Match {
     const HeldLandmark* landmark;
@@ -65,6 +68,7 @@ class FrameUpdater {
 
   FrameGeometry geometry_;
   SolverOptions options_;
+  RobustOptions robust_;
   WindowFrame reference_;
   Matrix<15, 15> reference_information_ = Matrix<15, 15>::Zero();
   std::unordered_map<LandmarkId, HeldLandmark> landmarks_;

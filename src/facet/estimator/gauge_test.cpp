@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <iostream>
 #include <map>
+#include <optional>
 
 #include <gtest/gtest.h>
 
 #include "facet/estimator/landmark_depth.h"
+#include "facet/estimator/plane_anchor.h"
+#include "facet/estimator/test_gauge.h"
 #include "facet/estimator/test_window.h"
 #include "facet/estimator/window_policy.h"
 #include "facet/estimator/window_solver.h"
@@ -19,18 +22,29 @@
 namespace facet {
 namespace {
 
+using testing::GaugeDirections;
+using testing::WindowDirections;
+
 constexpr double kHuber = 2.0;
 constexpr int kStartKeyframes = 10;
+constexpr double kAnchorDistance = 0.3;  // [m]; small, so that anchors move often
+constexpr std::size_t kReplaceEvery = 25;
+
+enum class Planes {
+  kNone,
+  kKept,     ///< one for each true surface, for the whole run
+  kRelated,  ///< related to each other and to gravity, re-anchored, one of them replaced at times
+};
 
 /// Fixed-lag smoothing of keyframes alone: what VioEstimator does, without its start and its
 /// exceptions.
 class KeyframeSmoother {
  public:
   /// With `first_estimates` false the prior follows the estimate, and with it all Jacobians.
-  KeyframeSmoother(const SimulatedRun& run, bool first_estimates, bool with_planes)
+  KeyframeSmoother(const SimulatedRun& run, bool first_estimates, Planes planes)
       : run_(run),
         first_estimates_(first_estimates),
-        with_planes_(with_planes),
+        planes_(planes),
         solver_(run.rig, SolverOptions{}),
         geometry_(run.rig) {
     window_.T_BC0 = run.rig.T_BC[0];
@@ -45,21 +59,30 @@ class KeyframeSmoother {
     for (WindowLandmark& landmark : window_.landmarks()) {
       if (!landmark.has_depth) InitializeDepth(geometry_, landmark);
     }
-    if (with_planes_) TieToSurfaces();
+    if (planes_ != Planes::kNone) TieToSurfaces();
+    if (planes_ == Planes::kRelated) {
+      RelatePlanes();
+      num_moved_anchors_ += FollowSupport(kAnchorDistance, window_);
+    }
     FollowEstimate();
     solver_.Solve(window_, i < kStartKeyframes ? 15 : 4);
     FollowEstimate();
     if (i < kStartKeyframes) return;
     while (true) {
-      const MarginalizationPlan plan = PlanMarginalization(window_, WindowOptions{});
+      MarginalizationPlan plan = PlanMarginalization(window_, WindowOptions{});
       if (plan.IsEmpty()) return;
+      if (planes_ == Planes::kRelated && i % kReplaceEvery == 0) ReplaceAPlane(i, plan);
+      num_relations_used_ += static_cast<int>(window_.relations.size());
       Marginalize(plan, run_.rig, RobustOptions{kHuber}, window_);
+      num_relations_used_ -= static_cast<int>(window_.relations.size());
       ++num_marginalizations_;
     }
   }
 
   const SlidingWindow& window() const { return window_; }
   int num_marginalizations() const { return num_marginalizations_; }
+  int num_moved_anchors() const { return num_moved_anchors_; }
+  int num_relations_used() const { return num_relations_used_; }
 
  private:
   void AppendFrame(std::size_t i, Rng& rng) {
@@ -95,6 +118,7 @@ class KeyframeSmoother {
         const Vector2d px = c == 0 ? feature.px_left : *feature.px_right;
         const UndistortedPoint point = run_.rig.cameras[c].Undistort(px).value();
         o.xy[c] = point.xy;
+        o.sigma_px[c] = feature.sigma_left_px;
         o.sqrt_info[c] = point.J_xy_px.inverse() / feature.sigma_left_px;
       }
       WindowLandmark* landmark = window_.Find(feature.landmark);
@@ -103,24 +127,82 @@ class KeyframeSmoother {
     }
   }
 
-  // Every landmark lies on the plane of its true surface; the planes stay for the whole run.
+  // Every landmark lies on the plane of its true surface; when planes are related, on one of two
+  // planes of the same surface.
+  PlaneId PlaneOf(LandmarkId landmark) {
+    const PlaneId surface = run_.landmarks.at(landmark).surface;
+    if (planes_ != Planes::kRelated) return surface;
+    const std::int64_t half = 2 * surface.value + landmark.value % 2;
+    return PlaneId{generation_[half] * 1000 + half};
+  }
+  PlaneId SurfaceOf(PlaneId plane) const {
+    return planes_ == Planes::kRelated ? PlaneId{plane.value % 1000 / 2} : plane;
+  }
+
   void TieToSurfaces() {
-    std::map<PlaneId, std::vector<WindowLandmark*>> by_surface;
+    std::map<PlaneId, std::vector<WindowLandmark*>> by_plane;
     for (WindowLandmark& landmark : window_.landmarks()) {
       if (landmark.has_depth && landmark.observations.size() > 2)
-        by_surface[run_.landmarks.at(landmark.id).surface].push_back(&landmark);
+        by_plane[PlaneOf(landmark.id)].push_back(&landmark);
     }
-    for (auto& [surface, members] : by_surface) {
-      if (window_.IndexOf(surface) < 0) {
+    for (auto& [plane, members] : by_plane) {
+      if (window_.IndexOf(plane) < 0) {
         std::vector<Vector3d> points_W;
         for (const WindowLandmark* landmark : members)
           points_W.push_back(window_.PositionOf(*landmark));
         const PlaneFit fit = FitPlane(points_W);
-        if (members.size() < 15 || fit.extent_minor_m < 0.3) continue;
-        window_.planes.emplace_back(surface, fit.plane, fit.centroid);
+        const std::size_t min_members = planes_ == Planes::kRelated ? 8 : 15;
+        if (members.size() < min_members || fit.extent_minor_m < 0.3) continue;
+        window_.planes.emplace_back(plane, fit.plane, fit.centroid);
       }
       for (WindowLandmark* landmark : members)
-        landmark->planes.Add(window_.IndexOf(surface));
+        landmark->planes.Add(window_.IndexOf(plane));
+    }
+  }
+
+  // True relations between the planes that exist, as stars around the first plane of their kind.
+  void RelatePlanes() {
+    using enum PlaneRelationKind;
+    std::optional<PlaneId> first_flat, first_wall;
+    for (const WindowPlane& plane : window_.planes) {
+      const Vector3d& n = run_.surfaces[static_cast<std::size_t>(SurfaceOf(plane.id).value)].n_W;
+      const bool is_flat = std::abs(n.z()) > 0.99, is_wall = std::abs(n.z()) < 0.01;
+      for (const WindowPlane& other : window_.planes) {
+        if (other.id < plane.id && SurfaceOf(other.id) == SurfaceOf(plane.id))
+          window_.AddRelation({kCoplanar, plane.id, other.id});
+      }
+      std::optional<PlaneId>& first = is_flat ? first_flat : first_wall;
+      if (is_flat) window_.AddRelation({kHorizontal, plane.id});
+      if (is_wall) window_.AddRelation({kVertical, plane.id});
+      if (first && (is_flat || is_wall)) Relate(*first, plane.id, is_flat);
+      if (!first && (is_flat || is_wall)) first = plane.id;
+      if (is_wall && first_flat) window_.AddRelation({kOrthogonal, plane.id, *first_flat});
+    }
+  }
+
+  void Relate(PlaneId first, PlaneId plane, bool is_flat) {
+    using enum PlaneRelationKind;
+    const auto normal = [&](PlaneId id) {
+      return run_.surfaces[static_cast<std::size_t>(SurfaceOf(id).value)].n_W;
+    };
+    const double cosine = std::abs(normal(first).dot(normal(plane)));
+    if (cosine > 0.999) {
+      window_.AddRelation({kParallel, first, plane});
+      if (!is_flat) window_.AddRelation({kHeadingParallel, first, plane});
+    } else if (cosine < 0.001) {
+      window_.AddRelation({kHeadingOrthogonal, first, plane});
+    }
+  }
+
+  // One plane that the prior knows leaves with its relations; another takes its place.
+  void ReplaceAPlane(std::size_t i, MarginalizationPlan& plan) {
+    const auto n = static_cast<std::size_t>(window_.planes.size());
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t plane = (i + k) % n;
+      if (!window_.planes[plane].frozen) continue;
+      plan.drop_plane[plane] = 1;
+      ++generation_[window_.planes[plane].id.value % 1000];
+      return;
     }
   }
 
@@ -136,35 +218,15 @@ class KeyframeSmoother {
   }
 
   const SimulatedRun& run_;
-  bool first_estimates_, with_planes_;
+  bool first_estimates_;
+  Planes planes_;
   ImuBuffer imu_;
   SlidingWindow window_;
   WindowSolver solver_;
   FrameGeometry geometry_;
-  int num_marginalizations_ = 0;
+  std::map<std::int64_t, std::int64_t> generation_;
+  int num_marginalizations_ = 0, num_moved_anchors_ = 0, num_relations_used_ = 0;
 };
-
-// Columns: translation x y z, turn about the vertical through `pivot_W`; (5.3) and (5.4) of
-// docs/math.md.
-Matrix<15, 4> GaugeDirections(const NavState& x, const Vector3d& pivot_W) {
-  Matrix<15, 4> N = Matrix<15, 4>::Zero();
-  const Vector3d e_z = Vector3d::UnitZ();
-  N.block<3, 3>(3, 0) = Matrix3d::Identity();
-  N.block<3, 1>(0, 3) = x.T_WB.q.conjugate() * e_z;
-  N.block<3, 1>(3, 3) = e_z.cross(x.T_WB.p - pivot_W);
-  N.block<3, 1>(6, 3) = e_z.cross(x.v_WB);
-  return N;
-}
-
-// Of a plane: two tangent directions of the normal, offset.
-Matrix<3, 4> GaugeDirections(const WindowPlane& plane, const Vector3d& pivot_W) {
-  Matrix<3, 4> N = Matrix<3, 4>::Zero();
-  const Vector3d turn = Vector3d::UnitZ().cross(plane.n_lin);
-  N.block<1, 3>(2, 0) = plane.n_lin.transpose();
-  N.block<2, 1>(0, 3) = TangentBasis(plane.n_lin).transpose() * turn;
-  N(2, 3) = turn.dot(pivot_W - plane.anchor_W);
-  return N;
-}
 
 MatrixXd PriorDirections(const SlidingWindow& window, const Vector3d& pivot_W) {
   MatrixXd N(window.prior.dim(), 4);
@@ -185,20 +247,6 @@ MatrixXd PriorDirections(const SlidingWindow& window, const Vector3d& pivot_W) {
   return N;
 }
 
-MatrixXd WindowDirections(const SlidingWindow& window, const Vector3d& pivot_W) {
-  const StateLayout layout = MakeLayout(window);
-  MatrixXd N(layout.dim, 4);
-  for (std::size_t k = 0; k < window.planes.size(); ++k)
-    N.middleRows<3>(layout.plane_column[k]) = GaugeDirections(window.planes[k], pivot_W);
-  for (std::size_t i = 0; i < window.frames.size(); ++i) {
-    const Matrix<15, 4> N_frame = GaugeDirections(window.frames[i].lin, pivot_W);
-    N.middleRows<6>(layout.pose_column[i]) = N_frame.topRows<6>();
-    if (window.frames[i].has_motion)
-      N.middleRows<9>(layout.motion_column[i]) = N_frame.bottomRows<9>();
-  }
-  return N;
-}
-
 Vector4d Energy(const MatrixXd& H, const MatrixXd& N) {
   return (N.transpose() * H * N).diagonal();
 }
@@ -211,13 +259,14 @@ struct GaugeHistory {
   double position_error = 0;         ///< at the end [m]
   int num_marginalizations = 0;
   int num_planes = 0;
+  int num_relations = 0, num_relations_used = 0, num_moved_anchors = 0;
 };
 
 GaugeHistory RunSmoother(const SimulatedRun& run,
                          bool first_estimates,
                          int num_marginalizations,
-                         bool with_planes = false) {
-  KeyframeSmoother smoother(run, first_estimates, with_planes);
+                         Planes planes = Planes::kNone) {
+  KeyframeSmoother smoother(run, first_estimates, planes);
   const Vector3d pivot_W = run.truth[0].T_WB.p;
   GaugeHistory history;
   Rng rng(5);
@@ -243,6 +292,9 @@ GaugeHistory RunSmoother(const SimulatedRun& run,
   }
   history.num_marginalizations = smoother.num_marginalizations();
   history.num_planes = static_cast<int>(smoother.window().planes.size());
+  history.num_relations = static_cast<int>(smoother.window().relations.size());
+  history.num_relations_used = smoother.num_relations_used();
+  history.num_moved_anchors = smoother.num_moved_anchors();
   history.position_error =
       (smoother.window().frames.back().x.T_WB.p - run.truth[i - 1].T_WB.p).norm();
   return history;
@@ -298,10 +350,24 @@ TEST(GaugeTest, ThePriorGainsNothingOver500Marginalizations) {
 
 TEST(GaugeTest, PlanesThatStayGainNothingEither) {
   const SimulatedRun run = Simulate();
-  const GaugeHistory history = RunSmoother(run, true, 500, true);
+  const GaugeHistory history = RunSmoother(run, true, 500, Planes::kKept);
   Print("with planes", history);
   EXPECT_GE(history.num_planes, 5);
   ExpectNothingGained(history, 0.9);
+}
+
+TEST(GaugeTest, NeitherDoRelatedPlanesWhoseAnchorsMove) {
+  const SimulatedRun run = Simulate();
+  const GaugeHistory history = RunSmoother(run, true, 500, Planes::kRelated);
+  Print("with relations", history);
+  std::cout << history.num_planes << " planes, " << history.num_relations << " relations and "
+            << history.num_relations_used << " used up, " << history.num_moved_anchors
+            << " moves of anchors\n";
+  EXPECT_GE(history.num_planes, 8);
+  EXPECT_GE(history.num_relations, 10);
+  EXPECT_GE(history.num_relations_used, 20);
+  EXPECT_GE(history.num_moved_anchors, 20);
+  ExpectNothingGained(history, 0.98);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "facet/base/check.h"
+#include "facet/estimator/relation_factor.h"
 #include "facet/estimator/window_system.h"
 
 namespace facet {
@@ -57,6 +58,26 @@ void UseImuLinks(const MarginalizationPlan& plan,
     for (int k : {j - 1, j})
       involved.pose[k] = involved.motion[k] = 1;
   }
+}
+
+// Adds the relations of leaving planes and removes them.
+void UseRelations(const MarginalizationPlan& plan,
+                  const StateLayout& layout,
+                  const RelationNoise& noise,
+                  SlidingWindow& window,
+                  Involved& involved,
+                  MatrixXd& H,
+                  VectorXd& b) {
+  std::erase_if(window.relations, [&](const WindowRelation& relation) {
+    const PlaneRelation& r = relation.relation;
+    const int plane_a = window.IndexOf(r.a);
+    const int plane_b = r.IsUnary() ? plane_a : window.IndexOf(r.b);
+    if (!plan.drop_plane[plane_a] && !plan.drop_plane[plane_b]) return false;
+    AddPlaneRelation(window, layout, relation, noise, &H, &b);
+    involved.plane[plane_a] = involved.plane[plane_b] = 1;
+    if (NeedsFrame(r.kind)) involved.pose[window.IndexOf(relation.frame)] = 1;
+    return true;
+  });
 }
 
 void UseLandmarks(const MarginalizationPlan& plan,
@@ -180,6 +201,7 @@ void Marginalize(const MarginalizationPlan& plan,
     window.start_prior.active = false;
   }
   UseImuLinks(plan, layout, window, involved, H, b);
+  UseRelations(plan, layout, robust.relations, window, involved, H, b);
   UseLandmarks(plan, rig, robust, layout, window, involved, H, b);
 
   const Partition partition = MakePartition(plan, layout, involved, window);

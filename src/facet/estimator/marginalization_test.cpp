@@ -238,6 +238,42 @@ TEST(MarginalizationTest, ADroppedPlaneEqualsBatchOnceItsLandmarksAreGone) {
   EXPECT_EQ(test.window.planes[0].id, PlaneId{1});
 }
 
+// The relations of a leaving plane go into the prior, those of the others stay.
+TEST(MarginalizationTest, ADroppedPlaneWithRelationsEqualsBatch) {
+  using enum PlaneRelationKind;
+  for (std::uint64_t seed = 52; seed <= 57; ++seed) {
+    TestWindow test = MakeWindow(seed);
+    AddPlanes(test, 3, seed);
+    MarginalizationPlan frame(test.window);
+    frame.drop_frame[0] = 1;
+    for (std::size_t l = 0; l < test.window.landmarks().size(); ++l)
+      frame.drop_landmark[l] = test.window.landmarks()[l].planes.Contains(0);
+    Marginalize(frame, test.rig, RobustOptions{kHuber}, test.window);
+    ASSERT_TRUE(test.window.planes[0].frozen);
+    const PlaneId a{0}, b{1}, c{2};
+    for (const PlaneRelation& relation : {PlaneRelation{kCoplanar, a, b},
+                                          PlaneRelation{kOrthogonal, c, a},
+                                          PlaneRelation{kHorizontal, a},
+                                          PlaneRelation{kParallel, b, c},
+                                          PlaneRelation{kVertical, b},
+                                          PlaneRelation{kHeadingParallel, a, c}}) {
+      ASSERT_TRUE(test.window.AddRelation(relation));
+    }
+    Rng rng(seed);
+    testing::Disturb(test.window, {1e-5, 1e-4, 1e-4, 1e-6, 1e-5}, rng);
+    for (WindowPlane& plane : test.window.planes)
+      plane.ApplyStep(1e-3 * rng.Normal3());
+    MarginalizationPlan plane(test.window);
+    plane.drop_plane[0] = 1;
+    ExpectMarginalizesLikeBatch(plane, test);
+    ASSERT_EQ(test.window.planes.size(), 2u);
+    EXPECT_EQ(test.window.relations.size(), 2u);
+    // What the relations touch is in the prior now.
+    EXPECT_TRUE(test.window.planes[0].frozen && test.window.planes[1].frozen);
+    EXPECT_TRUE(test.window.frames.back().pose_frozen);
+  }
+}
+
 TEST(MarginalizationTest, OneByOneEqualsAllAtOnce) {
   TestWindow at_once = MakeWindow(36);
   TestWindow one_by_one = at_once;

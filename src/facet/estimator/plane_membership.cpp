@@ -11,6 +11,9 @@ namespace facet {
 
 namespace {
 
+// Of a landmark that is known to 10 cm and a plane that is flat to 1 cm.
+constexpr double kMaxInnovationRatio = 10;
+
 // 1-sigma of the landmark in the direction n_W, as vision knows it when the poses are given.
 double SigmaAlong(const FrameGeometry& geometry,
                   WindowLandmark landmark,
@@ -74,6 +77,22 @@ void ApplyAssignments(const PlaneAssignments& assignments,
       landmark->planes.Add(plane);
     }
   }
+  for (const PlaneRelation& relation : assignments.unrelated)
+    window.RemoveRelation(relation);
+  for (const PlaneRelation& relation : assignments.related)
+    window.AddRelation(relation);
+}
+
+void ApplyProjections(const PlaneAssignments& assignments,
+                      bool convert_back,
+                      SlidingWindow& window) {
+  const auto set = [&](const std::vector<LandmarkId>& ids, bool is_projection) {
+    for (const LandmarkId id : ids) {
+      if (WindowLandmark* landmark = window.Find(id)) landmark->is_projection = is_projection;
+    }
+  };
+  if (convert_back) set(assignments.unprojected, false);
+  set(assignments.projected, true);
 }
 
 int DetachOutliers(const FrameGeometry& geometry,
@@ -85,8 +104,13 @@ int DetachOutliers(const FrameGeometry& geometry,
     if (!landmark.IsOnPlanes()) continue;
     for (int k = landmark.planes.count - 1; k >= 0; --k) {
       const int plane = landmark.planes.index[static_cast<std::size_t>(k)];
-      const double error = WhitenedPlaneError(geometry, window.planes[plane], landmark, robust);
-      if (std::abs(error) <= max_sigma) continue;
+      const WindowPlane& known = window.planes[plane];
+      const double error = std::abs(WhitenedPlaneError(geometry, known, landmark, robust));
+      if (error * kMaxInnovationRatio <= max_sigma) continue;
+      // The row itself has drawn the landmark to the plane. What vision alone would say is farther
+      // off by this ratio, in sigmas of both together.
+      const double ratio = SigmaAlong(geometry, landmark, known.n, robust) / robust.plane_sigma_m;
+      if (error * std::sqrt(1 + ratio * ratio) <= max_sigma) continue;
       landmark.planes.Remove(plane);
       ++detached;
     }
@@ -127,6 +151,22 @@ void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow
       if (!window.planes[plane].settled) links.Remove(plane);
     }
   }
+}
+
+void CutUnsettledRelations(const std::vector<char>& leaving_planes, SlidingWindow& window) {
+  const auto is_unsettled = [&](PlaneId id) {
+    const int plane = window.IndexOf(id);
+    const WindowPlane& p = window.planes[plane];
+    return leaving_planes[static_cast<std::size_t>(plane)] == 0 && !p.settled && !p.frozen;
+  };
+  const auto leaves = [&](PlaneId id) {
+    return leaving_planes[static_cast<std::size_t>(window.IndexOf(id))] != 0;
+  };
+  std::erase_if(window.relations, [&](const WindowRelation& w) {
+    const PlaneRelation& r = w.relation;
+    if (r.IsUnary()) return false;
+    return (leaves(r.a) && is_unsettled(r.b)) || (leaves(r.b) && is_unsettled(r.a));
+  });
 }
 
 void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window) {

@@ -14,16 +14,22 @@ struct JoinLimits {
   double max_distance_m = 0;  ///< a landmark nearer than this, or than 3 sigma, may join
 };
 
-/// Adds the created planes and the links, and takes back what left. Landmarks that are not in the
-/// window or beyond the limits, and unknown planes, are passed over. `geometry` must be up to
-/// date.
+/// Adds the created planes, the links and the relations, and takes back what left. Landmarks that
+/// are not in the window or beyond the limits, and unknown planes, are passed over. `geometry` must
+/// be up to date.
 void ApplyAssignments(const PlaneAssignments& assignments,
                       const JoinLimits& limits,
                       const RobustOptions& robust,
                       const FrameGeometry& geometry,
                       SlidingWindow& window);
 
-/// Cuts the links whose landmark is more than `max_sigma` from its plane. Returns how many.
+/// Pipeline SP: sets and, if `convert_back`, clears WindowLandmark::is_projection.
+void ApplyProjections(const PlaneAssignments& assignments,
+                      bool convert_back,
+                      SlidingWindow& window);
+
+/// Cuts the links whose landmark, as vision alone would place it, is more than `max_sigma` from its
+/// plane. Returns how many.
 /// `geometry` must be up to date.
 int DetachOutliers(const FrameGeometry& geometry,
                    const RobustOptions& robust,
@@ -49,6 +55,10 @@ void MarkSettledPlanes(const std::vector<Matrix3d>& information,
 /// Cuts the links of leaving landmarks to planes that are not settled: their rows would freeze the
 /// plane where it happens to be.
 void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow& window);
+
+/// Removes the relations of leaving planes to planes that are neither settled nor frozen, for the
+/// same reason.
+void CutUnsettledRelations(const std::vector<char>& leaving_planes, SlidingWindow& window);
 
 /// How many landmarks lie on each plane.
 std::vector<int> CountMembers(const SlidingWindow& window);

@@ -214,6 +214,7 @@ void SetMeasurement(const Vector3d& h,
   // Not a multiple of the identity, as behind a distorting lens.
   observation.sqrt_info[camera] << kFocal, 0.05 * kFocal, -0.03 * kFocal, 1.1 * kFocal;
   observation.sqrt_info[camera] /= pixel_sigma;
+  observation.sigma_px[camera] = pixel_sigma;
 }
 
 DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double huber_sigma) {
@@ -225,6 +226,8 @@ DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double h
   for (int j = 1; j < static_cast<int>(window.frames.size()); ++j) {
     if (window.frames[j].has_imu_link) AddImuLink(window, out.layout, j, &out.H, &out.b);
   }
+  for (const WindowRelation& relation : window.relations)
+    AddPlaneRelation(window, out.layout, relation, RelationNoise{}, &out.H, &out.b);
   FrameGeometry geometry(rig);
   geometry.Update(window.frames);
   MatrixXd lower = MatrixXd::Zero(out.layout.dim, out.layout.dim);

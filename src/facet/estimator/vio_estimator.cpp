@@ -10,7 +10,10 @@
 
 #include "facet/estimator/initializer.h"
 #include "facet/estimator/landmark_depth.h"
+#include "facet/estimator/plane_anchor.h"
+#include "facet/estimator/plane_budget.h"
 #include "facet/estimator/plane_membership.h"
+#include "facet/estimator/relation_factor.h"
 #include "facet/estimator/window_policy.h"
 
 namespace facet {
@@ -72,8 +75,8 @@ VioEstimator::VioEstimator(const StereoRig& rig,
                  1e-8},
       bias_walk_{noise.gyro_walk * options.imu.gyro_walk_scale,
                  noise.accel_walk * options.imu.accel_walk_scale},
-      solver_(rig, options.solver),
-      updater_(rig, options.solver),
+      solver_(rig, options.solver, options.robust()),
+      updater_(rig, options.solver, options.robust()),
       geometry_(rig) {
   window_.T_BC0 = rig.T_BC[0];
 }
@@ -104,6 +107,10 @@ void VioEstimator::Assign(const PlaneAssignments& assignments) {
   append(assignments.joined, assignments_.joined);
   append(assignments.left, assignments_.left);
   append(assignments.ended, ended_planes_);
+  append(assignments.related, assignments_.related);
+  append(assignments.unrelated, assignments_.unrelated);
+  append(assignments.projected, assignments_.projected);
+  append(assignments.unprojected, assignments_.unprojected);
 }
 
 EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
@@ -189,19 +196,10 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     geometry_.Update(window_.frames);
     InitializeDepths();
     RelinearizeImu();
-    ApplyAssignments(assignments_,
-                     {options_.planes.join_sigma_m, options_.planes.join_distance_m},
-                     options_.solver.robust(),
-                     geometry_,
-                     window_);
-    assignments_ = {};
-    RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
+    TakeAssignments();
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
     newest_covariance_ = solver_.NewestFrameCovariance(window_);
-    MarkSettledPlanes(
-        solver_.system().PlaneInformation(),
-        {options_.planes.settled_normal_deg * kDegree, options_.planes.settled_offset_m},
-        window_);
+    JudgePlanes();
     KeepPlaneCovariances();
     RemoveOutliers();
   }
@@ -229,6 +227,28 @@ void VioEstimator::KeepPlaneCovariances() {
     J(9, 8) = 1;
     plane_covariances_.emplace_back(window_.planes[k].id, J * covariances[k] * J.transpose());
   }
+}
+
+void VioEstimator::TakeAssignments() {
+  ApplyAssignments(assignments_,
+                   {options_.planes.join_sigma_m, options_.planes.join_distance_m},
+                   options_.robust(),
+                   geometry_,
+                   window_);
+  ApplyProjections(assignments_, options_.projection.convert_back, window_);
+  assignments_ = {};
+  RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
+  FollowSupport(options_.planes.anchor_distance_m, window_);
+}
+
+void VioEstimator::JudgePlanes() {
+  const PlaneOptions& planes = options_.planes;
+  const std::vector<Matrix3d> information = solver_.system().PlaneInformation();
+  MarkSettledPlanes(
+      information, {planes.settled_normal_deg * kDegree, planes.settled_offset_m}, window_);
+  DropViolatedRelations(options_.robust().relations, planes.relations.outlier_sigma, window_);
+  for (const PlaneId id : ExcessPlanes(window_, information, planes.max_planes))
+    ended_planes_.push_back(id);
 }
 
 EstimatorResult VioEstimator::TrackPassingFrame(const FrameObservations& observations,
@@ -322,13 +342,15 @@ std::vector<PreparedObservation> VioEstimator::Prepare(
     if (!left || !(feature.sigma_left_px > 0)) continue;
     WindowObservation observation;
     observation.xy[0] = left->xy;
-    observation.sqrt_info[0] = left->J_xy_px.inverse() / (scale * feature.sigma_left_px);
+    observation.sigma_px[0] = scale * feature.sigma_left_px;
+    observation.sqrt_info[0] = left->J_xy_px.inverse() / observation.sigma_px[0];
     if (feature.px_right && feature.sigma_right_px > 0) {
       if (const std::optional<UndistortedPoint> right =
               rig_.cameras[1].Undistort(*feature.px_right)) {
         observation.has_right = true;
         observation.xy[1] = right->xy;
-        observation.sqrt_info[1] = right->J_xy_px.inverse() / (scale * feature.sigma_right_px);
+        observation.sigma_px[1] = scale * feature.sigma_right_px;
+        observation.sqrt_info[1] = right->J_xy_px.inverse() / observation.sigma_px[1];
       }
     }
     prepared.push_back({feature.landmark, observation});
@@ -370,11 +392,13 @@ void VioEstimator::RelinearizeImu() {
 int VioEstimator::RemoveOutliers() {
   geometry_.Update(window_.frames);
   int removed = 0;
+  const RobustOptions robust = options_.robust();
   std::vector<char> gone(window_.landmarks().size(), 0);
   const auto is_outlier =
       [&](const WindowLandmark& landmark, const WindowObservation& o, int camera) {
         const auto error = WhitenedError(geometry_, landmark, o, camera);
-        return !error || error->norm() > options_.solver.outlier_sigma;
+        const double scale = NoiseScale(landmark, o, camera, robust);
+        return !error || scale * error->norm() > options_.solver.outlier_sigma;
       };
   for (std::size_t l = 0; l < window_.landmarks().size(); ++l) {
     WindowLandmark& landmark = window_.landmarks()[l];
@@ -404,7 +428,7 @@ int VioEstimator::RemoveOutliers() {
     }
   }
   window_.RemoveLandmarks(gone);
-  DetachOutliers(geometry_, options_.solver.robust(), options_.planes.outlier_sigma, window_);
+  DetachOutliers(geometry_, robust, options_.planes.outlier_sigma, window_);
   RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
   return removed;
 }
@@ -441,18 +465,20 @@ bool VioEstimator::UpdateStart(std::vector<KeyframePose>& finished) {
 }
 
 void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
+  RemoveEndedPlanes();
   if (!start_is_over_) {
     if (!UpdateStart(finished)) return;
     start_is_over_ = true;
     RelinearizeImu();
     solver_.Solve(window_, kStartIterations);
   }
-  const RobustOptions robust = options_.solver.robust();
+  const RobustOptions robust = options_.robust();
   while (true) {
     MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
     EndPlanes(plan);
     if (plan.IsEmpty()) return;
     CutUnsettledLinks(plan.drop_landmark, window_);
+    CutUnsettledRelations(plan.drop_plane, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
       const WindowFrame& frame = window_.frames[i];
       if (plan.drop_frame[i] && frame.is_reported)
@@ -462,16 +488,20 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
   }
 }
 
+void VioEstimator::RemoveEndedPlanes() {
+  std::erase_if(ended_planes_, [&](PlaneId id) {
+    const int plane = window_.IndexOf(id);
+    if (plane < 0) return true;
+    if (window_.planes[plane].frozen) return false;
+    window_.RemovePlane(plane);
+    return true;
+  });
+}
+
 void VioEstimator::EndPlanes(MarginalizationPlan& plan) {
   for (const PlaneId id : ended_planes_) {
     const int plane = window_.IndexOf(id);
-    if (plane < 0) continue;
-    if (window_.planes[plane].frozen) {
-      plan.drop_plane[plane] = 1;
-    } else {
-      window_.RemovePlane(plane);
-      plan.drop_plane.erase(plan.drop_plane.begin() + plane);
-    }
+    if (plane >= 0) plan.drop_plane[plane] = 1;
   }
   ended_planes_.clear();
 }
@@ -561,10 +591,12 @@ void VioEstimator::SnapshotPlanes(MapSnapshot& snapshot) const {
   const std::vector<int> members = CountMembers(window_);
   for (std::size_t k = 0; k < window_.planes.size(); ++k) {
     const WindowPlane& plane = window_.planes[k];
-    snapshot.planes.push_back(
-        {plane.id, plane.plane(), plane.anchor_W, members[k], plane.settled, {}});
-    PlaneEstimate& estimate = snapshot.planes.back();
-    estimate.covariance.setZero();
+    PlaneEstimate& estimate = snapshot.planes.emplace_back();
+    estimate.id = plane.id;
+    estimate.plane_W = plane.plane();
+    estimate.anchor_W = plane.anchor_W;
+    estimate.num_landmarks = members[k];
+    estimate.is_settled = plane.settled;
     for (const auto& [id, covariance] : plane_covariances_) {
       if (id == plane.id) estimate.covariance = covariance;
     }
@@ -599,6 +631,8 @@ MapSnapshot VioEstimator::Snapshot() const {
     }
   }
   SnapshotPlanes(snapshot);
+  for (const WindowRelation& relation : window_.relations)
+    snapshot.relations.push_back(relation.relation);
   std::sort(snapshot.landmarks.begin(), snapshot.landmarks.end(), [](const auto& a, const auto& b) {
     return a.id < b.id;
   });

@@ -76,9 +76,15 @@ class VioEstimator {
   void InitializeDepths();
   void UpdatePreintegration(WindowFrame& frame) const;
   void RelinearizeImu();
+  /// What Assign left comes into force.
+  void TakeAssignments();
+  /// After the solve: which planes are settled or too many, which relations do not hold.
+  void JudgePlanes();
   int RemoveOutliers();
   void Shrink(std::vector<KeyframePose>& finished);
-  /// Planes that were ended: those that the prior does not know go at once, the others are marked.
+  /// Of the planes that were ended, those that the prior does not know go at once ...
+  void RemoveEndedPlanes();
+  /// ... and the others are marginalised.
   void EndPlanes(MarginalizationPlan& plan);
   void KeepPlaneCovariances();
   void SnapshotPlanes(MapSnapshot& snapshot) const;

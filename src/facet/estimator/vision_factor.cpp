@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "facet/estimator/robust_loss.h"
 #include "facet/estimator/row_kernel.h"
 
 namespace facet {
@@ -20,8 +21,9 @@ constexpr double kBehindSigma = 30.0;
 constexpr double kMinInformation = 1e-3;
 constexpr double kNoInformationPivot = 1e100;
 
-double HuberCost(double s, double k) {
-  return s <= k ? 0.5 * s * s : k * (s - 0.5 * k);
+RobustLoss ReprojectionLoss(const WindowLandmark& landmark, double s, const RobustOptions& robust) {
+  return landmark.is_projection ? TukeyLoss(s, robust.projection.tukey_sigma)
+                                : HuberLoss(s, robust.huber_sigma);
 }
 
 // A landmark as a homogeneous point of the world: direction from its host, inverse distance.
@@ -97,10 +99,6 @@ double PlaneError(const HostedPoint& point, const WindowPlane& plane, double sig
   return plane.SignedDistance(point.p_WH + point.d_W / point.rho) / sigma_m;
 }
 
-double RootWeight(double s, double huber) {
-  return s <= huber ? 1.0 : std::sqrt(huber / s);
-}
-
 // The rows n . (l - anchor) - offset of all planes of a landmark; l = p_host + d / rho.
 void AddPlaneRows(const HostedPoint& current,
                   const HostedPoint& frozen,
@@ -115,17 +113,16 @@ void AddPlaneRows(const HostedPoint& current,
     view.plane = landmark.planes.index[static_cast<std::size_t>(k)];
     const WindowPlane& plane = planes[view.plane];
     const double error = PlaneError(current, plane, robust.plane_sigma_m);
-    const double s = std::abs(error);
-    block.cost += HuberCost(s, robust.plane_huber_sigma);
-    const double root_weight = RootWeight(s, robust.plane_huber_sigma);
-    const double scale = root_weight / robust.plane_sigma_m;
+    const RobustLoss loss = HuberLoss(std::abs(error), robust.plane_huber_sigma);
+    block.cost += loss.cost;
+    const double scale = loss.root_weight / robust.plane_sigma_m;
     const double distance = 1.0 / frozen.rho;
     const Vector3d l_W = frozen.p_WH + frozen.d_W * distance;
     Vector3d J_plane, J_landmark;
     J_plane << scale * (TangentBasis(plane.n_lin).transpose() * (l_W - plane.anchor_W)), -scale;
     J_landmark << scale * distance * (B_W.transpose() * plane.n_lin),
         -scale * distance * distance * plane.n_lin.dot(frozen.d_W);
-    const double r = root_weight * error;
+    const double r = loss.root_weight * error;
     view.H = J_plane * J_plane.transpose();
     view.b = J_plane * r;
     view.W = J_plane * J_landmark.transpose();
@@ -160,6 +157,13 @@ std::optional<Vector2d> WhitenedError(const FrameGeometry& geometry,
   return WhitenedErrorAt(point, geometry.current(observation.frame), observation, camera);
 }
 
+double NoiseScale(const WindowLandmark& landmark,
+                  const WindowObservation& observation,
+                  int camera,
+                  const RobustOptions& robust) {
+  return landmark.is_projection ? observation.sigma_px[camera] / robust.projection.sigma_px : 1.0;
+}
+
 double WhitenedPlaneError(const FrameGeometry& geometry,
                           const WindowPlane& plane,
                           const WindowLandmark& landmark,
@@ -190,12 +194,13 @@ void LinearizeLandmark(const FrameGeometry& geometry,
     for (int c = 0; c < (obs.has_right ? 2 : 1); ++c) {
       const std::optional<Vector2d> error =
           WhitenedErrorAt(current, geometry.current(obs.frame), obs, c);
-      const double s = error ? error->norm() : kBehindSigma;
-      block.cost += HuberCost(s, robust.huber_sigma);
+      const double scale = NoiseScale(landmark, obs, c, robust);
+      const RobustLoss loss =
+          ReprojectionLoss(landmark, error ? scale * error->norm() : kBehindSigma, robust);
+      block.cost += loss.cost;
       const Vector3d h = target.R_CW[c] * SeenFrom(frozen, target.p_WC[c]);
       if (!error || h.z() < kMinDepth) continue;
-      const double root_weight = RootWeight(s, robust.huber_sigma);
-      MakeRows(frozen, B_W, target, obs, c, h, root_weight, *error, rows + 2 * c);
+      MakeRows(frozen, B_W, target, obs, c, h, scale * loss.root_weight, *error, rows + 2 * c);
     }
     SquaredRows G;
     if (obs.has_right) {
@@ -224,13 +229,15 @@ double LandmarkCost(const FrameGeometry& geometry,
   for (const WindowObservation& obs : landmark.observations) {
     for (int c = 0; c < (obs.has_right ? 2 : 1); ++c) {
       const auto error = WhitenedErrorAt(point, geometry.current(obs.frame), obs, c);
-      cost += HuberCost(error ? error->norm() : kBehindSigma, robust.huber_sigma);
+      const double s = error ? NoiseScale(landmark, obs, c, robust) * error->norm() : kBehindSigma;
+      cost += ReprojectionLoss(landmark, s, robust).cost;
     }
   }
   for (int k = 0; landmark.IsOnPlanes() && k < landmark.planes.count; ++k) {
     const WindowPlane& plane = planes[landmark.planes.index[static_cast<std::size_t>(k)]];
-    cost += HuberCost(std::abs(PlaneError(point, plane, robust.plane_sigma_m)),
-                      robust.plane_huber_sigma);
+    cost += HuberLoss(std::abs(PlaneError(point, plane, robust.plane_sigma_m)),
+                      robust.plane_huber_sigma)
+                .cost;
   }
   return cost;
 }

@@ -73,11 +73,19 @@ struct LandmarkBlock {
   double cost = 0;
 };
 
-/// Residual of one camera of one observation, in sigmas; empty if the point is not in front of it.
+/// Residual of one camera of one observation, in sigmas of the front end; empty if the point is not
+/// in front of it.
 std::optional<Vector2d> WhitenedError(const FrameGeometry& geometry,
                                       const WindowLandmark& landmark,
                                       const WindowObservation& observation,
                                       int camera);
+
+/// Times the above: the residual in the sigmas that count. Not 1 for the landmarks of pipeline SP
+/// only, whose noise is that of the paper's projection factors.
+double NoiseScale(const WindowLandmark& landmark,
+                  const WindowObservation& observation,
+                  int camera,
+                  const RobustOptions& robust);
 
 /// Distance of a landmark from one of its planes, in sigmas.
 double WhitenedPlaneError(const FrameGeometry& geometry,

@@ -133,7 +133,11 @@ void SlidingWindow::RemoveFrame(int index) {
     }
     if (landmark.host > index) --landmark.host;
   }
+  for (WindowRelation& relation : relations) {
+    if (relation.frame == frames[index].id) AttachRelation(relation, index);
+  }
   frames.erase(frames.begin() + index);
+  if (frames.empty()) relations.clear();
   RemoveLandmarks(gone);
 }
 
@@ -146,7 +150,36 @@ void SlidingWindow::RemovePlane(int index) {
     for (int& plane : landmark.planes.index)
       plane -= plane > index;
   }
+  std::erase_if(relations,
+                [&](const WindowRelation& r) { return r.relation.Involves(planes[index].id); });
   planes.erase(planes.begin() + index);
+}
+
+bool SlidingWindow::AddRelation(const PlaneRelation& relation) {
+  const PlaneRelation canonical = relation.Canonical();
+  const bool is_known = std::any_of(
+      relations.begin(), relations.end(), [&](const auto& r) { return r.relation == canonical; });
+  if (is_known || frames.empty() || IndexOf(canonical.a) < 0) return false;
+  if (!canonical.IsUnary() && (canonical.a == canonical.b || IndexOf(canonical.b) < 0))
+    return false;
+  AttachRelation(relations.emplace_back(WindowRelation{canonical, FrameId{}}));
+  return true;
+}
+
+bool SlidingWindow::RemoveRelation(const PlaneRelation& relation) {
+  const PlaneRelation canonical = relation.Canonical();
+  return std::erase_if(relations, [&](const auto& r) { return r.relation == canonical; }) > 0;
+}
+
+void SlidingWindow::AttachRelation(WindowRelation& relation, int leaving) const {
+  const int newest = static_cast<int>(frames.size()) - 1;
+  const int index = leaving == newest ? newest - 1 : newest;
+  if (index < 0) return;
+  const PlaneRelation& planes_of = relation.relation;
+  const Vector3d& a_W = planes[IndexOf(planes_of.a)].anchor_W;
+  const Vector3d& b_W = planes_of.IsUnary() ? a_W : planes[IndexOf(planes_of.b)].anchor_W;
+  relation.frame = frames[index].id;
+  relation.point_B = frames[index].x.T_WB.Inverse() * Vector3d(0.5 * (a_W + b_W));
 }
 
 Vector3d SlidingWindow::PositionOf(const WindowLandmark& landmark) const {
@@ -157,6 +190,7 @@ Vector3d SlidingWindow::PositionOf(const WindowLandmark& landmark) const {
 void SlidingWindow::Clear() {
   frames.clear();
   planes.clear();
+  relations.clear();
   landmarks_.clear();
   index_.clear();
   prior = MarginalPrior();

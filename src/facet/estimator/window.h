@@ -11,6 +11,7 @@
 #include "facet/estimator/imu_factor.h"
 #include "facet/geometry/plane.h"
 #include "facet/map/observation.h"
+#include "facet/map/plane_relation.h"
 
 namespace facet {
 
@@ -71,6 +72,14 @@ struct WindowPlane {
   void Freeze();
 };
 
+/// A relation in force. It is expressed relative to one frame, so that neither a common translation
+/// nor a common turn about gravity changes anything (docs/math.md, section 8).
+struct WindowRelation {
+  PlaneRelation relation;               ///< Canonical()
+  FrameId frame;                        ///< in the window; its heading carries the relation along
+  Vector3d point_B = Vector3d::Zero();  ///< held to that frame: where offsets are compared
+};
+
 /// The planes a landmark lies on: an edge has two, a corner three.
 struct PlaneLinks {
   static constexpr int kMax = 3;
@@ -90,6 +99,7 @@ struct WindowObservation {
   /// [0] left, [1] right: measured x/z, y/z and the whitening 1/sigma * (d xy / d px)^-1.
   Vector2d xy[2] = {Vector2d::Zero(), Vector2d::Zero()};
   Matrix2d sqrt_info[2] = {Matrix2d::Zero(), Matrix2d::Zero()};
+  double sigma_px[2] = {1, 1};  ///< 1-sigma of the pixels that sqrt_info was made with
 };
 
 /// A point as bearing and inverse distance in the left camera of its host frame.
@@ -101,6 +111,7 @@ struct WindowLandmark {
   double inverse_distance = 0;                  ///< 1/m, >= 0
   std::vector<WindowObservation> observations;  ///< in order of time; at most one per frame
   PlaneLinks planes;
+  bool is_projection = false;  ///< pipeline SP: the paper's projection noise and loss
 
   /// A point this far away is not tied to planes: its distance means nothing.
   static constexpr double kMinPlaneInverseDistance = 0.02;
@@ -139,6 +150,7 @@ class SlidingWindow {
  public:
   std::vector<WindowFrame> frames;  ///< oldest first
   std::vector<WindowPlane> planes;
+  std::vector<WindowRelation> relations;
   MarginalPrior prior;
   StartPrior start_prior;
 
@@ -160,8 +172,17 @@ class SlidingWindow {
   /// observation, those without any observation go. The prior must not contain the frame.
   void RemoveFrame(int index);
 
-  /// Removes a plane and the links to it. The prior must not contain it.
+  /// Removes a plane, the links to it and its relations. The prior must not contain it.
   void RemovePlane(int index);
+
+  /// False if the relation exists, or a plane of it does not, or there is no frame to tie it to.
+  bool AddRelation(const PlaneRelation& relation);
+  /// False if there is none.
+  bool RemoveRelation(const PlaneRelation& relation);
+
+  /// Ties the relation to the newest frame but the one with index `leaving`, at a point between its
+  /// planes.
+  void AttachRelation(WindowRelation& relation, int leaving = -1) const;
 
   /// Where the landmark is in the world; its inverse distance must not be 0.
   Vector3d PositionOf(const WindowLandmark& landmark) const;

@@ -40,11 +40,10 @@ void WindowSolver::Restore(SlidingWindow& window) const {
 }
 
 SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
-  const RobustOptions robust = options_.robust();
   SolveSummary summary;
   lambda_ = kMinLambda;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    system_.Linearize(window, robust);
+    system_.Linearize(window, robust_);
     const double cost = system_.cost();
     if (iteration == 0) summary.initial_cost = summary.final_cost = cost;
 
@@ -58,7 +57,7 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
       summary.ok = true;
       Save(window);
       system_.ApplyStep(window);
-      const double new_cost = system_.Cost(window, robust);
+      const double new_cost = system_.Cost(window, robust_);
       if (new_cost <= cost) {
         accepted = true;
         summary.final_cost = new_cost;

@@ -17,8 +17,11 @@ struct SolveSummary {
 
 class WindowSolver {
  public:
+  /// Without `robust`, relations and the landmarks of pipeline SP weigh what they do by default.
   WindowSolver(const StereoRig& rig, const SolverOptions& options)
-      : system_(rig), options_(options) {}
+      : WindowSolver(rig, options, options.robust()) {}
+  WindowSolver(const StereoRig& rig, const SolverOptions& options, const RobustOptions& robust)
+      : system_(rig), options_(options), robust_(robust) {}
 
   /// Minimises the window's cost in at most `max_iterations` steps. Moves frames and landmarks.
   SolveSummary Solve(SlidingWindow& window, int max_iterations);
@@ -36,6 +39,7 @@ class WindowSolver {
 
   WindowSystem system_;
   SolverOptions options_;
+  RobustOptions robust_;
   double factored_lambda_ = 0;  // of the last factorisation
   double lambda_ = 1e-6;
   // Estimates before a trial step.

@@ -41,7 +41,7 @@ TestWindow MakeWindow(std::uint64_t seed, int num_pose_frames) {
 }
 
 struct Deviation {
-  double cost = 0, state = 0, point = 0;
+  double cost = 0, state = 0, point = 0, plane = 0;
 };
 
 Deviation Compare(const SlidingWindow& window, double cost, const testing::CeresResult& expected) {
@@ -58,6 +58,11 @@ Deviation Compare(const SlidingWindow& window, double cost, const testing::Ceres
     const double error = (testing::PointOf(window, landmark) - expected.points[l]).norm();
     d.point = std::max(d.point, error / expected.points[l].norm());
   }
+  for (std::size_t k = 0; k < window.planes.size(); ++k) {
+    Vector4d plane;
+    plane << window.planes[k].n, window.planes[k].offset;
+    d.plane = std::max(d.plane, (plane - expected.planes[k]).norm());
+  }
   return d;
 }
 
@@ -65,13 +70,16 @@ void ExpectSmall(const Deviation& d, Deviation& worst) {
   EXPECT_LT(d.cost, 1e-6);
   EXPECT_LT(d.state, 1e-6);
   EXPECT_LT(d.point, 1e-5);
-  worst = {
-      std::max(worst.cost, d.cost), std::max(worst.state, d.state), std::max(worst.point, d.point)};
+  EXPECT_LT(d.plane, 1e-5);
+  worst = {std::max(worst.cost, d.cost),
+           std::max(worst.state, d.state),
+           std::max(worst.point, d.point),
+           std::max(worst.plane, d.plane)};
 }
 
 void Print(const char* name, const Deviation& d) {
   std::cout << name << ": cost " << d.cost << ", states " << d.state << ", points " << d.point
-            << '\n';
+            << ", planes " << d.plane << '\n';
 }
 
 TEST(WindowSolverTest, OptimumEqualsCeres) {
@@ -82,7 +90,7 @@ TEST(WindowSolverTest, OptimumEqualsCeres) {
     test.window.start_prior.T_WB.p += Vector3d(0.1, -0.2, 0.3);
     Rng rng(seed);
     testing::Disturb(test.window, {}, rng);
-    const auto expected = testing::SolveWithCeres(test.window, test.rig, {kHuber});
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {RobustOptions{kHuber}});
     WindowSolver solver(test.rig, ExactOptions());
     const SolveSummary summary = solver.Solve(test.window, 100);
     EXPECT_TRUE(summary.ok);
@@ -92,11 +100,74 @@ TEST(WindowSolverTest, OptimumEqualsCeres) {
   Print("without prior", worst);
 }
 
+// Three planes through groups of landmarks, related in every way, and some landmarks of pipeline
+// SP. The landmarks are moved onto the planes and observed anew, some a little beside them.
+void AddPlanes(TestWindow& test, Rng& rng) {
+  using enum PlaneRelationKind;
+  SlidingWindow& window = test.window;
+  const Vector3d centre_W = test.points[0];
+  const Vector3d wall = ExpSO3({0, 0, rng.Uniform(-3, 3)}) * Vector3d::UnitX();
+  const Vector3d normals[] = {Vector3d::UnitZ(), wall, -wall};
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d n = ExpSO3(0.01 * rng.Normal3()) * normals[k];
+    window.planes.emplace_back(
+        PlaneId{k}, Plane{n, n.dot(centre_W)}, Vector3d(centre_W + 0.5 * rng.Normal3()));
+  }
+  for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
+    WindowLandmark& landmark = window.landmarks()[l];
+    landmark.is_projection = l % 5 == 4;
+    if (landmark.is_projection) continue;
+    landmark.planes.Add(static_cast<int>(l % 3));
+    if (l % 10 == 0) landmark.planes.Add(static_cast<int>((l + 1) % 3));
+  }
+  const PlaneId a{0}, b{1}, c{2};
+  for (const PlaneRelation& relation : {PlaneRelation{kHorizontal, a},
+                                        PlaneRelation{kVertical, b},
+                                        PlaneRelation{kVertical, c},
+                                        PlaneRelation{kOrthogonal, a, b},
+                                        PlaneRelation{kCoplanar, c, b},
+                                        PlaneRelation{kParallel, b, c},
+                                        PlaneRelation{kHeadingParallel, b, c}}) {
+    EXPECT_TRUE(window.AddRelation(relation));
+  }
+}
+
+// With the flatness of scattered points, so that planes and loss matter but decide nothing.
+RobustOptions WithPlanes() {
+  RobustOptions robust{kHuber, 0.5, 2.0};
+  robust.relations = {0.02, 0.03, 0.05, 2.0};
+  return robust;
+}
+
+TEST(WindowSolverTest, OptimumWithPlanesRelationsAndProjectionsEqualsCeres) {
+  Deviation worst;
+  for (std::uint64_t seed = 71; seed <= 85; ++seed) {
+    TestWindow test = MakeWindow(seed, 0);
+    test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
+    Rng rng(seed);
+    AddPlanes(test, rng);
+    testing::Disturb(test.window, {3e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {WithPlanes()});
+    WindowSolver solver(test.rig, ExactOptions(), WithPlanes());
+    const SolveSummary summary = solver.Solve(test.window, 200);
+    EXPECT_TRUE(summary.ok);
+    ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
+  }
+  Print("with planes", worst);
+}
+
 // Freezes the two oldest frames where they are and gives them a random prior of full rank whose
 // gradient balances that of everything else at the optimum given the frozen frames.
-void AddBalancedPrior(TestWindow& test, Rng& rng) {
+void AddBalancedPrior(TestWindow& test,
+                      Rng& rng,
+                      const RobustOptions& robust = RobustOptions{kHuber}) {
   MarginalPrior& prior = test.window.prior;
   int dim = 0;
+  for (std::size_t k = 0; k < test.window.planes.size(); k += 2) {
+    test.window.planes[k].Freeze();
+    prior.blocks.push_back({FrameId{}, false, dim, test.window.planes[k].id});
+    dim += 3;
+  }
   for (int i = 0; i < 2; ++i) {
     WindowFrame& frame = test.window.frames[i];
     frame.pose_frozen = true;
@@ -114,7 +185,7 @@ void AddBalancedPrior(TestWindow& test, Rng& rng) {
   }
   prior.H = 1e5 * (A * A.transpose() + MatrixXd::Identity(dim, dim));
   prior.b = VectorXd::Zero(dim);
-  prior.b = -testing::SolveWithCeres(test.window, test.rig, {kHuber, true}).prior_gradient;
+  prior.b = -testing::SolveWithCeres(test.window, test.rig, {robust, true}).prior_gradient;
 }
 
 TEST(WindowSolverTest, OptimumWithPriorEqualsCeres) {
@@ -127,7 +198,7 @@ TEST(WindowSolverTest, OptimumWithPriorEqualsCeres) {
     EXPECT_GT(test.window.prior.b.norm(), 1);
     testing::Disturb(test.window, {3e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
     EXPECT_GT(PriorDelta(test.window).norm(), 1e-3);
-    const auto expected = testing::SolveWithCeres(test.window, test.rig, {kHuber});
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {RobustOptions{kHuber}});
     WindowSolver solver(test.rig, ExactOptions());
     const SolveSummary summary = solver.Solve(test.window, 100);
     EXPECT_TRUE(summary.ok);
@@ -135,6 +206,27 @@ TEST(WindowSolverTest, OptimumWithPriorEqualsCeres) {
     ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
   }
   Print("with prior", worst);
+}
+
+TEST(WindowSolverTest, OptimumWithPlanesInThePriorEqualsCeres) {
+  Deviation worst;
+  for (std::uint64_t seed = 91; seed <= 100; ++seed) {
+    TestWindow test = MakeWindow(seed, seed % 2 == 0 ? 2 : 0);
+    Rng rng(seed);
+    AddPlanes(test, rng);
+    AddBalancedPrior(test, rng, WithPlanes());
+    testing::Disturb(test.window, {3e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
+    for (WindowPlane& plane : test.window.planes)
+      plane.ApplyStep(3e-3 * rng.Normal3());
+    EXPECT_GT(PriorDelta(test.window).norm(), 1e-3);
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {WithPlanes()});
+    WindowSolver solver(test.rig, ExactOptions(), WithPlanes());
+    const SolveSummary summary = solver.Solve(test.window, 200);
+    EXPECT_TRUE(summary.ok);
+    EXPECT_LT(PriorDelta(test.window).norm(), 1e-5);
+    ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
+  }
+  Print("with planes in the prior", worst);
 }
 
 // Far from the linearisation point first-estimate Jacobians cost accuracy; how much is bounded
@@ -147,7 +239,7 @@ TEST(WindowSolverTest, AnUnbalancedPriorMovesTheOptimumOnlyToSecondOrder) {
     testing::Disturb(test.window, {5e-4, 2e-3, 2e-3, 1e-4, 1e-3}, rng);
     AddBalancedPrior(test, rng);
     test.window.prior.b.setZero();
-    const auto expected = testing::SolveWithCeres(test.window, test.rig, {kHuber});
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {RobustOptions{kHuber}});
     WindowSolver solver(test.rig, SolverOptions{});
     const SolveSummary summary = solver.Solve(test.window, 20);
     const Deviation d = Compare(test.window, summary.final_cost, expected);

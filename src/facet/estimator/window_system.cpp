@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "facet/base/check.h"
+#include "facet/estimator/relation_factor.h"
+#include "facet/estimator/robust_loss.h"
 #include "facet/estimator/schur_kernel.h"
 
 namespace facet {
@@ -127,6 +130,44 @@ double AddImuLink(
   return cost;
 }
 
+double AddPlaneRelation(const SlidingWindow& window,
+                        const StateLayout& layout,
+                        const WindowRelation& relation,
+                        const RelationNoise& noise,
+                        MatrixXd* H,
+                        VectorXd* b) {
+  if (H == nullptr)
+    return HuberLoss(RelationError(window, relation, noise).norm(), noise.huber_sigma).cost;
+  const RelationRows rows = LinearizeRelation(window, relation, noise);
+  const PlaneRelation& planes = relation.relation;
+  // Fixed sizes: there are many relations, and AddFactor allocates.
+  const auto add_square = [&](int column, const auto& J) {
+    constexpr int kSize = std::decay_t<decltype(J)>::ColsAtCompileTime;
+    H->block<kSize, kSize>(column, column) += J.transpose() * J;
+    b->segment<kSize>(column) += J.transpose() * rows.r;
+  };
+  const auto add_product = [&](int row, const auto& J, int column, const auto& K) {
+    constexpr int kRows = std::decay_t<decltype(J)>::ColsAtCompileTime;
+    constexpr int kColumns = std::decay_t<decltype(K)>::ColsAtCompileTime;
+    const Matrix<kRows, kColumns> product = J.transpose() * K;
+    H->block<kRows, kColumns>(row, column) += product;
+    H->block<kColumns, kRows>(column, row) += product.transpose();
+  };
+  const int column_a = layout.plane_column[window.IndexOf(planes.a)];
+  const int column_b = planes.IsUnary() ? -1 : layout.plane_column[window.IndexOf(planes.b)];
+  add_square(column_a, rows.J_a);
+  if (column_b >= 0) {
+    add_square(column_b, rows.J_b);
+    add_product(column_a, rows.J_a, column_b, rows.J_b);
+  }
+  if (!NeedsFrame(planes.kind)) return rows.cost;
+  const int column_f = layout.pose_column[window.IndexOf(relation.frame)];
+  add_square(column_f, rows.J_frame);
+  add_product(column_a, rows.J_a, column_f, rows.J_frame);
+  if (column_b >= 0) add_product(column_b, rows.J_b, column_f, rows.J_frame);
+  return rows.cost;
+}
+
 bool IsConstraining(const WindowLandmark& landmark) {
   return landmark.has_depth && (landmark.observations.size() >= 2 ||
                                 (landmark.IsOnPlanes() && !landmark.observations.empty()));
@@ -156,10 +197,10 @@ void SubtractSchur(const LandmarkBlock& block,
     b.segment<6>(row).noalias() -= view_i.Y * block.y;
     for (int j = 0; j <= i; ++j) {
       const LandmarkBlock::View& view_j = block.views[j];
-      SubtractOuterProduct(view_i.Y.data(),
-                           view_j.Y.data(),
-                           &H(row, layout.pose_column[view_j.frame]),
-                           H.outerStride());
+      SubtractOuterProduct<6>(view_i.Y.data(),
+                              view_j.Y.data(),
+                              &H(row, layout.pose_column[view_j.frame]),
+                              H.outerStride());
     }
   }
   for (int p = 0; p < block.num_plane_views; ++p) {
@@ -168,8 +209,10 @@ void SubtractSchur(const LandmarkBlock& block,
     b.segment<3>(column).noalias() -= plane_p.Y * block.y;
     // Planes come before poses, so these blocks are below the diagonal.
     for (int i = 0; i < block.num_views; ++i) {
-      H.block<6, 3>(layout.pose_column[block.views[i].frame], column).noalias() -=
-          block.views[i].Y * plane_p.Y.transpose();
+      SubtractOuterProduct<3>(block.views[i].Y.data(),
+                              plane_p.Y.data(),
+                              &H(layout.pose_column[block.views[i].frame], column),
+                              H.outerStride());
     }
     for (int q = 0; q < block.num_plane_views; ++q) {
       const LandmarkBlock::PlaneView& plane_q = block.plane_views[static_cast<std::size_t>(q)];
@@ -204,6 +247,8 @@ void WindowSystem::Linearize(const SlidingWindow& window, const RobustOptions& r
   for (int j = 1; j < static_cast<int>(window.frames.size()); ++j) {
     if (window.frames[j].has_imu_link) cost_ += AddImuLink(window, layout_, j, &H_, &b_);
   }
+  for (const WindowRelation& relation : window.relations)
+    cost_ += AddPlaneRelation(window, layout_, relation, robust.relations, &H_, &b_);
   LinearizeVision(window, robust);
 }
 
@@ -214,6 +259,8 @@ double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robu
   for (int j = 1; j < static_cast<int>(window.frames.size()); ++j) {
     if (window.frames[j].has_imu_link) cost += AddImuLink(window, layout_, j, nullptr, nullptr);
   }
+  for (const WindowRelation& relation : window.relations)
+    cost += AddPlaneRelation(window, layout_, relation, robust.relations, nullptr, nullptr);
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (IsConstraining(landmark)) cost += LandmarkCost(geometry_, window.planes, landmark, robust);
   }

@@ -29,6 +29,14 @@ double AddStartPrior(const SlidingWindow& window,
 double AddImuLink(
     const SlidingWindow& window, const StateLayout& layout, int j, MatrixXd* H, VectorXd* b);
 
+/// Adds a relation between planes; returns its cost. H and b may be null (cost only).
+double AddPlaneRelation(const SlidingWindow& window,
+                        const StateLayout& layout,
+                        const WindowRelation& relation,
+                        const RelationNoise& noise,
+                        MatrixXd* H,
+                        VectorXd* b);
+
 /// Whether the landmark constrains anything: it has a distance and is seen from two frames, or from
 /// one and lies on a plane.
 bool IsConstraining(const WindowLandmark& landmark);

@@ -7,6 +7,7 @@
 
 #include "facet/geometry/plane.h"
 #include "facet/imu/imu_types.h"
+#include "facet/map/plane_relation.h"
 
 namespace facet {
 
@@ -32,7 +33,7 @@ struct KeyframePose {
 struct PlaneEstimate {
   PlaneId id;
   Plane plane_W;
-  Vector3d anchor_W = Vector3d::Zero();  ///< a fixed point near its landmarks
+  Vector3d anchor_W = Vector3d::Zero();  ///< a point near its landmarks
   int num_landmarks = 0;                 ///< that lie on it, in the window
   bool is_settled = false;               ///< known well enough to stay for the whole run
   /// Joint with the newest keyframe's pose: theta and p of the pose, then how the normal moves
@@ -44,6 +45,7 @@ struct MapSnapshot {
   NavState latest;                      ///< newest frame
   std::vector<KeyframePose> keyframes;  ///< oldest first
   std::vector<PlaneEstimate> planes;
+  std::vector<PlaneRelation> relations;     ///< between these planes, in force
   std::vector<LandmarkEstimate> landmarks;  ///< sorted by id; every point in front of its cameras
 };
 

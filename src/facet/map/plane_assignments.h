@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the search for regularities tells the estimator after a keyframe: which planes there are and
-// which landmarks lie on them.
+// which landmarks lie on them, and how the planes are related.
 #pragma once
 
 #include <utility>
@@ -8,6 +8,7 @@
 
 #include "facet/base/types.h"
 #include "facet/geometry/plane.h"
+#include "facet/map/plane_relation.h"
 
 namespace facet {
 
@@ -31,9 +32,15 @@ struct PlaneAssignments {
   std::vector<PlaneJoin> joined;
   std::vector<std::pair<LandmarkId, PlaneId>> left;  ///< landmarks that are no longer
   std::vector<PlaneId> ended;                        ///< planes that leave the estimator
+  std::vector<PlaneRelation> related;                ///< hold from now on
+  std::vector<PlaneRelation> unrelated;              ///< hold no longer
+  /// Pipeline SP: landmarks that count with the paper's projection noise and loss from now on, and
+  /// those that no longer do. These need no plane.
+  std::vector<LandmarkId> projected, unprojected;
 
   bool IsEmpty() const {
-    return created.empty() && joined.empty() && left.empty() && ended.empty();
+    return created.empty() && joined.empty() && left.empty() && ended.empty() && related.empty() &&
+           unrelated.empty() && projected.empty() && unprojected.empty();
   }
 };
 

@@ -56,8 +56,8 @@ inline FaceLimits StrictFaceLimits() {
   FaceLimits limits;
   limits.min_side_ratio = 0.3;
   limits.min_elongation = 0.4;
-  limits.max_side_m = 0.6;
-  limits.max_side_per_depth = 0.3;
+  limits.max_side_m = 1.2;
+  limits.max_side_per_depth = 0.5;
   limits.min_angle_deg = 15;
   limits.max_grazing_deg = 78;
   limits.max_depth_sigma = 0.02;

@@ -21,7 +21,7 @@ struct DetectionOptions {
   /// Least spread (1-sigma) of a plane's points in its narrow direction [m].
   double min_extent_m = 0.12;
   /// Points farther from the plane than this are not on it [m].
-  double max_distance_m = 0.08;
+  double max_distance_m = 0.05;
   /// Least number of vertices on a plane.
   int min_vertices = 10;
   /// Least number of faces of a plane (the paper: 20).
@@ -72,7 +72,7 @@ struct PlaneTrackingOptions {
   /// A plane unseen for longer is dormant: only a whole new sighting brings it back [s].
   double active_s = 1.5;
   /// A face is on a plane when its corners are within three sigmas of it, but between these [m].
-  double min_gate_m = 0.02, max_gate_m = 0.08;
+  double min_gate_m = 0.02, max_gate_m = 0.05;
   /// Angle between a face's normal and the plane's [deg].
   double max_face_angle_deg = 25;
   /// Squared sigmas within which a sighting is a known plane (3 degrees of freedom). (!)

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// long_run [--duration S] [--seeds N] [--pipelines S,planes,relations] [--set key=value]...
+// Does the covariance still describe the error after ten minutes with planes that stay? Made-up
+// flights in one room, simulated features, true planes and relations. Prints the normalised errors
+// minute by minute, and over all runs.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <iterator>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "consistency_study.h"
+#include "ladder_planes.h"
+#include <CLI/CLI.hpp>
+
+#include "facet/io/config_file.h"
+
+namespace facet {
+namespace {
+
+constexpr double kMinute = 60;
+
+/// Sums over the frames of one minute, or of everything.
+struct Normalised {
+  double yaw = 0, pose = 0;               ///< squared, in units of the covariance
+  double yaw_square = 0, yaw_sigma2 = 0;  ///< rad^2
+  int count = 0;
+
+  void Add(const FrameError& frame) {
+    const Vector3d axis_B = frame.R_WB.transpose() * Vector3d::UnitZ();
+    const double error = axis_B.dot(frame.error.head<3>());
+    const double variance = axis_B.dot(frame.covariance.topLeftCorner<3, 3>() * axis_B);
+    yaw += error * error / variance;
+    yaw_square += error * error;
+    yaw_sigma2 += variance;
+    pose += ComputeNeesRatios(frame)[static_cast<std::size_t>(StatePart::kPose)];
+    ++count;
+  }
+
+  void Print(const char* name) const {
+    constexpr double kDegrees = 180 / M_PI;
+    std::printf("  %-10s yaw NEES %5.2f   pose NEES %5.2f   yaw error %.3f deg, 1-sigma %.3f deg\n",
+                name,
+                yaw / count,
+                pose / count,
+                std::sqrt(yaw_square / count) * kDegrees,
+                std::sqrt(yaw_sigma2 / count) * kDegrees);
+  }
+};
+
+/// True planes, and true relations between those that the estimator has.
+class RelatedOracle {
+ public:
+  RelatedOracle(const SimulatedRun& run, bool with_relations)
+      : run_(run), planes_(run, OraclePlaneOptions()), with_relations_(with_relations) {}
+
+  PlaneAssignments operator()(const FrameObservations& observations, const MapSnapshot& snapshot) {
+    PlaneAssignments out = planes_(observations, snapshot);
+    if (with_relations_) Relate(snapshot, out);
+    return out;
+  }
+
+ private:
+  void Relate(const MapSnapshot& snapshot, PlaneAssignments& out) {
+    using enum PlaneRelationKind;
+    for (const LandmarkEstimate& landmark : snapshot.landmarks) {
+      const auto truth = run_.landmarks.find(landmark.id);
+      if (landmark.planes[0].IsValid() && truth != run_.landmarks.end())
+        surfaces_[landmark.planes[0]] = truth->second.surface;
+    }
+    const std::pair<const PlaneId, PlaneId>* first_wall = nullptr;
+    for (const auto& entry : surfaces_) {
+      const Vector3d& n = Normal(entry.second);
+      if (std::abs(n.z()) > 0.999) out.related.push_back({kHorizontal, entry.first});
+      if (std::abs(n.z()) > 1e-3) continue;
+      out.related.push_back({kVertical, entry.first});
+      if (first_wall == nullptr) first_wall = &entry;
+      const double cosine = std::abs(Normal(first_wall->second).dot(n));
+      if (cosine > 1 - 1e-6)
+        out.related.push_back({kHeadingParallel, first_wall->first, entry.first});
+      if (cosine < 1e-3)
+        out.related.push_back({kHeadingOrthogonal, first_wall->first, entry.first});
+    }
+  }
+
+  const Vector3d& Normal(PlaneId surface) const {
+    return run_.surfaces[static_cast<std::size_t>(surface.value)].n_W;
+  }
+
+  const SimulatedRun& run_;
+  OraclePlanes planes_;
+  bool with_relations_;
+  std::map<PlaneId, PlaneId> surfaces_;  // by plane
+};
+
+enum class Pipeline { kS, kPlanes, kRelations };
+constexpr const char* kNames[] = {"S", "planes", "relations"};
+
+/// Adds the mean yaw NEES of each run: runs are independent, the minutes of one are not.
+void Study(const Scenario& scenario,
+           const ConsistencyOptions& options,
+           Pipeline pipeline,
+           std::vector<double>& yaw_by_run) {
+  std::vector<Normalised> minutes(
+      static_cast<std::size_t>(std::ceil(scenario.duration_s / kMinute)));
+  Normalised all;
+  int num_resets = 0;
+  for (int i = 0; i < options.num_seeds; ++i) {
+    const SimulatedRun run =
+        Simulate(scenario, options, static_cast<std::uint64_t>(options.first_seed + i));
+    PlanePolicy planes;
+    if (pipeline != Pipeline::kS) planes = RelatedOracle(run, pipeline == Pipeline::kRelations);
+    const ConsistencyRun result = RunConsistency(run, options, false, planes);
+    num_resets += result.num_resets;
+    Normalised one;
+    for (const FrameError& frame : result.frames) {
+      one.Add(frame);
+      minutes[static_cast<std::size_t>(frame.elapsed_s / kMinute)].Add(frame);
+      all.Add(frame);
+    }
+    yaw_by_run.push_back(one.yaw / one.count);
+  }
+  std::printf("%s, %.0f s, %d realisations, %s; resets %d\n",
+              scenario.name.c_str(),
+              scenario.duration_s,
+              options.num_seeds,
+              kNames[static_cast<int>(pipeline)],
+              num_resets);
+  for (std::size_t k = 0; k < minutes.size(); ++k) {
+    if (minutes[k].count > 0) minutes[k].Print(("minute " + std::to_string(k + 1)).c_str());
+  }
+  all.Print("all");
+  std::fflush(stdout);
+}
+
+void PrintMean(const char* name, const std::vector<double>& yaw_by_run) {
+  const double n = static_cast<double>(yaw_by_run.size());
+  double sum = 0, square = 0;
+  for (double yaw : yaw_by_run) {
+    sum += yaw;
+    square += yaw * yaw;
+  }
+  const double mean = sum / n;
+  const double error = std::sqrt(std::max(square / n - mean * mean, 0.0) / std::max(n - 1, 1.0));
+  std::printf("%s: yaw NEES over %.0f runs %.2f, standard error %.2f\n", name, n, mean, error);
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Normalised errors over long runs with planes that stay");
+  ConsistencyOptions options;
+  options.num_seeds = 4;
+  std::vector<std::string> overrides;
+  double duration_s = 600;
+  std::vector<std::string> pipelines = {"planes", "relations"};
+  app.add_option("--seeds", options.num_seeds, "realisations per flight")
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--first-seed", options.first_seed, "the first of them");
+  app.add_option("--duration", duration_s, "length of a run [s]")->check(CLI::Range(10, 7200));
+  app.add_option(
+         "--pipelines", pipelines, "S, planes (true ones, kept), relations (the same with them)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"S", "planes", "relations"}));
+  app.add_option("--set", overrides, "option of the estimator, key=value");
+  CLI11_PARSE(app, argc, argv);
+
+  ApplyOverrides(overrides, ListFields(options.estimator));
+  for (const std::string& name : pipelines) {
+    const auto index = std::find(std::begin(kNames), std::end(kNames), name) - std::begin(kNames);
+    std::vector<double> yaw_by_run;
+    for (const Scenario& scenario : MadeUpScenarios(duration_s))
+      Study(scenario, options, static_cast<Pipeline>(index), yaw_by_run);
+    PrintMean(name.c_str(), yaw_by_run);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace facet
+
+int main(int argc, char** argv) {
+  try {
+    return facet::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "long_run: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Planes, relations and the landmarks of pipeline SP in the running estimator.
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "facet/estimator/vio_estimator.h"
+#include "facet/geometry/plane_fit.h"
+#include "facet/imu/imu_buffer.h"
+#include "facet/sim/euroc_rig.h"
+#include "facet/sim/feature_simulator.h"
+
+namespace facet {
+namespace {
+
+const SimulatedRun& TheRun() {
+  static const SimulatedRun run = [] {
+    FeatureSimulatorOptions options;
+    options.max_tracks = 100;
+    options.duration_s = 10;
+    return SimulateFeatures(SplineTrajectory::Fit(MakeFlight(12, 2)), EurocRig(), options, 1);
+  }();
+  return run;
+}
+
+using Policy = std::function<PlaneAssignments(const VioEstimator&)>;
+using Watch = std::function<void(const VioEstimator&)>;
+
+// Runs the estimator; `policy` speaks and `watch` looks after each keyframe.
+std::vector<EstimatorResult> Estimate(const EstimatorOptions& options,
+                                      const Policy& policy,
+                                      const Watch& watch) {
+  const SimulatedRun& run = TheRun();
+  ImuBuffer buffer;
+  for (const ImuSample& sample : run.imu)
+    buffer.Add(sample);
+  VioEstimator estimator(run.rig, ImuNoise{}, options);
+  StageTimes times;
+  std::vector<EstimatorResult> results;
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    ImuInterval imu;
+    if (i > 0)
+      imu = buffer.Between(run.truth[i - 1].t, run.truth[i].t, Duration{20'000'000}, Duration{0});
+    results.push_back(estimator.AddFrame(run.frames[i], imu, times));
+    if (!results.back().has_state || !run.frames[i].is_keyframe) continue;
+    watch(estimator);
+    estimator.Assign(policy(estimator));
+  }
+  return results;
+}
+
+// True planes as soon as they have landmarks enough; `per_surface` of them for each surface, among
+// which its landmarks are dealt out.
+PlaneAssignments TruePlanes(const VioEstimator& estimator, std::int64_t per_surface = 1) {
+  PlaneAssignments out;
+  std::map<PlaneId, std::vector<Vector3d>> points;
+  const MapSnapshot snapshot = estimator.Snapshot();
+  for (const LandmarkEstimate& landmark : snapshot.landmarks) {
+    const PlaneId surface = TheRun().landmarks.at(landmark.id).surface;
+    const PlaneId plane{surface.value * per_surface + landmark.id.value % per_surface};
+    points[plane].push_back(landmark.p_W);
+    out.joined.push_back({landmark.id, plane});
+  }
+  for (const auto& [plane, on_plane] : points) {
+    const PlaneFit fit = FitPlane(on_plane);
+    if (on_plane.size() >= 8 && fit.extent_minor_m > 0.15)
+      out.created.push_back({plane, fit.plane, fit.centroid});
+  }
+  return out;
+}
+
+bool SameBits(const std::vector<EstimatorResult>& a, const std::vector<EstimatorResult>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].state.T_WB.p != b[i].state.T_WB.p ||
+        a[i].state.T_WB.q.coeffs() != b[i].state.T_WB.q.coeffs() ||
+        a[i].covariance != b[i].covariance) {
+      return false;
+    }
+  }
+  return a.size() == b.size();
+}
+
+PlaneAssignments Nothing(const VioEstimator&) {
+  return {};
+}
+void DoNotWatch(const VioEstimator&) {}
+
+TEST(PlaneLifeTest, PlanesThatNoLandmarkLiesOnLeaveNoTrace) {
+  const auto s = Estimate({}, Nothing, DoNotWatch);
+  const auto detached = Estimate(
+      {},
+      [](const VioEstimator& estimator) {
+        PlaneAssignments out = TruePlanes(estimator);
+        for (const PlaneJoin& join : out.joined)
+          out.left.emplace_back(join.landmark, join.plane);
+        out.joined.clear();
+        for (const NewPlane& plane : out.created) {
+          out.related.push_back({PlaneRelationKind::kVertical, plane.id});
+          out.related.push_back({PlaneRelationKind::kParallel, out.created.front().id, plane.id});
+        }
+        return out;
+      },
+      DoNotWatch);
+  EXPECT_TRUE(SameBits(s, detached));
+  const auto attached = Estimate(
+      {}, [](const VioEstimator& e) { return TruePlanes(e); }, DoNotWatch);
+  EXPECT_FALSE(SameBits(s, attached));
+}
+
+TEST(PlaneLifeTest, NoMoreThanTheBudgetStay) {
+  EstimatorOptions options;
+  options.planes.max_planes = 3;
+  options.planes.anchor_distance_m = 0.2;
+  std::size_t most_planes = 0, num_frozen = 0;
+  const auto results = Estimate(
+      options,
+      [](const VioEstimator& estimator) {
+        PlaneAssignments out = TruePlanes(estimator, 3);
+        for (const WindowPlane& plane : estimator.window().planes) {
+          for (const WindowPlane& other : estimator.window().planes) {
+            if (plane.id.value / 3 == other.id.value / 3)
+              out.related.push_back({PlaneRelationKind::kCoplanar, plane.id, other.id});
+          }
+        }
+        return out;
+      },
+      [&](const VioEstimator& estimator) {
+        const SlidingWindow& window = estimator.window();
+        most_planes = std::max(most_planes, window.planes.size());
+        for (const WindowPlane& plane : window.planes)
+          num_frozen += plane.frozen;
+        for (const WindowRelation& relation : window.relations) {
+          EXPECT_GE(window.IndexOf(relation.relation.a), 0);
+          EXPECT_GE(window.IndexOf(relation.frame), 0);
+        }
+      });
+  EXPECT_EQ(most_planes, 3u);
+  EXPECT_GT(num_frozen, 0u);
+  EXPECT_EQ(results.back().status, TrackingStatus::kOk);
+  // Over the last two seconds.
+  const std::size_t last = results.size() - 1, from = last - 40;
+  const SE3 moved = results[from].state.T_WB.Inverse() * results[last].state.T_WB;
+  const SE3 truly = TheRun().truth[from].T_WB.Inverse() * TheRun().truth[last].T_WB;
+  EXPECT_LT((moved.p - truly.p).norm(), 0.03);
+}
+
+TEST(PlaneLifeTest, ARelationThatDoesNotHoldIsDropped) {
+  int most_true = 0, most_false = 0;
+  Estimate(
+      {},
+      [](const VioEstimator& estimator) {
+        PlaneAssignments out = TruePlanes(estimator);
+        for (const NewPlane& plane : out.created) {
+          const Vector3d& n = TheRun().surfaces[static_cast<std::size_t>(plane.id.value)].n_W;
+          const bool is_flat = std::abs(n.z()) > 0.5;
+          out.related.push_back({PlaneRelationKind::kHorizontal, plane.id});
+          if (!is_flat) out.related.push_back({PlaneRelationKind::kVertical, plane.id});
+        }
+        return out;
+      },
+      [&](const VioEstimator& estimator) {
+        int num_true = 0, num_false = 0;
+        for (const WindowRelation& relation : estimator.window().relations) {
+          const auto surface = static_cast<std::size_t>(relation.relation.a.value);
+          const bool is_flat = std::abs(TheRun().surfaces[surface].n_W.z()) > 0.5;
+          const bool says_flat = relation.relation.kind == PlaneRelationKind::kHorizontal;
+          ++(is_flat == says_flat ? num_true : num_false);
+        }
+        most_true = std::max(most_true, num_true);
+        most_false = std::max(most_false, num_false);
+      });
+  EXPECT_GE(most_true, 3);
+  EXPECT_EQ(most_false, 0);
+}
+
+TEST(PlaneLifeTest, LandmarksOfPipelineSP) {
+  EstimatorOptions options;
+  int most = 0;
+  const auto project = [](const VioEstimator& estimator) {
+    PlaneAssignments out;
+    for (const PlaneJoin& join : TruePlanes(estimator).joined) {
+      if (join.plane.value < 3) out.projected.push_back(join.landmark);
+    }
+    return out;
+  };
+  const auto count = [&](const VioEstimator& estimator) {
+    int n = 0;
+    for (const WindowLandmark& landmark : estimator.window().landmarks())
+      n += landmark.is_projection;
+    EXPECT_TRUE(estimator.window().planes.empty());
+    most = std::max(most, n);
+  };
+  const auto sp = Estimate(options, project, count);
+  EXPECT_GT(most, 20);
+  EXPECT_EQ(sp.back().status, TrackingStatus::kOk);
+  const auto s = Estimate(options, Nothing, DoNotWatch);
+  EXPECT_FALSE(SameBits(s, sp));
+  // The noise counts: weighing these landmarks like the others, without limit, is almost S.
+  options.projection.sigma_px = 0.5;
+  options.projection.tukey_sigma = 1e3;
+  const auto as_s = Estimate(options, project, count);
+  const auto distance = [&](const std::vector<EstimatorResult>& a) {
+    return (a.back().state.T_WB.p - s.back().state.T_WB.p).norm();
+  };
+  EXPECT_LT(distance(as_s), 0.5 * distance(sp));
+}
+
+}  // namespace
+}  // namespace facet
