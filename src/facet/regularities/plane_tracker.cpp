@@ -9,6 +9,7 @@
 #include "facet/geometry/plane_fit.h"
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
+#include "facet/regularities/plane_revision.h"
 
 namespace facet {
 
@@ -33,6 +34,10 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   FillSurfaceFaces(mesh, faces_);
   IndexLandmarks(mesh, map);
   Refresh(map, out);
+  if (options_.tracking.revise) {
+    EndMisfits(map, planes_, out);
+    MergeSameSurfaces(map, planes_, out);
+  }
   ClaimFaces(map);
   std::vector<char> taken(plane_of_face_.size());
   std::transform(plane_of_face_.begin(), plane_of_face_.end(), taken.begin(), [](int plane) {
@@ -101,6 +106,7 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
     const KnownPlane& known = planes_[k];
     if (known.IsTentative() || ToSeconds(now_ - known.last_seen) > limits.active_s) continue;
     const Plane& plane = known.estimate.plane_W;
+    const DistanceUncertainty uncertainty(known.estimate, map.latest.T_WB);
     for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
       const SurfaceFace& face = faces_.faces[f];
       if (std::abs(plane.SignedDistance(face.centre_W)) > limits.max_gate_m ||
@@ -108,8 +114,7 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
           !known.support.IsNear(face.centre_W, kGrowth_m)) {
         continue;
       }
-      const double variance = DistanceVariance(known.estimate, map.latest.T_WB, face.centre_W) +
-                              kFlatness_m * kFlatness_m;
+      const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
       double worst = 0;
       for (const int corner : face.corners) {
         const SurfacePoint& point = faces_.points[corner];
@@ -254,7 +259,7 @@ void PlaneTracker::JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out) 
     i = end;
     KnownPlane& known = planes_[plane];
     const LandmarkEstimate& estimate = map.landmarks[landmark];
-    if (estimate.IsOn(known.id)) continue;
+    if (known.Has(estimate)) continue;
     if (count < 2 && 2 * count < faces_around[landmark]) continue;
     out.joined.push_back({estimate.id, known.id, 2 * known.recognised_at_m});
     ++known.num_landmarks;

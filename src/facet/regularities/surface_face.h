@@ -24,11 +24,13 @@ struct SurfacePoint {
   }
 };
 
+SurfacePoint MakeSurfacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W);
+
 struct SurfaceFace {
   std::array<int, 3> corners{};  ///< into SurfaceFaces::points
   Vector3d centre_W = Vector3d::Zero();
   Vector3d n_W = Vector3d::UnitZ();  ///< unit, towards the camera that saw it
-  double area_m2 = 0;
+  double area_m2 = 0;                ///< 0 if a corner is not finite
   bool may_vote = false;
   bool in_view = false;  ///< seen by the newest keyframe
 };
