@@ -68,8 +68,7 @@ void PlaneRelations::RelateToGravity(const RelatedPlane& plane, std::vector<Plan
       is_level ? PlaneRelationKind::kHorizontal : PlaneRelationKind::kVertical, estimate.id};
   const double lean = is_level ? std::asin(std::min(1.0, n.head<2>().norm())) : std::asin(n.z());
   const Vector3d up = Vector3d::UnitZ() - n.z() * n;
-  const double sigma =
-      up.norm() > 1e-6 ? SigmaInDirection(estimate, up.normalized()) : kDegree;
+  const double sigma = up.norm() > 1e-6 ? SigmaInDirection(estimate, up.normalized()) : kDegree;
   if (Weigh(relation, lean, sigma)) out.push_back(relation);
 }
 
@@ -94,13 +93,12 @@ void PlaneRelations::RelateHeadings(const std::vector<RelatedPlane>& planes,
       if (std::abs(angle) > options_.new_heading_deg * kDegree) continue;
       has_heading = true;
       if (id == estimate.id) break;
-      const PlaneRelation relation = {is_parallel ? PlaneRelationKind::kHeadingParallel
-                                                  : PlaneRelationKind::kHeadingOrthogonal,
-                                      id,
-                                      estimate.id};
-      const double sigma =
-          std::hypot(SigmaInDirection(estimate, Sideways(estimate.plane_W.n)),
-                     SigmaInDirection(base, Sideways(base.plane_W.n)));
+      const PlaneRelation relation = {
+          is_parallel ? PlaneRelationKind::kHeadingParallel : PlaneRelationKind::kHeadingOrthogonal,
+          id,
+          estimate.id};
+      const double sigma = std::hypot(SigmaInDirection(estimate, Sideways(estimate.plane_W.n)),
+                                      SigmaInDirection(base, Sideways(base.plane_W.n)));
       if (Weigh(relation, angle, sigma)) out.push_back(relation);
       break;
     }

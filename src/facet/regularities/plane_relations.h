@@ -21,8 +21,8 @@ struct RelatedPlane {
 };
 
 /// Proposes relations that held for several keyframes in a row, each one once. Walls are related to
-/// one wall per heading, the largest when it was chosen: a star, since a clique would count one fact
-/// many times. Not thread-safe.
+/// one wall per heading, the largest when it was chosen: a star, since a clique would count one
+/// fact many times. Not thread-safe.
 class PlaneRelations {
  public:
   explicit PlaneRelations(const PlaneRelationOptions& options) : options_(options) {}

@@ -30,6 +30,8 @@ void Merge(const MapSnapshot& map,
     if (landmark.IsOn(younger.id) && !older.Has(landmark))
       out.joined.push_back({landmark.id, older.id, 2 * kMaxOffset_m});
   }
+  // What the younger one knew goes over when it is marginalised.
+  out.related.push_back({PlaneRelationKind::kCoplanar, older.id, younger.id});
   out.ended.push_back(younger.id);
   older.support.Add(younger.support, younger.estimate.plane_W);
   older.num_landmarks += younger.num_landmarks;
@@ -79,7 +81,7 @@ void MergeSameSurfaces(const MapSnapshot& map,
     for (std::size_t j = planes.size(); j-- > i + 1;) {
       if (planes[i].IsTentative() || planes[j].IsTentative()) continue;
       if (!AreCoplanar(planes[i], planes[j], map.latest.T_WB)) continue;
-      // Coplanar surfaces that are far apart stay two planes; a relation between them belongs here.
+      // Coplanar surfaces that are far apart stay two planes.
       if (!planes[i].support.IsNear(planes[j].support, planes[j].estimate.plane_W, kMaxGap_m))
         continue;
       if (planes[j].id < planes[i].id) std::swap(planes[i], planes[j]);

@@ -32,7 +32,7 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   PlaneAssignments out;
   now_ = mesh.t;
   FillSurfaceFaces(mesh, faces_);
-  IndexLandmarks(mesh, map);
+  landmark_of_point_ = LandmarksOfVertices(mesh, map);
   Refresh(map, out);
   if (options_.tracking.revise) {
     EndMisfits(map, planes_, out);
@@ -51,18 +51,6 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   Relate(out);
   SetFacePlanes();
   return out;
-}
-
-// Both lists are sorted by id.
-void PlaneTracker::IndexLandmarks(const MeshSnapshot& mesh, const MapSnapshot& map) {
-  landmark_of_point_.assign(mesh.vertex_ids.size(), -1);
-  std::size_t l = 0;
-  for (std::size_t i = 0; i < mesh.vertex_ids.size(); ++i) {
-    while (l < map.landmarks.size() && map.landmarks[l].id < mesh.vertex_ids[i])
-      ++l;
-    if (l == map.landmarks.size()) break;
-    if (map.landmarks[l].id == mesh.vertex_ids[i]) landmark_of_point_[i] = static_cast<int>(l);
-  }
 }
 
 // The estimator's values are the truth about its planes, and what it dropped is gone.

@@ -35,7 +35,6 @@ class PlaneTracker {
   void Reset();
 
  private:
-  void IndexLandmarks(const MeshSnapshot& mesh, const MapSnapshot& map);
   void Refresh(const MapSnapshot& map, PlaneAssignments& out);
   void ClaimFaces(const MapSnapshot& map);
   void Recognise(const MapSnapshot& map, const PlaneCandidate& candidate);

@@ -19,6 +19,19 @@ SurfacePoint MakeSurfacePoint(const Vector3d& p_W, double sigma_depth_m, const V
   return point;
 }
 
+// Both lists are sorted by id.
+std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot& map) {
+  std::vector<int> out(mesh.vertex_ids.size(), -1);
+  std::size_t l = 0;
+  for (std::size_t i = 0; i < mesh.vertex_ids.size(); ++i) {
+    while (l < map.landmarks.size() && map.landmarks[l].id < mesh.vertex_ids[i])
+      ++l;
+    if (l == map.landmarks.size()) break;
+    if (map.landmarks[l].id == mesh.vertex_ids[i]) out[i] = static_cast<int>(l);
+  }
+  return out;
+}
+
 void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
   const TriangleMesh& source = mesh.mesh;
   out.camera_W = mesh.T_WC.p;

@@ -42,6 +42,9 @@ struct SurfaceFaces {
   Vector3d camera_W = Vector3d::Zero();
 };
 
+/// For each vertex its place in `map.landmarks`, -1: a support point, or forgotten.
+std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot& map);
+
 /// `faces` is filled anew; it keeps its storage.
 void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& faces);
 
