@@ -32,6 +32,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
   }
   EXPECT_EQ(changed,
             (std::map<std::string, std::string>{
+                {"estimator.projection.convert_back", "false"},
                 {"estimator.solver.keyframe_iterations", "1"},
                 {"estimator.solver.plane_huber_sigma", "0.04"},
                 {"estimator.solver.plane_sigma_m", "0.03"},
