@@ -39,6 +39,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
                 {"regularities.detection.min_faces", "20"},
                 {"regularities.detection.oblique", "false"},
                 {"regularities.detection.world_origin", "true"},
+                {"regularities.relations.enabled", "false"},
                 {"regularities.tracking.max_age_s", "6"},
                 {"regularities.tracking.revise", "false"},
             }));

@@ -60,7 +60,7 @@ inline FaceLimits StrictFaceLimits() {
   limits.max_side_per_depth = 0.5;
   limits.min_angle_deg = 15;
   limits.max_grazing_deg = 78;
-  limits.max_depth_sigma = 0.02;
+  limits.max_depth_sigma = 0.03;
   limits.noise_sigmas = 0;
   return limits;
 }

@@ -48,6 +48,7 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   Promote(map, out);
   JoinLandmarks(map, out);
   UpdateSupports();
+  Relate(out);
   SetFacePlanes();
   return out;
 }
@@ -276,6 +277,15 @@ void PlaneTracker::UpdateSupports() {
   }
 }
 
+void PlaneTracker::Relate(PlaneAssignments& out) {
+  std::vector<RelatedPlane> planes;
+  for (const KnownPlane& plane : planes_) {
+    if (!plane.IsTentative() && plane.handed_over < now_)
+      planes.push_back({&plane.estimate, plane.orientation, plane.support.area_m2()});
+  }
+  relations_.Update(planes, out.related);
+}
+
 void PlaneTracker::SetFacePlanes() {
   face_planes_.assign(faces_.faces.size(), -1);
   for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
@@ -290,6 +300,7 @@ void PlaneTracker::Reset() {
     if (!planes_[k].IsTentative()) gone_.push_back(MakeRecord(planes_[k]));
   }
   planes_.clear();
+  relations_.Clear();
 }
 
 PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {

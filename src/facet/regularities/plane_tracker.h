@@ -10,6 +10,7 @@
 #include "facet/map/plane_record.h"
 #include "facet/regularities/known_plane.h"
 #include "facet/regularities/plane_detector.h"
+#include "facet/regularities/plane_relations.h"
 #include "facet/regularities/regularity_options.h"
 
 namespace facet {
@@ -18,7 +19,7 @@ namespace facet {
 class PlaneTracker {
  public:
   explicit PlaneTracker(const RegularityOptions& options)
-      : options_(options), detector_(options.detection) {}
+      : options_(options), detector_(options.detection), relations_(options.relations) {}
 
   /// After a keyframe: the mesh and what the estimator knows. Both must be of the same keyframe.
   PlaneAssignments Process(const MeshSnapshot& mesh, const MapSnapshot& map);
@@ -45,12 +46,14 @@ class PlaneTracker {
   bool HasEnoughLandmarks(int plane, const MapSnapshot& map) const;
   void JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out);
   void UpdateSupports();
+  void Relate(PlaneAssignments& out);
   void SetFacePlanes();
   void Forget(std::size_t plane);
   PlaneRecord MakeRecord(const KnownPlane& plane) const;
 
   RegularityOptions options_;
   PlaneDetector detector_;
+  PlaneRelations relations_;
   std::vector<KnownPlane> planes_;
   std::vector<PlaneRecord> gone_;  // planes that the estimator no longer has
   std::int64_t next_id_ = 0;

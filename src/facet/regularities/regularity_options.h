@@ -109,14 +109,42 @@ struct PlaneTrackingOptions {
   }
 };
 
+/// What planes have in common (plane_relations.h).
+struct PlaneRelationOptions {
+  bool enabled = true;
+  /// Walls are upright and floors level.
+  bool gravity = true;
+  /// Walls are parallel or at right angles.
+  bool headings = true;
+  /// Angle off which planes are not related, and from which a wall has a heading of its own [deg].
+  double max_angle_deg = 3, new_heading_deg = 8;
+  /// Keyframes in a row in which a relation must have held.
+  int min_keyframes = 5;
+  /// Smaller walls are not related to others [m^2].
+  double min_area_m2 = 1;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "relate planes to each other and to gravity");
+    v.Field("gravity", gravity, Range{}, "walls are upright, floors level");
+    v.Field("headings", headings, Range{}, "walls are parallel or at right angles");
+    v.Field("max_angle_deg", max_angle_deg, Range{0, 20}, "angle off which planes are not related");
+    v.Field("new_heading_deg", new_heading_deg, Range{0, 45}, "a wall has its own heading [deg]");
+    v.Field("min_keyframes", min_keyframes, Range{1, 1000}, "keyframes in which it must hold");
+    v.Field("min_area_m2", min_area_m2, Range{0, 1e3}, "smaller walls are not related [m^2]");
+  }
+};
+
 struct RegularityOptions {
   DetectionOptions detection;
   PlaneTrackingOptions tracking;
+  PlaneRelationOptions relations;
 
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Group("detection", detection);
     v.Group("tracking", tracking);
+    v.Group("relations", relations);
   }
 };
 
