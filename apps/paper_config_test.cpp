@@ -32,12 +32,14 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
   }
   EXPECT_EQ(changed,
             (std::map<std::string, std::string>{
+                {"estimator.projection.convert_back", "false"},
                 {"estimator.solver.keyframe_iterations", "1"},
                 {"estimator.solver.plane_huber_sigma", "0.04"},
                 {"estimator.solver.plane_sigma_m", "0.03"},
                 {"regularities.detection.min_faces", "20"},
                 {"regularities.detection.oblique", "false"},
                 {"regularities.detection.world_origin", "true"},
+                {"regularities.relations.enabled", "false"},
                 {"regularities.tracking.max_age_s", "6"},
                 {"regularities.tracking.revise", "false"},
             }));
