@@ -9,7 +9,8 @@ namespace facet {
 namespace {
 
 constexpr double kCell_m = 0.1;
-constexpr double kCoarse_m = 0.5;
+constexpr int kBlock = 5;  // cells along the side of a block
+constexpr double kCoarse_m = kBlock * kCell_m;
 constexpr int kMaxCells = 100;  // per side of one triangle
 
 using Cell = std::array<int, 2>;
@@ -23,6 +24,20 @@ Vector2d MiddleOf(std::uint64_t key, double size_m) {
   const auto x = static_cast<std::int32_t>(key >> 32);
   const auto y = static_cast<std::int32_t>(key & 0xffffffffU);
   return size_m * Vector2d(x + 0.5, y + 0.5);
+}
+
+int FloorDivide(int a, int b) {
+  return a >= 0 ? a / b : -((b - 1 - a) / b);
+}
+
+// The middles of a block's cells.
+template <class Function>
+void ForEachCell(std::uint64_t block, std::uint32_t mask, const Function& function) {
+  const Vector2d corner = MiddleOf(block, kCoarse_m) - 0.5 * kCoarse_m * Vector2d::Ones();
+  for (int bit = 0; bit < kBlock * kBlock; ++bit) {
+    if ((mask >> bit & 1U) == 0) continue;
+    function(Vector2d(corner + kCell_m * Vector2d(bit % kBlock + 0.5, bit / kBlock + 0.5)));
+  }
 }
 
 // What is farther off than this has no cell: neither have coordinates that are not numbers.
@@ -72,25 +87,30 @@ void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
 }
 
 void PlaneSupport::AddCell(int x, int y) {
-  if (!cells_.insert(Key(x, y)).second) return;
-  const Vector2d middle = kCell_m * Vector2d(x + 0.5, y + 0.5);
-  sum_ += middle;
-  coarse_.insert(Key(CellOf(middle.x(), kCoarse_m), CellOf(middle.y(), kCoarse_m)));
+  const int block_x = FloorDivide(x, kBlock), block_y = FloorDivide(y, kBlock);
+  const int bit = (x - kBlock * block_x) + kBlock * (y - kBlock * block_y);
+  std::uint32_t& mask = blocks_[Key(block_x, block_y)];
+  if ((mask >> bit & 1U) != 0) return;
+  mask |= 1U << bit;
+  ++num_cells_;
+  sum_ += kCell_m * Vector2d(x + 0.5, y + 0.5);
 }
 
 // The cells of the other lie at an angle to these: a few stay empty.
 void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
-  for (const std::uint64_t cell : other.cells_) {
-    const Vector2d xy = ToPlane(other.ToWorld(MiddleOf(cell, kCell_m), plane_W));
-    AddCell(CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m));
+  for (const auto& [block, mask] : other.blocks_) {
+    ForEachCell(block, mask, [&](const Vector2d& middle) {
+      const Vector2d xy = ToPlane(other.ToWorld(middle, plane_W));
+      AddCell(CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m));
+    });
   }
 }
 
 bool PlaneSupport::IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const {
-  return std::any_of(other.coarse_.begin(), other.coarse_.end(), [&](std::uint64_t cell) {
+  return std::any_of(other.blocks_.begin(), other.blocks_.end(), [&](const auto& block) {
     for (const double dx : {-0.5, 0.5}) {
       for (const double dy : {-0.5, 0.5}) {
-        const Vector2d corner = MiddleOf(cell, kCoarse_m) + kCoarse_m * Vector2d(dx, dy);
+        const Vector2d corner = MiddleOf(block.first, kCoarse_m) + kCoarse_m * Vector2d(dx, dy);
         if (IsNear(other.ToWorld(corner, plane_W), radius_m)) return true;
       }
     }
@@ -105,28 +125,29 @@ bool PlaneSupport::IsNear(const Vector3d& p_W, double radius_m) const {
   const int reach = std::max(1, static_cast<int>(std::lround(radius_m / kCoarse_m)));
   for (int dx = -reach; dx <= reach; ++dx) {
     for (int dy = -reach; dy <= reach; ++dy) {
-      if (coarse_.contains(Key(x + dx, y + dy))) return true;
+      if (blocks_.contains(Key(x + dx, y + dy))) return true;
     }
   }
   return false;
 }
 
 double PlaneSupport::area_m2() const {
-  return kCell_m * kCell_m * static_cast<double>(cells_.size());
+  return kCell_m * kCell_m * num_cells_;
 }
 
 Vector3d PlaneSupport::Centroid(const Plane& plane_W) const {
-  if (cells_.empty()) return ToWorld(Vector2d::Zero(), plane_W);
-  return ToWorld(sum_ / static_cast<double>(cells_.size()), plane_W);
+  if (num_cells_ == 0) return ToWorld(Vector2d::Zero(), plane_W);
+  return ToWorld(sum_ / num_cells_, plane_W);
 }
 
 // Andrew's monotone chain.
 std::vector<Vector3d> PlaneSupport::Outline(const Plane& plane_W) const {
   std::vector<Vector2d> corners;
-  for (const std::uint64_t cell : cells_) {
-    for (int k = 0; k < 4; ++k)
-      corners.push_back(MiddleOf(cell, kCell_m) +
-                        0.5 * kCell_m * Vector2d(k % 2 * 2 - 1, k / 2 * 2 - 1));
+  for (const auto& [block, mask] : blocks_) {
+    ForEachCell(block, mask, [&](const Vector2d& middle) {
+      for (int k = 0; k < 4; ++k)
+        corners.push_back(middle + 0.5 * kCell_m * Vector2d(k % 2 * 2 - 1, k / 2 * 2 - 1));
+    });
   }
   std::sort(corners.begin(), corners.end(), [](const Vector2d& a, const Vector2d& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();

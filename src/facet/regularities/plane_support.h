@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cstdint>
-#include <unordered_set>
+#include <unordered_map>
 #include <vector>
 
 #include "facet/geometry/plane.h"
@@ -46,7 +46,8 @@ class PlaneSupport {
   Vector3d origin_W_;
   Matrix<3, 2> basis_;
   Vector3d n_W_;
-  std::unordered_set<std::uint64_t> cells_, coarse_;
+  std::unordered_map<std::uint64_t, std::uint32_t> blocks_;  // of 5 x 5 cells, one bit each
+  int num_cells_ = 0;
   Vector2d sum_ = Vector2d::Zero();  // of the cells' middles
 };
 
