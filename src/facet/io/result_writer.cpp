@@ -47,8 +47,9 @@ std::string StatesCsv(const std::vector<FrameRecord>& frames) {
   std::string text =
       "timestamp_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz,"
       "sigma_px,sigma_py,sigma_pz,sigma_rx,sigma_ry,sigma_rz,sigma_vx,sigma_vy,sigma_vz,"
+      "sigma_bgx,sigma_bgy,sigma_bgz,sigma_bax,sigma_bay,sigma_baz,"
       "status,reason\n";
-  constexpr int kNumValues = 25;
+  constexpr int kNumValues = 31;
   for (const FrameRecord& f : frames) {
     text += std::to_string(f.t.ns);
     if (f.has_pose) {
@@ -61,7 +62,9 @@ std::string StatesCsv(const std::vector<FrameRecord>& frames) {
                                 f.state.bias.b_a,
                                 f.sigma_p,
                                 f.sigma_theta,
-                                f.sigma_v}) {
+                                f.sigma_v,
+                                f.sigma_b_g,
+                                f.sigma_b_a}) {
         AppendVector(text, v);
       }
     } else {

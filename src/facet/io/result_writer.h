@@ -24,6 +24,8 @@ struct FrameRecord {
   Vector3d sigma_p = Vector3d::Zero();
   Vector3d sigma_theta = Vector3d::Zero();
   Vector3d sigma_v = Vector3d::Zero();
+  Vector3d sigma_b_g = Vector3d::Zero();
+  Vector3d sigma_b_a = Vector3d::Zero();
   std::string status;  ///< initialising, ok, degraded, lost
   std::string reason;  ///< why it is not ok
   StageTimes times;
