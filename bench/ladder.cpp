@@ -3,19 +3,20 @@
 // What planes can gain, rung by rung: the same simulated features and IMU with plain S, and with
 // planes from better and better oracles. Prints paired ratios of the trajectory error.
 #include <atomic>
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <functional>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "consistency_study.h"
 #include "ladder_planes.h"
 #include <CLI/CLI.hpp>
 
+#include "facet/eval/paired_comparison.h"
 #include "facet/eval/trajectory_error.h"
 #include "facet/io/config_file.h"
 
@@ -47,19 +48,27 @@ std::vector<Rung> MakeRungs(const SearchOptions& search) {
       return OraclePlanes(run, options);
     };
   };
-  const auto own = [search](const SimulatedRun& run, SearchQuality& quality) -> PlanePolicy {
-    const auto policy = std::make_shared<OwnSearch>(run, search.mesh, search.regularities, quality);
-    return [policy](const FrameObservations& observations, const MapSnapshot& snapshot) {
-      return (*policy)(observations, snapshot);
+  const auto own = [](const SearchOptions& options) {
+    return [options](const SimulatedRun& run, SearchQuality& quality) -> PlanePolicy {
+      const auto policy =
+          std::make_shared<OwnSearch>(run, options.mesh, options.regularities, quality);
+      return [policy](const FrameObservations& observations, const MapSnapshot& snapshot) {
+        return (*policy)(observations, snapshot);
+      };
     };
   };
+  SearchOptions unrelated = search, short_lived = search;
+  unrelated.regularities.relations.enabled = false;
+  short_lived.regularities.tracking.max_age_s = 6;
   const auto placebo = [](const SimulatedRun& run, SearchQuality& /*quality*/) -> PlanePolicy {
     return PlaceboPlanes(run);
   };
   return {{"S", nullptr},
           {"true planes, kept", oracle(0)},
           {"true planes, 6 s", oracle(6.0)},
-          {"SPR", own},
+          {"SPR", own(search)},
+          {"SPR, no relations", own(unrelated)},
+          {"SPR, 6 s", own(short_lived)},
           {"placebo, shuffled", placebo}};
 }
 
@@ -88,18 +97,17 @@ Outcome RunRung(const SimulatedRun& run, const ConsistencyOptions& options, cons
   return out;
 }
 
-// Mean of the log ratios and the 95 % interval of that mean (normal approximation).
+// Median of the ratios with its 95 % interval (bootstrap).
 void PrintRatio(const char* name,
                 const std::vector<Outcome>& outcomes,
                 const std::vector<Outcome>& base) {
-  double sum = 0, square = 0, ate = 0, pose_nees = 0, yaw_nees = 0;
+  double ate = 0, pose_nees = 0, yaw_nees = 0;
+  std::vector<double> ratios;
   int resets = 0;
   SearchQuality quality;
   const double n = static_cast<double>(outcomes.size());
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    const double log_ratio = std::log(outcomes[i].ate_m / base[i].ate_m);
-    sum += log_ratio;
-    square += log_ratio * log_ratio;
+    ratios.push_back(outcomes[i].ate_m / base[i].ate_m);
     ate += outcomes[i].ate_m;
     pose_nees += outcomes[i].pose_nees;
     yaw_nees += outcomes[i].yaw_nees;
@@ -108,16 +116,15 @@ void PrintRatio(const char* name,
     quality.num_joined += outcomes[i].quality.num_joined;
     quality.num_wrong += outcomes[i].quality.num_wrong;
   }
-  const double mean = sum / n;
-  const double error = std::sqrt(std::max(square / n - mean * mean, 0.0) / std::max(n - 1, 1.0));
+  const PairedComparison comparison = CompareRatios(std::move(ratios));
   std::printf(
       "  %-24s ATE %.4f m   ratio %.3f [%.3f, %.3f]   NEES pose %.2f yaw %.2f   "
       "resets %d\n",
       name,
       ate / n,
-      std::exp(mean),
-      std::exp(mean - 1.96 * error),
-      std::exp(mean + 1.96 * error),
+      comparison.median_ratio,
+      comparison.low,
+      comparison.high,
       pose_nees / n,
       yaw_nees / n,
       resets);

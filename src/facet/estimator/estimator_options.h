@@ -170,10 +170,10 @@ struct RelationOptions {
 
 /// Planes as variables.
 struct PlaneOptions {
-  int min_landmarks = 8;         ///< a new plane with fewer goes again
-  double join_sigma_m = 0.1;     ///< a landmark less well known across a plane does not join it
-  double join_distance_m = 0.03; ///< nor one farther off than this and 3 of its sigmas
-  double outlier_sigma = 4.0;    ///< a landmark farther from its plane after the solve leaves it
+  int min_landmarks = 8;          ///< a new plane with fewer goes again
+  double join_sigma_m = 0.1;      ///< a landmark less well known across a plane does not join it
+  double join_distance_m = 0.03;  ///< nor one farther off than this and 3 of its sigmas
+  double outlier_sigma = 4.0;     ///< a landmark farther from its plane after the solve leaves it
   /// 1-sigma below which a plane may take part in marginalisation
   double settled_normal_deg = 0.5, settled_offset_m = 0.01;
   int max_planes = 40;             ///< the least known of more go

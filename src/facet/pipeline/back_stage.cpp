@@ -9,7 +9,8 @@ BackStage::BackStage(const StereoRig& rig, const ImuNoise& noise, const VioOptio
     : time_offset_(rig.time_offset),
       estimator_(rig, noise, options.estimator),
       mesh_(rig, options.mesh) {
-  if (options.pipeline != "S") planes_.emplace(options.regularities);
+  if (options.pipeline == "SPR") planes_.emplace(options.regularities);
+  if (options.pipeline == "SP") projections_.emplace(options.regularities.detection);
 }
 
 VioOutput BackStage::Process(const FrontPacket& packet) {
@@ -20,6 +21,7 @@ VioOutput BackStage::Process(const FrontPacket& packet) {
   if (out.was_reset) {
     mesh_.Reset();
     if (planes_) planes_->Reset();
+    if (projections_) projections_->Reset();
   }
   if (out.snapshot) {
     std::shared_ptr<MeshSnapshot> mesh;
@@ -27,7 +29,7 @@ VioOutput BackStage::Process(const FrontPacket& packet) {
       const ScopedStage stage(out.times, Stage::kMesh);
       mesh = mesh_.Process(packet.frontend.observations, packet.mesh, *out.snapshot);
     }
-    if (mesh && planes_) FindRegularities(out, *mesh);
+    if (mesh) FindRegularities(out, *mesh);
     out.mesh = std::move(mesh);
   }
   return out;
@@ -36,6 +38,8 @@ VioOutput BackStage::Process(const FrontPacket& packet) {
 // Planes go from the mesh to the estimator as data; they come into force with the next keyframe.
 void BackStage::FindRegularities(VioOutput& out, MeshSnapshot& mesh) {
   const ScopedStage stage(out.times, Stage::kRegularities);
+  if (projections_) estimator_.Assign(projections_->Process(mesh, *out.snapshot));
+  if (!planes_) return;
   estimator_.Assign(planes_->Process(mesh, *out.snapshot));
   mesh_.SetFacePlanes(planes_->face_planes());
   mesh.mesh.plane_ids = planes_->face_planes();

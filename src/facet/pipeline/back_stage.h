@@ -7,6 +7,7 @@
 #include "facet/pipeline/mesh_stage.h"
 #include "facet/pipeline/vio_output.h"
 #include "facet/regularities/plane_tracker.h"
+#include "facet/regularities/projection_landmarks.h"
 
 namespace facet {
 
@@ -34,7 +35,8 @@ class BackStage {
   Duration time_offset_;
   VioEstimator estimator_;
   MeshStage mesh_;
-  std::optional<PlaneTracker> planes_;  ///< empty in pipeline S
+  std::optional<PlaneTracker> planes_;              ///< pipeline SPR
+  std::optional<ProjectionLandmarks> projections_;  ///< pipeline SP
   std::optional<Feedback> feedback_;
 };
 

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "facet/geometry/plane_fit.h"
+#include "facet/regularities/surface_step.h"
 
 namespace facet {
 
@@ -19,7 +20,8 @@ constexpr double kFlatness_m = 0.005;  // of real surfaces, 1-sigma
 constexpr double kMinBand_m = 0.01;    // half thickness that every plane is granted
 constexpr double kMaxFaceAngle = 25 * kDegree;
 constexpr double kMaxTurn = 20 * kDegree;  // from the peak to the fit
-constexpr int kRounds = 3;
+constexpr int kMaxRounds = 8;
+constexpr int kMaxSplits = 2;
 constexpr double kCell_m = 0.3;  // pieces farther apart than a cell are not connected
 // Errors that all points of a view have in common: of the calibration and of the matching.
 constexpr double kCommonAngle = 0.2 * kDegree;
@@ -27,7 +29,8 @@ constexpr double kCommonOffset_m = 0.003;
 
 struct WeightedPlane {
   PlaneFit fit;
-  int num_points = 0;
+  std::vector<Vector3d> points;
+  std::vector<double> weights;
   double total_weight = 0;
   double expected_thickness_m = 0;
 };
@@ -41,19 +44,16 @@ WeightedPlane FitFaces(const SurfaceFaces& faces,
     corners.insert(corners.end(), faces.faces[f].corners.begin(), faces.faces[f].corners.end());
   std::sort(corners.begin(), corners.end());
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  std::vector<Vector3d> points;
-  std::vector<double> weights;
   WeightedPlane out;
   for (const int corner : corners) {
     const double sigma = faces.points[corner].SigmaAlong(n_W);
-    points.push_back(faces.points[corner].p_W);
-    weights.push_back(1 / (sigma * sigma + kFlatness_m * kFlatness_m));
-    out.total_weight += weights.back();
+    out.points.push_back(faces.points[corner].p_W);
+    out.weights.push_back(1 / (sigma * sigma + kFlatness_m * kFlatness_m));
+    out.total_weight += out.weights.back();
   }
-  out.num_points = static_cast<int>(points.size());
-  if (points.empty()) return out;
-  out.fit = FitPlane(points, weights);
-  out.expected_thickness_m = std::sqrt(static_cast<double>(points.size()) / out.total_weight);
+  if (out.points.empty()) return out;
+  out.fit = FitPlane(out.points, out.weights);
+  out.expected_thickness_m = std::sqrt(static_cast<double>(out.points.size()) / out.total_weight);
   if (out.fit.plane.n.dot(n_W) < 0) {
     out.fit.plane.n = -out.fit.plane.n;
     out.fit.plane.d = -out.fit.plane.d;
@@ -118,26 +118,25 @@ Matrix3d NormalCovariance(const WeightedPlane& plane, double inflation) {
          (inflation / (w * minor * minor) + common) * e_minor * e_minor.transpose();
 }
 
-std::optional<PlaneCandidate> MakeCandidate(const SurfaceFaces& faces,
-                                            std::vector<int> on_plane,
-                                            const Plane& start,
-                                            double min_area_m2,
-                                            const DetectionOptions& options) {
-  const double area = AreaOf(faces, on_plane);
-  if (area < min_area_m2) return std::nullopt;
-  const WeightedPlane plane = FitFaces(faces, on_plane, start.n);
+// Large, thin, wide and straight enough.
+bool IsAcceptable(const WeightedPlane& plane, const Plane& start, const DetectionOptions& options) {
   const double max_thickness = std::max(options.max_thickness_m, 1.5 * plane.expected_thickness_m);
-  if (plane.num_points < options.min_vertices || plane.fit.extent_minor_m < options.min_extent_m ||
-      plane.fit.thickness_m > max_thickness ||
-      plane.fit.plane.n.dot(start.n) < std::cos(kMaxTurn)) {
-    return std::nullopt;
-  }
+  return static_cast<int>(plane.points.size()) >= options.min_vertices &&
+         plane.fit.extent_minor_m >= options.min_extent_m &&
+         plane.fit.thickness_m <= max_thickness &&
+         plane.fit.plane.n.dot(start.n) >= std::cos(kMaxTurn);
+}
+
+PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
+                             std::vector<int> on_plane,
+                             const WeightedPlane& plane,
+                             const DetectionOptions& options) {
   const double ratio = plane.fit.thickness_m / plane.expected_thickness_m;
   const double inflation = std::max(1.0, ratio * ratio);
   PlaneCandidate candidate;
   candidate.plane_W = plane.fit.plane;
   candidate.centroid_W = plane.fit.centroid;
-  candidate.area_m2 = area;
+  candidate.area_m2 = AreaOf(faces, on_plane);
   candidate.thickness_m = plane.fit.thickness_m;
   candidate.normal_covariance = NormalCovariance(plane, inflation);
   candidate.offset_variance_m2 = inflation / plane.total_weight + kCommonOffset_m * kCommonOffset_m;
@@ -150,6 +149,89 @@ std::optional<PlaneCandidate> MakeCandidate(const SurfaceFaces& faces,
   candidate.faces = std::move(on_plane);
   return candidate;
 }
+
+std::vector<int> Without(const std::vector<int>& faces, const std::vector<int>& taken) {
+  std::vector<int> out;
+  std::set_difference(
+      faces.begin(), faces.end(), taken.begin(), taken.end(), std::back_inserter(out));
+  return out;
+}
+
+// All lists of faces are ascending.
+struct CandidateSearch {
+  const SurfaceFaces& faces;
+  double min_area_m2;
+  const DetectionOptions& options;
+
+  // A plane that bridges two surfaces, or lies across them, is taken apart, and each part finds its
+  // own faces.
+  void Run(const std::vector<int>& pool,
+           const Plane& start,
+           int num_splits,
+           std::vector<PlaneCandidate>& out) const {
+    Plane plane = start;
+    std::vector<int> on_plane;
+    for (int round = 0; round < kMaxRounds; ++round) {
+      std::vector<int> found = FacesOnPlane(faces, pool, plane, options.max_distance_m);
+      if (AreaOf(faces, found) < min_area_m2) return;
+      if (found == on_plane) break;
+      on_plane = std::move(found);
+      plane = FitFaces(faces, on_plane, plane.n).fit.plane;
+    }
+    const std::vector<std::vector<int>> pieces = ConnectedPieces(faces, on_plane, plane);
+    if (pieces.size() > 1 && num_splits > 0) {
+      RunParts(pieces, pool, start, num_splits - 1, out);
+      return;
+    }
+    for (const std::vector<int>& piece : pieces) {
+      if (AreaOf(faces, piece) < min_area_m2) continue;
+      const WeightedPlane fit = FitFaces(faces, piece, start.n);
+      const auto step = FindStep(fit.points, fit.weights, fit.fit);
+      if (!step) {
+        Accept(piece, fit, start, out);
+      } else if (num_splits > 0) {
+        RunParts(BothSides(piece, *step), pool, start, num_splits - 1, out);
+      } else {  // extending the sides led here again
+        for (const std::vector<int>& side : BothSides(piece, *step))
+          Accept(side, FitFaces(faces, side, start.n), start, out);
+      }
+    }
+  }
+
+  void Accept(const std::vector<int>& on_plane,
+              const WeightedPlane& fit,
+              const Plane& start,
+              std::vector<PlaneCandidate>& out) const {
+    if (static_cast<int>(on_plane.size()) >= options.min_faces &&
+        AreaOf(faces, on_plane) >= min_area_m2 && IsAcceptable(fit, start, options))
+      out.push_back(MakeCandidate(faces, on_plane, fit, options));
+  }
+
+  void RunParts(const std::vector<std::vector<int>>& parts,
+                std::vector<int> pool,
+                const Plane& start,
+                int num_splits,
+                std::vector<PlaneCandidate>& out) const {
+    const std::size_t num_before = out.size();
+    for (std::vector<int> part : parts) {
+      for (std::size_t k = num_before; k < out.size(); ++k)
+        part = Without(part, out[k].faces);
+      if (AreaOf(faces, part) < min_area_m2) continue;
+      const std::size_t first = out.size();
+      Run(pool, FitFaces(faces, part, start.n).fit.plane, num_splits, out);
+      for (std::size_t k = first; k < out.size(); ++k)
+        pool = Without(pool, out[k].faces);
+    }
+  }
+
+  std::vector<std::vector<int>> BothSides(const std::vector<int>& piece,
+                                          const SurfaceStep& step) const {
+    std::vector<std::vector<int>> sides(2);
+    for (const int f : piece)
+      sides[step.IsBeyond(faces.faces[f].centre_W) ? 1 : 0].push_back(f);
+    return sides;
+  }
+};
 
 }  // namespace
 
@@ -195,18 +277,9 @@ std::vector<PlaneCandidate> FitCandidates(const SurfaceFaces& faces,
                                           const Plane& start,
                                           double min_area_m2,
                                           const DetectionOptions& options) {
-  Plane plane = start;
-  std::vector<int> on_plane;
-  for (int round = 0; round < kRounds; ++round) {
-    on_plane = FacesOnPlane(faces, pool, plane, options.max_distance_m);
-    if (AreaOf(faces, on_plane) < min_area_m2) return {};
-    plane = FitFaces(faces, on_plane, plane.n).fit.plane;
-  }
+  const CandidateSearch search{faces, min_area_m2, options};
   std::vector<PlaneCandidate> out;
-  for (std::vector<int>& piece : ConnectedPieces(faces, on_plane, plane)) {
-    auto candidate = MakeCandidate(faces, std::move(piece), start, min_area_m2, options);
-    if (candidate) out.push_back(std::move(*candidate));
-  }
+  search.Run({pool.begin(), pool.end()}, start, kMaxSplits, out);
   return out;
 }
 

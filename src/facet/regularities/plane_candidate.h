@@ -20,7 +20,7 @@ struct PlaneCandidate {
   /// Covariance of the normal [rad^2, rank 2] and variance of n . centroid [m^2], camera given.
   Matrix3d normal_covariance = Matrix3d::Zero();
   double offset_variance_m2 = 0;
-  std::vector<int> faces;  ///< into SurfaceFaces::faces
+  std::vector<int> faces;  ///< into SurfaceFaces::faces, ascending
 };
 
 /// The faces of `pool` on the plane: all corners within three sigmas (at least 1 cm, at most
@@ -30,10 +30,10 @@ std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
                               const Plane& plane_W,
                               double max_distance_m);
 
-/// Fits a plane to the pool's faces near `start`, all three degrees of freedom, and judges it.
-/// Every connected piece large enough is a candidate of its own: two tables of the same height are
-/// two planes. Candidates that are too small, too thick or too narrow are left out, and so are
-/// those that turned away from `start`.
+/// Fits a plane to the pool's faces (ascending) near `start`, all three degrees of freedom, and
+/// judges it. Every connected piece large enough is a candidate of its own: two tables of the same
+/// height are two planes, and so are two surfaces that a step parts. Candidates that are too small,
+/// too thick or too narrow are left out, and so are those that turned away from `start`.
 std::vector<PlaneCandidate> FitCandidates(const SurfaceFaces& faces,
                                           std::span<const int> pool,
                                           const Plane& start,

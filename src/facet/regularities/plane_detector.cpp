@@ -82,18 +82,24 @@ void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandid
 void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
   const double max_z = std::sin(options_.max_lean_deg * kDegree);
   std::vector<char> votes(faces.faces.size(), 0);
+  const Vector3d origin = options_.world_origin ? Vector3d(Vector3d::Zero()) : faces.camera_W;
   double radius = 0;
   for (const int f : pool_) {
     const SurfaceFace& face = faces.faces[f];
     if (std::abs(face.n_W.z()) > max_z) continue;
     votes[f] = 1;
-    radius = std::max(radius, (face.centre_W - faces.camera_W).head<2>().norm());
+    radius = std::max(radius, (face.centre_W - origin).head<2>().norm());
   }
   if (radius == 0) return;
-  walls_.Reset(faces.camera_W, radius, options_.vote_sigma_m, options_.vote_sigma_deg * kDegree);
+  walls_.Reset(origin, radius, options_.vote_sigma_m, options_.vote_sigma_deg * kDegree);
   const auto vote = [&](int f, double sign) {
     const SurfaceFace& face = faces.faces[f];
-    walls_.Add(face.centre_W, face.n_W, sign * face.area_m2);
+    const double weight = sign * face.area_m2;
+    if (options_.world_origin) {
+      walls_.AddOwnDistance(face.centre_W, face.n_W, weight);
+    } else {
+      walls_.Add(face.centre_W, face.n_W, weight);
+    }
   };
   for (const int f : pool_) {
     if (votes[f] != 0) vote(f, 1);

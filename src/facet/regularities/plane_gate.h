@@ -8,6 +8,20 @@
 
 namespace facet {
 
+/// Variance of the distance between one plane and any points that are fixed to the camera: for many
+/// points at a small cost each.
+class DistanceUncertainty {
+ public:
+  DistanceUncertainty(const PlaneEstimate& plane, const SE3& T_WB);
+
+  /// Of a point that is now at p_W [m^2].
+  double VarianceAt(const Vector3d& p_W) const;
+
+ private:
+  Vector3d body_W_;
+  Matrix4d form_;  // the variance is a quadratic form of (p_W - body_W, 1)
+};
+
 /// Variance of the distance between the plane and a point that is fixed to the camera and now at
 /// p_W [m^2].
 double DistanceVariance(const PlaneEstimate& plane, const SE3& T_WB, const Vector3d& p_W);
@@ -15,5 +29,12 @@ double DistanceVariance(const PlaneEstimate& plane, const SE3& T_WB, const Vecto
 /// Squared Mahalanobis distance between a sighting and a plane: normal (2 degrees of freedom) and
 /// distance at the sighting's centroid. Infinite when the covariance is of no use.
 double ChiSquare(const PlaneCandidate& candidate, const PlaneEstimate& plane, const SE3& T_WB);
+
+/// The same between two planes, compared at the point p_W as the camera sees both; what they have
+/// in common besides the camera's pose is not known here, so that the distance is rather too small.
+double ChiSquare(const PlaneEstimate& a,
+                 const PlaneEstimate& b,
+                 const Vector3d& p_W,
+                 const SE3& T_WB);
 
 }  // namespace facet

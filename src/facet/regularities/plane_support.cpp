@@ -19,10 +19,17 @@ std::uint64_t Key(int x, int y) {
          static_cast<std::uint32_t>(y);
 }
 
-Vector2d MiddleOf(std::uint64_t key) {
+Vector2d MiddleOf(std::uint64_t key, double size_m) {
   const auto x = static_cast<std::int32_t>(key >> 32);
   const auto y = static_cast<std::int32_t>(key & 0xffffffffU);
-  return kCell_m * Vector2d(x + 0.5, y + 0.5);
+  return size_m * Vector2d(x + 0.5, y + 0.5);
+}
+
+// What is farther off than this has no cell: neither have coordinates that are not numbers.
+constexpr double kMaxReach_m = 1e5;
+
+bool HasCell(const Vector2d& xy) {
+  return xy.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < kMaxReach_m;
 }
 
 int CellOf(double m, double size_m) {
@@ -49,6 +56,7 @@ Vector3d PlaneSupport::ToWorld(const Vector2d& xy, const Plane& plane_W) const {
 
 void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
   Vector2d a = ToPlane(p_W[0]), b = ToPlane(p_W[1]), c = ToPlane(p_W[2]);
+  if (!HasCell(a) || !HasCell(b) || !HasCell(c)) return;
   if (Cross(a, b, c) < 0) std::swap(b, c);
   const Vector2d low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
   const Cell first = {CellOf(low.x(), kCell_m), CellOf(low.y(), kCell_m)};
@@ -58,15 +66,41 @@ void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
     for (int y = first[1]; y <= last[1]; ++y) {
       const Vector2d middle = kCell_m * Vector2d(x + 0.5, y + 0.5);
       if (Cross(a, b, middle) < 0 || Cross(b, c, middle) < 0 || Cross(c, a, middle) < 0) continue;
-      if (!cells_.insert(Key(x, y)).second) continue;
-      sum_ += middle;
-      coarse_.insert(Key(CellOf(middle.x(), kCoarse_m), CellOf(middle.y(), kCoarse_m)));
+      AddCell(x, y);
     }
   }
 }
 
+void PlaneSupport::AddCell(int x, int y) {
+  if (!cells_.insert(Key(x, y)).second) return;
+  const Vector2d middle = kCell_m * Vector2d(x + 0.5, y + 0.5);
+  sum_ += middle;
+  coarse_.insert(Key(CellOf(middle.x(), kCoarse_m), CellOf(middle.y(), kCoarse_m)));
+}
+
+// The cells of the other lie at an angle to these: a few stay empty.
+void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
+  for (const std::uint64_t cell : other.cells_) {
+    const Vector2d xy = ToPlane(other.ToWorld(MiddleOf(cell, kCell_m), plane_W));
+    AddCell(CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m));
+  }
+}
+
+bool PlaneSupport::IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const {
+  return std::any_of(other.coarse_.begin(), other.coarse_.end(), [&](std::uint64_t cell) {
+    for (const double dx : {-0.5, 0.5}) {
+      for (const double dy : {-0.5, 0.5}) {
+        const Vector2d corner = MiddleOf(cell, kCoarse_m) + kCoarse_m * Vector2d(dx, dy);
+        if (IsNear(other.ToWorld(corner, plane_W), radius_m)) return true;
+      }
+    }
+    return false;
+  });
+}
+
 bool PlaneSupport::IsNear(const Vector3d& p_W, double radius_m) const {
   const Vector2d xy = ToPlane(p_W);
+  if (!HasCell(xy)) return false;
   const int x = CellOf(xy.x(), kCoarse_m), y = CellOf(xy.y(), kCoarse_m);
   const int reach = std::max(1, static_cast<int>(std::lround(radius_m / kCoarse_m)));
   for (int dx = -reach; dx <= reach; ++dx) {
@@ -91,7 +125,8 @@ std::vector<Vector3d> PlaneSupport::Outline(const Plane& plane_W) const {
   std::vector<Vector2d> corners;
   for (const std::uint64_t cell : cells_) {
     for (int k = 0; k < 4; ++k)
-      corners.push_back(MiddleOf(cell) + 0.5 * kCell_m * Vector2d(k % 2 * 2 - 1, k / 2 * 2 - 1));
+      corners.push_back(MiddleOf(cell, kCell_m) +
+                        0.5 * kCell_m * Vector2d(k % 2 * 2 - 1, k / 2 * 2 - 1));
   }
   std::sort(corners.begin(), corners.end(), [](const Vector2d& a, const Vector2d& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();

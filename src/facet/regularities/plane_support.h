@@ -17,11 +17,18 @@ class PlaneSupport {
  public:
   PlaneSupport(const Plane& plane_W, const Vector3d& origin_W);
 
+  /// Triangles of more than 10 m, and those without finite corners, are left out.
   void AddTriangle(const std::array<Vector3d, 3>& p_W);
 
   /// Whether surface was seen within about `radius_m` (whole half metres) of the point's
   /// projection.
   bool IsNear(const Vector3d& p_W, double radius_m) const;
+
+  /// Whether surface of the other, which lies on `plane_W`, is within about `radius_m`.
+  bool IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const;
+
+  /// Adds the cells of the other, which lie on `plane_W`.
+  void Add(const PlaneSupport& other, const Plane& plane_W);
 
   double area_m2() const;
 
@@ -32,6 +39,7 @@ class PlaneSupport {
   std::vector<Vector3d> Outline(const Plane& plane_W) const;
 
  private:
+  void AddCell(int x, int y);
   Vector2d ToPlane(const Vector3d& p_W) const;
   Vector3d ToWorld(const Vector2d& xy, const Plane& plane_W) const;
 

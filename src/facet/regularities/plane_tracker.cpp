@@ -9,6 +9,7 @@
 #include "facet/geometry/plane_fit.h"
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
+#include "facet/regularities/plane_revision.h"
 
 namespace facet {
 
@@ -31,8 +32,12 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   PlaneAssignments out;
   now_ = mesh.t;
   FillSurfaceFaces(mesh, faces_);
-  IndexLandmarks(mesh, map);
+  landmark_of_point_ = LandmarksOfVertices(mesh, map);
   Refresh(map, out);
+  if (options_.tracking.revise) {
+    EndMisfits(map, planes_, out);
+    MergeSameSurfaces(map, planes_, out);
+  }
   ClaimFaces(map);
   std::vector<char> taken(plane_of_face_.size());
   std::transform(plane_of_face_.begin(), plane_of_face_.end(), taken.begin(), [](int plane) {
@@ -43,20 +48,9 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   Promote(map, out);
   JoinLandmarks(map, out);
   UpdateSupports();
+  Relate(out);
   SetFacePlanes();
   return out;
-}
-
-// Both lists are sorted by id.
-void PlaneTracker::IndexLandmarks(const MeshSnapshot& mesh, const MapSnapshot& map) {
-  landmark_of_point_.assign(mesh.vertex_ids.size(), -1);
-  std::size_t l = 0;
-  for (std::size_t i = 0; i < mesh.vertex_ids.size(); ++i) {
-    while (l < map.landmarks.size() && map.landmarks[l].id < mesh.vertex_ids[i])
-      ++l;
-    if (l == map.landmarks.size()) break;
-    if (map.landmarks[l].id == mesh.vertex_ids[i]) landmark_of_point_[i] = static_cast<int>(l);
-  }
 }
 
 // The estimator's values are the truth about its planes, and what it dropped is gone.
@@ -100,6 +94,7 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
     const KnownPlane& known = planes_[k];
     if (known.IsTentative() || ToSeconds(now_ - known.last_seen) > limits.active_s) continue;
     const Plane& plane = known.estimate.plane_W;
+    const DistanceUncertainty uncertainty(known.estimate, map.latest.T_WB);
     for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
       const SurfaceFace& face = faces_.faces[f];
       if (std::abs(plane.SignedDistance(face.centre_W)) > limits.max_gate_m ||
@@ -107,8 +102,7 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
           !known.support.IsNear(face.centre_W, kGrowth_m)) {
         continue;
       }
-      const double variance = DistanceVariance(known.estimate, map.latest.T_WB, face.centre_W) +
-                              kFlatness_m * kFlatness_m;
+      const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
       double worst = 0;
       for (const int corner : face.corners) {
         const SurfacePoint& point = faces_.points[corner];
@@ -253,7 +247,7 @@ void PlaneTracker::JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out) 
     i = end;
     KnownPlane& known = planes_[plane];
     const LandmarkEstimate& estimate = map.landmarks[landmark];
-    if (estimate.IsOn(known.id)) continue;
+    if (known.Has(estimate)) continue;
     if (count < 2 && 2 * count < faces_around[landmark]) continue;
     out.joined.push_back({estimate.id, known.id, 2 * known.recognised_at_m});
     ++known.num_landmarks;
@@ -271,6 +265,15 @@ void PlaneTracker::UpdateSupports() {
   }
 }
 
+void PlaneTracker::Relate(PlaneAssignments& out) {
+  std::vector<RelatedPlane> planes;
+  for (const KnownPlane& plane : planes_) {
+    if (!plane.IsTentative() && plane.handed_over < now_)
+      planes.push_back({&plane.estimate, plane.orientation, plane.support.area_m2()});
+  }
+  relations_.Update(planes, out.related);
+}
+
 void PlaneTracker::SetFacePlanes() {
   face_planes_.assign(faces_.faces.size(), -1);
   for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
@@ -285,6 +288,7 @@ void PlaneTracker::Reset() {
     if (!planes_[k].IsTentative()) gone_.push_back(MakeRecord(planes_[k]));
   }
   planes_.clear();
+  relations_.Clear();
 }
 
 PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {

@@ -4,14 +4,13 @@
 // the estimator as data, before its next keyframe.
 #pragma once
 
-#include <optional>
 #include <vector>
 
-#include "facet/map/map_snapshot.h"
 #include "facet/map/plane_assignments.h"
 #include "facet/map/plane_record.h"
+#include "facet/regularities/known_plane.h"
 #include "facet/regularities/plane_detector.h"
-#include "facet/regularities/plane_support.h"
+#include "facet/regularities/plane_relations.h"
 #include "facet/regularities/regularity_options.h"
 
 namespace facet {
@@ -20,7 +19,7 @@ namespace facet {
 class PlaneTracker {
  public:
   explicit PlaneTracker(const RegularityOptions& options)
-      : options_(options), detector_(options.detection) {}
+      : options_(options), detector_(options.detection), relations_(options.relations) {}
 
   /// After a keyframe: the mesh and what the estimator knows. Both must be of the same keyframe.
   PlaneAssignments Process(const MeshSnapshot& mesh, const MapSnapshot& map);
@@ -28,32 +27,14 @@ class PlaneTracker {
   /// The plane of each face of the last mesh, -1: none.
   const std::vector<int>& face_planes() const { return face_planes_; }
 
-  /// Every plane that was ever handed to the estimator, in the order of their ids.
+  /// Every plane that was ever handed to the estimator, in the order of their ids, but for those
+  /// that became part of another and those that turned out to be none.
   std::vector<PlaneRecord> Records() const;
 
   /// The estimator started over: its planes are gone.
   void Reset();
 
  private:
-  /// A plane that was seen; without an id it is tentative and the estimator does not know it.
-  struct KnownPlane {
-    PlaneId id;
-    PlaneEstimate estimate;
-    PlaneOrientation orientation = PlaneOrientation::kOblique;
-    PlaneSupport support;
-    int sightings = 0;
-    int num_landmarks = 0;
-    Timestamp first_seen, last_seen;
-    std::optional<Timestamp> handed_over;
-    double recognised_at_m = 0;  ///< how far off it was when it was recognised just now
-
-    KnownPlane(const PlaneCandidate& candidate, Timestamp t)
-        : support(candidate.plane_W, candidate.centroid_W), first_seen(t), last_seen(t) {}
-
-    bool IsTentative() const { return !id.IsValid(); }
-  };
-
-  void IndexLandmarks(const MeshSnapshot& mesh, const MapSnapshot& map);
   void Refresh(const MapSnapshot& map, PlaneAssignments& out);
   void ClaimFaces(const MapSnapshot& map);
   void Recognise(const MapSnapshot& map, const PlaneCandidate& candidate);
@@ -64,12 +45,14 @@ class PlaneTracker {
   bool HasEnoughLandmarks(int plane, const MapSnapshot& map) const;
   void JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out);
   void UpdateSupports();
+  void Relate(PlaneAssignments& out);
   void SetFacePlanes();
   void Forget(std::size_t plane);
   PlaneRecord MakeRecord(const KnownPlane& plane) const;
 
   RegularityOptions options_;
   PlaneDetector detector_;
+  PlaneRelations relations_;
   std::vector<KnownPlane> planes_;
   std::vector<PlaneRecord> gone_;  // planes that the estimator no longer has
   std::int64_t next_id_ = 0;

@@ -38,7 +38,7 @@ std::array<Bump, kPhases> MakeBumps() {
 // Adds a bump of the given height around `position`, in bins.
 void AddBump(double position, double weight, double* bins, int num_bins) {
   static const std::array<Bump, kPhases> kBumps = MakeBumps();
-  if (!(position > -kTaps && position < num_bins + kTaps)) return;
+  if (!(position > -kTaps && position < num_bins + kTaps) || !std::isfinite(weight)) return;
   const int fine = static_cast<int>(std::floor(position * kPhases + 0.5));
   const int whole = fine >= 0 ? fine / kPhases : -((kPhases - 1 - fine) / kPhases);
   const Bump& bump = kBumps[static_cast<std::size_t>(fine - whole * kPhases)];
@@ -106,7 +106,10 @@ void WallVotes::AddColumn(int column, double distance_m, double weight) {
           num_distances_);
 }
 
-void WallVotes::Add(const Vector3d& centre_W, const Vector3d& n_W, double weight) {
+// `distance` is asked for that of the vote in a column, whose direction it gets.
+template <class Distance>
+void WallVotes::AddBumps(const Vector3d& n_W, double weight, const Distance& distance) {
+  if (!n_W.allFinite()) return;
   const double azimuth = std::atan2(n_W.y(), n_W.x());
   const double reach = kReach * sigma_rad_;
   const int first = static_cast<int>(std::ceil((azimuth - reach) / kAzimuthStep));
@@ -116,9 +119,21 @@ void WallVotes::Add(const Vector3d& centre_W, const Vector3d& n_W, double weight
     // Azimuth and azimuth + pi are the same wall, its distance then has the other sign: the
     // column's own direction takes care of that.
     const int column = ((k % kAzimuths) + kAzimuths) % kAzimuths;
-    const double distance = directions_[column].dot(centre_W - origin_W_);
-    AddColumn(column, distance, weight * std::exp(-0.5 * x * x));
+    AddColumn(column, distance(directions_[column]), weight * std::exp(-0.5 * x * x));
   }
+}
+
+void WallVotes::Add(const Vector3d& centre_W, const Vector3d& n_W, double weight) {
+  AddBumps(
+      n_W, weight, [&](const Vector3d& direction) { return direction.dot(centre_W - origin_W_); });
+}
+
+void WallVotes::AddOwnDistance(const Vector3d& centre_W, const Vector3d& n_W, double weight) {
+  const Vector3d level = Vector3d(n_W.x(), n_W.y(), 0).normalized();
+  const double distance = level.dot(centre_W - origin_W_);
+  AddBumps(n_W, weight, [&](const Vector3d& direction) {
+    return direction.dot(level) < 0 ? -distance : distance;
+  });
 }
 
 std::optional<VotePeak> WallVotes::Highest() const {

@@ -24,7 +24,7 @@ class HeightVotes {
   /// from the middle are not counted.
   void Reset(double min_m, double max_m, double sigma_m);
 
-  /// `weight` is negative to take a vote back.
+  /// `weight` is negative to take a vote back. What is not finite is left out.
   void Add(double height_m, double weight);
 
   std::optional<VotePeak> Highest() const;
@@ -46,14 +46,21 @@ class WallVotes {
   /// Distances count from `origin_W`, up to `radius_m` on both sides (at most 100 m).
   void Reset(const Vector3d& origin_W, double radius_m, double sigma_m, double sigma_rad);
 
-  /// A face with the given centre and normal; `weight` is negative to take a vote back.
+  /// A face with the given centre and normal; `weight` is negative to take a vote back. What is not
+  /// finite is left out.
   void Add(const Vector3d& centre_W, const Vector3d& n_W, double weight);
+
+  /// The same with the distance of the face's own plane under every azimuth: the error of its
+  /// normal times the distance from the origin moves the vote.
+  void AddOwnDistance(const Vector3d& centre_W, const Vector3d& n_W, double weight);
 
   std::optional<VotePeak> Highest() const;
 
   void Erase(const Plane& plane_W);
 
  private:
+  template <class Distance>
+  void AddBumps(const Vector3d& n_W, double weight, const Distance& distance);
   void AddColumn(int column, double distance_m, double weight);
 
   Vector3d origin_W_ = Vector3d::Zero();

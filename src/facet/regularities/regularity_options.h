@@ -24,8 +24,13 @@ struct DetectionOptions {
   double max_distance_m = 0.05;
   /// Least number of vertices on a plane.
   int min_vertices = 10;
+  /// Least number of faces of a plane (the paper: 20).
+  int min_faces = 0;
   /// RMS distance of a plane's points above which it is none, or 1.5 times what is expected [m].
   double max_thickness_m = 0.02;
+  /// Walls are voted for as in the paper: each face with the distance of its own plane from the
+  /// world's origin. Far from there, faces of one wall miss each other.
+  bool world_origin = false;
   /// Planes at any angle, by growing regions.
   bool oblique = true;
   double oblique_min_area_m2 = 0.4;
@@ -45,7 +50,9 @@ struct DetectionOptions {
     v.Field("min_extent_m", min_extent_m, Range{1e-3, 10}, "least spread across [m]");
     v.Field("max_distance_m", max_distance_m, Range{1e-3, 10}, "points farther off are not on it");
     v.Field("min_vertices", min_vertices, Range{3, 1000}, "least number of vertices on a plane");
+    v.Field("min_faces", min_faces, Range{0, 1000}, "least number of faces on a plane");
     v.Field("max_thickness_m", max_thickness_m, Range{1e-4, 1}, "RMS distance of its points [m]");
+    v.Field("world_origin", world_origin, Range{}, "walls by their distance from the origin");
     v.Field("oblique", oblique, Range{}, "also planes that are neither level nor upright");
     v.Field("oblique_min_area_m2",
             oblique_min_area_m2,
@@ -74,6 +81,8 @@ struct PlaneTrackingOptions {
   double max_gap_m = 2.5;
   /// Planes nearer than this and within 5 deg of a known one are the same, or not new yet [m].
   double min_separation_m = 0.05;
+  /// Planes that turn out to be one surface are merged, and those that are none end.
+  bool revise = true;
   /// A plane leaves the estimator this long after it came in [s]; 0: it stays (the paper: 6).
   double max_age_s = 0;
 
@@ -95,18 +104,47 @@ struct PlaneTrackingOptions {
             min_separation_m,
             Range{0, 10},
             "nearer to a known plane a new one must wait [m]");
+    v.Field("revise", revise, Range{}, "planes are merged, and end when their landmarks misfit");
     v.Field("max_age_s", max_age_s, Range{0, 1e6}, "a plane leaves after this; 0: it stays [s]");
+  }
+};
+
+/// What planes have in common (plane_relations.h).
+struct PlaneRelationOptions {
+  bool enabled = true;
+  /// Walls are upright and floors level.
+  bool gravity = true;
+  /// Walls are parallel or at right angles.
+  bool headings = true;
+  /// Angle off which planes are not related, and from which a wall has a heading of its own [deg].
+  double max_angle_deg = 3, new_heading_deg = 8;
+  /// Keyframes in a row in which a relation must have held.
+  int min_keyframes = 5;
+  /// Smaller walls are not related to others [m^2].
+  double min_area_m2 = 1;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "relate planes to each other and to gravity");
+    v.Field("gravity", gravity, Range{}, "walls are upright, floors level");
+    v.Field("headings", headings, Range{}, "walls are parallel or at right angles");
+    v.Field("max_angle_deg", max_angle_deg, Range{0, 20}, "angle off which planes are not related");
+    v.Field("new_heading_deg", new_heading_deg, Range{0, 45}, "a wall has its own heading [deg]");
+    v.Field("min_keyframes", min_keyframes, Range{1, 1000}, "keyframes in which it must hold");
+    v.Field("min_area_m2", min_area_m2, Range{0, 1e3}, "smaller walls are not related [m^2]");
   }
 };
 
 struct RegularityOptions {
   DetectionOptions detection;
   PlaneTrackingOptions tracking;
+  PlaneRelationOptions relations;
 
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Group("detection", detection);
     v.Group("tracking", tracking);
+    v.Group("relations", relations);
   }
 };
 

@@ -8,20 +8,37 @@ namespace {
 constexpr double kSigmaDirection = 1.5e-3;
 }  // namespace
 
+SurfacePoint MakeSurfacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W) {
+  SurfacePoint point;
+  point.p_W = p_W;
+  const Vector3d ray = p_W - camera_W;
+  const double distance = ray.norm();
+  if (distance > 1e-6) point.ray_W = ray / distance;
+  point.sigma_along_m = sigma_depth_m;
+  point.sigma_across_m = kSigmaDirection * distance;
+  return point;
+}
+
+// Both lists are sorted by id.
+std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot& map) {
+  std::vector<int> out(mesh.vertex_ids.size(), -1);
+  std::size_t l = 0;
+  for (std::size_t i = 0; i < mesh.vertex_ids.size(); ++i) {
+    while (l < map.landmarks.size() && map.landmarks[l].id < mesh.vertex_ids[i])
+      ++l;
+    if (l == map.landmarks.size()) break;
+    if (map.landmarks[l].id == mesh.vertex_ids[i]) out[i] = static_cast<int>(l);
+  }
+  return out;
+}
+
 void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
   const TriangleMesh& source = mesh.mesh;
   out.camera_W = mesh.T_WC.p;
   out.points.clear();
   out.faces.clear();
   for (std::size_t i = 0; i < source.vertices.size(); ++i) {
-    SurfacePoint point;
-    point.p_W = source.vertices[i];
-    const Vector3d ray = point.p_W - out.camera_W;
-    const double distance = ray.norm();
-    if (distance > 1e-6) point.ray_W = ray / distance;
-    point.sigma_along_m = mesh.sigma_depth_m[i];
-    point.sigma_across_m = kSigmaDirection * distance;
-    out.points.push_back(point);
+    out.points.push_back(MakeSurfacePoint(source.vertices[i], mesh.sigma_depth_m[i], out.camera_W));
   }
   for (std::size_t f = 0; f < source.faces.size(); ++f) {
     SurfaceFace face;
@@ -32,9 +49,12 @@ void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
     const Vector3d n = (b - a).cross(c - a);
     const double norm = n.norm();
     face.centre_W = (a + b + c) / 3;
-    face.area_m2 = 0.5 * norm;
-    if (norm > 1e-12) face.n_W = n / norm;
-    face.may_vote = mesh.may_vote[f] != 0 && norm > 1e-12;
+    const bool has_area = norm > 1e-12 && std::isfinite(norm);
+    if (has_area) {
+      face.area_m2 = 0.5 * norm;
+      face.n_W = n / norm;
+    }
+    face.may_vote = mesh.may_vote[f] != 0 && has_area;
     face.in_view = mesh.in_view[f] != 0;
     out.faces.push_back(face);
   }

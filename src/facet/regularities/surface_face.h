@@ -24,11 +24,13 @@ struct SurfacePoint {
   }
 };
 
+SurfacePoint MakeSurfacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W);
+
 struct SurfaceFace {
   std::array<int, 3> corners{};  ///< into SurfaceFaces::points
   Vector3d centre_W = Vector3d::Zero();
   Vector3d n_W = Vector3d::UnitZ();  ///< unit, towards the camera that saw it
-  double area_m2 = 0;
+  double area_m2 = 0;                ///< 0 if a corner is not finite
   bool may_vote = false;
   bool in_view = false;  ///< seen by the newest keyframe
 };
@@ -39,6 +41,9 @@ struct SurfaceFaces {
   std::vector<SurfaceFace> faces;
   Vector3d camera_W = Vector3d::Zero();
 };
+
+/// For each vertex its place in `map.landmarks`, -1: a support point, or forgotten.
+std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot& map);
 
 /// `faces` is filled anew; it keeps its storage.
 void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& faces);

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Second thoughts about planes that the estimator already has: two that are one surface, and one
+// that is none.
+#pragma once
+
+#include <vector>
+
+#include "facet/map/plane_assignments.h"
+#include "facet/regularities/known_plane.h"
+
+namespace facet {
+
+/// Whether both planes are known well and agree: normals within 1.5 deg, distances at the middle of
+/// each other's surface within 2 cm, all of it within three sigmas of what the camera's pose and
+/// the planes leave open.
+bool AreCoplanar(const KnownPlane& a, const KnownPlane& b, const SE3& T_WB);
+
+/// Of each two coplanar planes whose surfaces are less than about half a metre apart, the younger
+/// one ends; its landmarks and its surface go to the older one.
+void MergeSameSurfaces(const MapSnapshot& map,
+                       std::vector<KnownPlane>& planes,
+                       PlaneAssignments& out);
+
+/// Ends planes whose landmarks did not fit in three keyframes in a row: their RMS distance from the
+/// plane was more than twice what is expected. What they were is for the detection to find anew.
+void EndMisfits(const MapSnapshot& map, std::vector<KnownPlane>& planes, PlaneAssignments& out);
+
+}  // namespace facet

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_revision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "facet/base/random.h"
+
+namespace facet {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// 2 x 2 m of surface on a plane x = ..., around the given middle.
+KnownPlane MakeKnown(int id, const Vector3d& middle_W, const Vector3d& n_W = Vector3d::UnitX()) {
+  PlaneCandidate candidate;
+  candidate.plane_W = {n_W.normalized(), n_W.normalized().dot(middle_W)};
+  candidate.centroid_W = middle_W;
+  KnownPlane known(candidate, Timestamp{0} + FromSeconds(id));
+  known.id = PlaneId{id};
+  known.estimate.id = known.id;
+  known.estimate.plane_W = candidate.plane_W;
+  known.estimate.anchor_W = middle_W;
+  known.estimate.is_settled = true;
+  const Matrix<3, 2> B = TangentBasis(candidate.plane_W.n);
+  known.estimate.covariance.diagonal().setConstant(1e-8);
+  known.estimate.covariance.block<3, 3>(6, 6) = std::pow(0.5 * kDegree, 2) * B * B.transpose();
+  known.estimate.covariance(9, 9) = 0.01 * 0.01;
+  const Vector3d a = B.col(0), b = B.col(1);
+  known.support.AddTriangle({middle_W - a - b, middle_W + a - b, middle_W + a + b});
+  known.support.AddTriangle({middle_W - a + b, middle_W - a - b, middle_W + a + b});
+  return known;
+}
+
+MapSnapshot MapWith(PlaneId plane, const std::vector<Vector3d>& points_W) {
+  MapSnapshot map;
+  for (const Vector3d& p : points_W) {
+    LandmarkEstimate landmark;
+    landmark.id = LandmarkId{static_cast<int>(map.landmarks.size())};
+    landmark.p_W = p;
+    landmark.sigma_depth_m = 0.02;
+    landmark.planes[0] = plane;
+    map.landmarks.push_back(landmark);
+  }
+  return map;
+}
+
+TEST(PlaneRevisionTest, TwoPartsOfAWallBecomeTheOlder) {
+  for (const bool is_older_first : {true, false}) {
+    std::vector<KnownPlane> planes = {MakeKnown(3, {3, 0, 1}), MakeKnown(8, {3.01, 2.3, 1})};
+    if (!is_older_first) std::swap(planes[0], planes[1]);
+    planes[0].num_landmarks = 20;
+    planes[1].num_landmarks = 30;
+    const MapSnapshot map = MapWith(PlaneId{8}, {{3, 2, 1}, {3, 2.5, 1}});
+    PlaneAssignments out;
+    MergeSameSurfaces(map, planes, out);
+    ASSERT_EQ(planes.size(), 1u);
+    EXPECT_EQ(planes[0].id, PlaneId{3});
+    EXPECT_EQ(planes[0].num_landmarks, 50);
+    EXPECT_EQ(planes[0].first_seen, Timestamp{0} + FromSeconds(3));
+    EXPECT_EQ(planes[0].last_seen, Timestamp{0} + FromSeconds(8));
+    EXPECT_NEAR(planes[0].support.area_m2(), 8, 0.5);
+    EXPECT_LT(
+        (planes[0].support.Centroid(planes[0].estimate.plane_W) - Vector3d(3, 1.15, 1)).norm(),
+        0.1);
+    EXPECT_EQ(out.ended, std::vector{PlaneId{8}});
+    ASSERT_EQ(out.joined.size(), 2u);
+    EXPECT_EQ(out.joined[0].plane, PlaneId{3});
+    EXPECT_TRUE(planes[0].Has(map.landmarks[0]));
+  }
+}
+
+TEST(PlaneRevisionTest, TheOppositeNormalIsTheSameSurface) {
+  std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1}),
+                                    MakeKnown(1, {3, 1, 1}, -Vector3d::UnitX())};
+  PlaneAssignments out;
+  MergeSameSurfaces({}, planes, out);
+  EXPECT_EQ(planes.size(), 1u);
+}
+
+TEST(PlaneRevisionTest, ThreePartsBecomeOne) {
+  std::vector<KnownPlane> planes = {
+      MakeKnown(0, {3, 0, 1}), MakeKnown(1, {3, 4.4, 1}), MakeKnown(2, {3, 2.2, 1})};
+  const MapSnapshot map = MapWith(PlaneId{1}, {{3, 4, 1}});
+  PlaneAssignments out;
+  for (int k = 0; k < 2; ++k)
+    MergeSameSurfaces(map, planes, out);
+  ASSERT_EQ(planes.size(), 1u);
+  EXPECT_EQ(out.ended.size(), 2u);
+  EXPECT_EQ(planes[0].id, PlaneId{0});
+}
+
+TEST(PlaneRevisionTest, DifferentSurfacesStayDifferent) {
+  const Vector3d tilted(1, std::tan(3 * kDegree), 0);
+  const std::vector<std::pair<Vector3d, Vector3d>> others = {
+      {{3.1, 2.2, 1}, Vector3d::UnitX()},  // 10 cm behind
+      {{3.1, 0, 1}, Vector3d::UnitX()},    // 10 cm behind, and hidden by it
+      {{3.03, 2.2, 1}, Vector3d::UnitX()},
+      {{3, 3.5, 1}, Vector3d::UnitX()},  // 1.5 m beside
+      {{3, 2.2, 1}, tilted}};
+  for (const auto& [middle, n] : others) {
+    std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1}), MakeKnown(1, middle, n)};
+    PlaneAssignments out;
+    MergeSameSurfaces({}, planes, out);
+    EXPECT_EQ(planes.size(), 2u) << middle.transpose();
+    EXPECT_TRUE(out.IsEmpty());
+  }
+}
+
+TEST(PlaneRevisionTest, PlanesThatAreHardlyKnownOrTooWellKnownAreNotMerged) {
+  std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1}), MakeKnown(1, {3, 2.2, 1})};
+  PlaneAssignments out;
+  planes[1].estimate.is_settled = false;
+  MergeSameSurfaces({}, planes, out);
+  EXPECT_EQ(planes.size(), 2u);
+  // 1.5 cm apart, both known to a millimetre.
+  planes[1] = MakeKnown(1, {3.015, 2.2, 1});
+  for (KnownPlane& plane : planes)
+    plane.estimate.covariance *= 0.01;
+  MergeSameSurfaces({}, planes, out);
+  EXPECT_EQ(planes.size(), 2u);
+  planes[1] = MakeKnown(1, {3, 2.2, 1});
+  planes[1].id = PlaneId();
+  MergeSameSurfaces({}, planes, out);
+  EXPECT_EQ(planes.size(), 2u);
+}
+
+std::vector<Vector3d> PointsBeside(double step_m, double sigma_m) {
+  Rng rng(1);
+  std::vector<Vector3d> points;
+  for (int i = 0; i < 40; ++i) {
+    const double y = rng.Uniform(-1, 1);
+    points.emplace_back(
+        3 + (y > 0 ? 0.5 : -0.5) * step_m + sigma_m * rng.Normal(), y, rng.Uniform(0, 2));
+  }
+  return points;
+}
+
+TEST(PlaneRevisionTest, APlaneBetweenTwoSurfacesEndsAfterThreeKeyframes) {
+  std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1})};
+  const MapSnapshot map = MapWith(PlaneId{0}, PointsBeside(0.1, 0.01));
+  PlaneAssignments out;
+  EndMisfits(map, planes, out);
+  EndMisfits(map, planes, out);
+  EXPECT_TRUE(out.IsEmpty());
+  EndMisfits(map, planes, out);
+  EXPECT_EQ(out.ended, std::vector{PlaneId{0}});
+  EXPECT_TRUE(planes.empty());
+}
+
+TEST(PlaneRevisionTest, NoiseAsExpectedAndPassingTroubleEndNoPlane) {
+  std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1})};
+  const MapSnapshot good = MapWith(PlaneId{0}, PointsBeside(0, 0.022));
+  const MapSnapshot bad = MapWith(PlaneId{0}, PointsBeside(0.1, 0.01));
+  PlaneAssignments out;
+  for (int k = 0; k < 10; ++k) {
+    EndMisfits(bad, planes, out);
+    EndMisfits(bad, planes, out);
+    EndMisfits(good, planes, out);
+  }
+  // Two points are no evidence.
+  const MapSnapshot few = MapWith(PlaneId{0}, {{3.2, 0, 1}, {2.8, 1, 1}});
+  for (int k = 0; k < 10; ++k)
+    EndMisfits(few, planes, out);
+  EXPECT_EQ(planes.size(), 1u);
+  EXPECT_TRUE(out.IsEmpty());
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_support.h"
+
+#include <gtest/gtest.h>
+
+#include "facet/base/random.h"
+
+namespace facet {
+namespace {
+
+// A rectangle as two triangles, somewhere on a tilted plane.
+struct Rectangle {
+  Plane plane_W;
+  Vector3d centre_W;
+  Vector3d half_a_W, half_b_W;
+
+  Rectangle(const Vector3d& n, double size_a_m, double size_b_m) {
+    plane_W = {n.normalized(), 4.0};
+    centre_W = 4.0 * plane_W.n;
+    const Matrix<3, 2> B = TangentBasis(plane_W.n);
+    half_a_W = 0.5 * size_a_m * (0.8 * B.col(0) + 0.6 * B.col(1));
+    half_b_W = 0.5 * size_b_m * (-0.6 * B.col(0) + 0.8 * B.col(1));
+  }
+  Vector3d At(double a, double b) const { return centre_W + a * half_a_W + b * half_b_W; }
+  void AddTo(PlaneSupport& support) const {
+    support.AddTriangle({At(-1, -1), At(1, -1), At(1, 1)});
+    support.AddTriangle({At(-1, 1), At(-1, -1), At(1, 1)});
+  }
+};
+
+TEST(PlaneSupportTest, AreaIsThatOfTheRectangle) {
+  for (const Vector3d& n : {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(1, -2, 0.7)}) {
+    const Rectangle rectangle(n, 3, 2);
+    PlaneSupport support(rectangle.plane_W, rectangle.centre_W);
+    EXPECT_EQ(support.area_m2(), 0);
+    rectangle.AddTo(support);
+    EXPECT_NEAR(support.area_m2(), 6, 0.2);
+    // Seen again, it is not more.
+    rectangle.AddTo(support);
+    EXPECT_NEAR(support.area_m2(), 6, 0.2);
+    EXPECT_LT((support.Centroid(rectangle.plane_W) - rectangle.centre_W).norm(), 0.03);
+  }
+}
+
+TEST(PlaneSupportTest, SmallFacesAddUp) {
+  const Rectangle whole(Vector3d(0.2, 1, 0), 2, 2);
+  PlaneSupport support(whole.plane_W, whole.centre_W);
+  for (int i = 0; i < 20; ++i) {
+    for (int j = 0; j < 20; ++j) {
+      const double a = -1 + 0.1 * i, b = -1 + 0.1 * j;
+      support.AddTriangle({whole.At(a, b), whole.At(a + 0.1, b), whole.At(a + 0.1, b + 0.1)});
+      support.AddTriangle({whole.At(a, b), whole.At(a + 0.1, b + 0.1), whole.At(a, b + 0.1)});
+    }
+  }
+  EXPECT_NEAR(support.area_m2(), 4, 0.15);
+}
+
+TEST(PlaneSupportTest, IsNearKnowsHoles) {
+  const Rectangle rectangle(Vector3d(0, 0, 1), 2, 2);
+  PlaneSupport support(rectangle.plane_W, rectangle.centre_W);
+  EXPECT_FALSE(support.IsNear(rectangle.centre_W, 2));
+  rectangle.AddTo(support);
+  EXPECT_TRUE(support.IsNear(rectangle.centre_W, 0.5));
+  // The distance from the plane does not count.
+  EXPECT_TRUE(support.IsNear(rectangle.centre_W + 9 * rectangle.plane_W.n, 0.5));
+  EXPECT_TRUE(support.IsNear(rectangle.At(1.3, 0), 0.5));
+  EXPECT_FALSE(support.IsNear(rectangle.At(3.2, 0), 0.5));
+  EXPECT_TRUE(support.IsNear(rectangle.At(3.2, 0), 2.5));
+  EXPECT_FALSE(support.IsNear(rectangle.At(6, 0), 2.5));
+}
+
+TEST(PlaneSupportTest, OutlineEnclosesTheSurfaceCounterClockwise) {
+  Rng rng(1);
+  for (int run = 0; run < 20; ++run) {
+    const Rectangle rectangle(rng.UnitVector(), 3, 1.5);
+    PlaneSupport support(rectangle.plane_W, rectangle.centre_W);
+    rectangle.AddTo(support);
+    for (const double sign : {1.0, -1.0}) {
+      const Plane plane{sign * rectangle.plane_W.n, sign * rectangle.plane_W.d};
+      const std::vector<Vector3d> outline = support.Outline(plane);
+      ASSERT_GE(outline.size(), 4u);
+      double area = 0;
+      for (std::size_t k = 0; k < outline.size(); ++k) {
+        const Vector3d& a = outline[k];
+        const Vector3d& b = outline[(k + 1) % outline.size()];
+        EXPECT_NEAR(plane.SignedDistance(a), 0, 1e-9);
+        area += 0.5 * plane.n.dot((a - rectangle.centre_W).cross(b - rectangle.centre_W));
+        for (const double s : {-0.95, 0.95}) {
+          for (const double t : {-0.9, 0.9}) {
+            const Vector3d inside = rectangle.At(s, t);
+            EXPECT_GT(plane.n.dot((b - a).cross(inside - a)), 0);
+          }
+        }
+      }
+      EXPECT_NEAR(area, 4.5, 0.7);
+    }
+  }
+}
+
+TEST(PlaneSupportTest, FollowsTheEstimateWithoutMovingItsCells) {
+  const Rectangle rectangle(Vector3d(0, 0, 1), 2, 2);
+  PlaneSupport support(rectangle.plane_W, rectangle.centre_W);
+  rectangle.AddTo(support);
+  const Plane moved{Vector3d(0.01, 0, 1).normalized(), 4.03};
+  EXPECT_NEAR(moved.SignedDistance(support.Centroid(moved)), 0, 1e-12);
+  for (const Vector3d& corner : support.Outline(moved))
+    EXPECT_NEAR(moved.SignedDistance(corner), 0, 1e-12);
+}
+
+TEST(PlaneSupportTest, HugeAndUndefinedTrianglesAreLeftOut) {
+  PlaneSupport support({Vector3d::UnitZ(), 0}, Vector3d::Zero());
+  support.AddTriangle({Vector3d::Zero(), Vector3d(1e6, 0, 0), Vector3d(0, 1e6, 0)});
+  support.AddTriangle({Vector3d::Zero(), Vector3d(1e300, 0, 0), Vector3d(0, 1, 0)});
+  support.AddTriangle(
+      {Vector3d::Zero(), Vector3d::Constant(std::nan("")), Vector3d::Constant(std::nan(""))});
+  EXPECT_EQ(support.area_m2(), 0);
+  EXPECT_FALSE(support.IsNear(Vector3d(1e300, 0, 0), 1));
+  EXPECT_FALSE(support.IsNear(Vector3d::Constant(std::nan("")), 1));
+  EXPECT_TRUE(support.Outline({Vector3d::UnitZ(), 0}).empty());
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "facet/regularities/test_scene.h"
+
+namespace facet {
+namespace {
+
+using testing::BelievingEstimator;
+using testing::MakeFloor;
+using testing::MakeMesh;
+using testing::MakeWall;
+using testing::Patch;
+using testing::TestView;
+
+constexpr double kKeyframe_s = 0.2;
+
+/// Runs keyframes through a tracker and an estimator that believes it.
+class PlaneTrackerTest : public ::testing::Test {
+ protected:
+  PlaneTrackerTest() { floor_.first_id = 50000; }
+
+  /// One keyframe that sees the patches.
+  PlaneAssignments Step(const std::vector<Patch>& patches) {
+    view_.time_s += kKeyframe_s;
+    ++view_.seed;
+    mesh_ = MakeMesh(patches, view_);
+    const PlaneAssignments found = tracker_.Process(mesh_, estimator_.Snapshot(mesh_));
+    estimator_.Apply(found);
+    num_created_ += static_cast<int>(found.created.size());
+    return found;
+  }
+  void Run(const std::vector<Patch>& patches, int num_keyframes) {
+    for (int k = 0; k < num_keyframes; ++k)
+      Step(patches);
+  }
+  void UseOptions(const RegularityOptions& options) { tracker_ = PlaneTracker(options); }
+  int NumMembers(PlaneId plane) const {
+    int count = 0;
+    for (const auto& [landmark, planes] : estimator_.memberships)
+      count += static_cast<int>(std::count(planes.begin(), planes.end(), plane));
+    return count;
+  }
+
+  TestView view_{{0, 0, 1.4}, 0.01, 1, 0, 1};
+  MeshSnapshot mesh_;
+  BelievingEstimator estimator_;
+  PlaneTracker tracker_{RegularityOptions()};
+  int num_created_ = 0;
+  const Patch wall_ = MakeWall({3, 0, 1.4}, 0, 3, 2);
+  Patch floor_ = MakeFloor({2, 0, 0}, 2, 3);
+};
+
+TEST_F(PlaneTrackerTest, APlaneIsHandedOverAfterEnoughSightings) {
+  const int needed = PlaneTrackingOptions().min_sightings;
+  for (int k = 1; k < needed; ++k) {
+    EXPECT_TRUE(Step({wall_}).IsEmpty());
+    EXPECT_TRUE(tracker_.Records().empty());
+  }
+  const PlaneAssignments found = Step({wall_});
+  ASSERT_EQ(found.created.size(), 1u);
+  EXPECT_EQ(found.created[0].id, PlaneId{0});
+  EXPECT_GT(std::abs(found.created[0].plane_W.n.x()), 0.9995);
+  EXPECT_NEAR(found.created[0].plane_W.SignedDistance(wall_.centre_W), 0, 0.02);
+  EXPECT_LT((found.created[0].centroid_W - wall_.centre_W).norm(), 0.4);
+  // All its landmarks come with it, and none twice.
+  EXPECT_GT(found.joined.size(), 0.9 * static_cast<double>(mesh_.vertex_ids.size()));
+  std::set<LandmarkId> landmarks;
+  for (const PlaneJoin& join : found.joined) {
+    EXPECT_EQ(join.plane, PlaneId{0});
+    EXPECT_TRUE(landmarks.insert(join.landmark).second);
+  }
+}
+
+TEST_F(PlaneTrackerTest, TheSamePlaneIsNeverHandedOverTwice) {
+  Run({wall_, floor_}, 30);
+  EXPECT_EQ(num_created_, 2);
+  ASSERT_EQ(tracker_.Records().size(), 2u);
+  EXPECT_EQ(estimator_.planes.size(), 2u);
+}
+
+TEST_F(PlaneTrackerTest, FacesKnowTheirPlane) {
+  Run({wall_, floor_}, 5);
+  const std::vector<int>& planes = tracker_.face_planes();
+  ASSERT_EQ(planes.size(), mesh_.mesh.faces.size());
+  int on_wall = 0, on_floor = 0;
+  for (std::size_t f = 0; f < planes.size(); ++f) {
+    if (planes[f] < 0) continue;
+    const Plane& plane = estimator_.planes.at(PlaneId{planes[f]});
+    const Vector3d& corner = mesh_.mesh.vertices[mesh_.mesh.faces[f][0]];
+    EXPECT_NEAR(plane.SignedDistance(corner), 0, 0.08);
+    (std::abs(plane.n.z()) > 0.5 ? on_floor : on_wall) += 1;
+  }
+  EXPECT_GT(on_wall + on_floor, 0.8 * static_cast<double>(planes.size()));
+  EXPECT_GT(std::min(on_wall, on_floor), 50);
+}
+
+TEST_F(PlaneTrackerTest, RecordsTellWhatWasSeen) {
+  Run({wall_, floor_}, 10);
+  const std::vector<PlaneRecord> records = tracker_.Records();
+  ASSERT_EQ(records.size(), 2u);
+  for (const PlaneRecord& record : records) {
+    const bool is_wall = record.orientation == PlaneOrientation::kVertical;
+    EXPECT_EQ(record.label, is_wall ? PlaneLabel::kWall : PlaneLabel::kFloor);
+    EXPECT_NEAR(record.area_m2, 6, 0.8);
+    EXPECT_LT((record.centroid_W - (is_wall ? wall_ : floor_).centre_W).norm(), 0.1);
+    EXPECT_EQ(record.num_landmarks, NumMembers(record.id));
+    EXPECT_NEAR(ToSeconds(record.first_seen - Timestamp{0}), kKeyframe_s, 1e-9);
+    EXPECT_EQ(record.last_seen, mesh_.t);
+    EXPECT_GE(record.outline_W.size(), 4u);
+    EXPECT_NEAR(record.sigma_normal_rad, estimator_.sigma_normal, 1e-9);
+    EXPECT_GT(record.sigma_d_m, estimator_.sigma_offset_m);
+  }
+}
+
+TEST_F(PlaneTrackerTest, AWallSeenPieceByPieceIsOnePlane) {
+  // 10 m of wall pass by; every view shows 3 m of it and has landmarks of its own.
+  for (double y = 0; y <= 7; y += 0.25) {
+    view_.camera_W = {0, y, 1.4};
+    Step({MakeWall({3, y, 1.4}, 0, 3, 2)});
+  }
+  EXPECT_EQ(num_created_, 1);
+  ASSERT_EQ(tracker_.Records().size(), 1u);
+  EXPECT_NEAR(tracker_.Records()[0].area_m2, 20, 2);
+}
+
+TEST_F(PlaneTrackerTest, AWallSeenFromBothEndsIsOnePlane) {
+  Run({MakeWall({3, 0, 1.4}, 0, 3, 2)}, 5);
+  view_.camera_W = {1, 3, 1.4};
+  Run({MakeWall({3, 2.5, 1.4}, 0, 3, 2)}, 5);
+  view_.camera_W = {2, -2, 0.8};
+  Run({MakeWall({3, -1, 1.4}, 0, 3, 2)}, 5);
+  EXPECT_EQ(num_created_, 1);
+}
+
+TEST_F(PlaneTrackerTest, WallsTenCentimetresApartStayTwo) {
+  Run({MakeWall({3, 1.05, 1.4}, 0, 2, 2), MakeWall({3.1, -1.05, 1.4}, 0, 2, 2)}, 20);
+  EXPECT_EQ(num_created_, 2);
+  ASSERT_EQ(tracker_.Records().size(), 2u);
+  for (const PlaneRecord& record : tracker_.Records()) {
+    const double x = record.centroid_W.y() > 0 ? 3 : 3.1;
+    EXPECT_NEAR(record.centroid_W.x(), x, 0.02);
+  }
+}
+
+TEST_F(PlaneTrackerTest, AnUnseenPlaneSleepsAndIsRecognised) {
+  Run({wall_}, 5);
+  const Timestamp last_seen = mesh_.t;
+  Run({floor_}, 40);
+  ASSERT_EQ(num_created_, 2);
+  EXPECT_EQ(tracker_.Records()[0].last_seen, last_seen);
+  EXPECT_EQ(estimator_.planes.size(), 2u);
+  // Back after 8 s: the pose is now known to 10 cm, and the wall appears 15 cm farther off.
+  estimator_.sigma_p_m = 0.1;
+  Patch displaced = wall_;
+  displaced.centre_W.x() += 0.15;
+  const PlaneAssignments found = Step({displaced});
+  EXPECT_TRUE(found.created.empty());
+  EXPECT_EQ(tracker_.Records()[0].last_seen, mesh_.t);
+  EXPECT_GT(std::count(tracker_.face_planes().begin(), tracker_.face_planes().end(), 0), 100);
+}
+
+TEST_F(PlaneTrackerTest, LandmarksOfARecognisedPlaneMayBeAsFarOffAsItWas) {
+  Run({wall_}, 5);
+  Run({floor_}, 40);
+  estimator_.sigma_p_m = 0.1;
+  estimator_.memberships.clear();
+  Patch displaced = wall_;
+  displaced.centre_W.x() += 0.15;
+  const PlaneAssignments found = Step({displaced});
+  ASSERT_GT(found.joined.size(), 50u);
+  for (const PlaneJoin& join : found.joined) {
+    if (join.plane == PlaneId{0}) {
+      EXPECT_NEAR(join.max_distance_m, 0.3, 0.05);
+    }
+  }
+}
+
+TEST_F(PlaneTrackerTest, APlaneBeyondItsUncertaintyIsANewOne) {
+  Run({wall_}, 5);
+  Run({floor_}, 40);
+  estimator_.sigma_p_m = 0.05;
+  Patch displaced = wall_;
+  displaced.centre_W.x() += 0.5;
+  Run({displaced}, 5);
+  EXPECT_EQ(num_created_, 3);
+  EXPECT_LT(tracker_.Records()[0].last_seen, mesh_.t);
+}
+
+TEST_F(PlaneTrackerTest, PlanesEndAfterTheirTimeAndMayComeBackAsOthers) {
+  RegularityOptions options;
+  options.tracking.max_age_s = 6;
+  UseOptions(options);
+  std::vector<double> ended_s;
+  double created_s = 0;
+  for (int k = 0; k < 35; ++k) {
+    const PlaneAssignments found = Step({wall_});
+    if (created_s == 0 && !found.created.empty()) created_s = view_.time_s;
+    for (const PlaneId id : found.ended) {
+      EXPECT_EQ(id, PlaneId{0});
+      ended_s.push_back(view_.time_s);
+    }
+  }
+  ASSERT_EQ(ended_s.size(), 1u);
+  EXPECT_NEAR(ended_s[0] - created_s, 6, 1e-6);
+  EXPECT_EQ(num_created_, 2);
+  const auto records = tracker_.Records();
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_EQ(records[1].id, PlaneId{1});
+}
+
+TEST_F(PlaneTrackerTest, WhatTheEstimatorDroppedIsForgottenButRemembered) {
+  Run({wall_}, 5);
+  estimator_.planes.clear();
+  estimator_.memberships.clear();
+  const PlaneAssignments found = Step({floor_});
+  EXPECT_TRUE(found.ended.empty());
+  ASSERT_EQ(tracker_.Records().size(), 1u);
+  EXPECT_EQ(tracker_.Records()[0].id, PlaneId{0});
+  Run({wall_}, 5);
+  EXPECT_GE(num_created_, 2);
+  EXPECT_TRUE(estimator_.planes.contains(PlaneId{num_created_ - 1}));
+}
+
+TEST_F(PlaneTrackerTest, ResetForgetsAllAndNeverUsesAnIdAgain) {
+  Run({wall_}, 5);
+  tracker_.Reset();
+  estimator_ = BelievingEstimator();
+  EXPECT_EQ(tracker_.Records().size(), 1u);
+  Run({wall_}, 5);
+  ASSERT_EQ(tracker_.Records().size(), 2u);
+  EXPECT_EQ(tracker_.Records()[1].id, PlaneId{1});
+}
+
+TEST_F(PlaneTrackerTest, ValuesComeFromTheEstimator) {
+  Run({wall_}, 5);
+  estimator_.planes[PlaneId{0}].d += 0.01;
+  Step({wall_});
+  EXPECT_EQ(tracker_.Records()[0].plane_W.d, estimator_.planes[PlaneId{0}].d);
+}
+
+TEST_F(PlaneTrackerTest, ATentativePlaneThatIsNotSeenAgainIsForgotten) {
+  const int needed = PlaneTrackingOptions().min_sightings;
+  Run({wall_}, needed - 1);
+  Run({}, 10);
+  Run({wall_}, needed - 1);
+  EXPECT_EQ(num_created_, 0);
+  EXPECT_FALSE(Step({wall_}).created.empty());
+}
+
+TEST_F(PlaneTrackerTest, WithoutMeshOrLandmarksNothingHappens) {
+  EXPECT_TRUE(Step({}).IsEmpty());
+  EXPECT_TRUE(tracker_.face_planes().empty());
+  for (int k = 0; k < 6; ++k) {
+    view_.time_s += kKeyframe_s;
+    const MeshSnapshot mesh = MakeMesh({wall_}, view_);
+    MapSnapshot map = estimator_.Snapshot(mesh);
+    map.landmarks.clear();
+    EXPECT_TRUE(tracker_.Process(mesh, map).IsEmpty());
+    EXPECT_EQ(std::count(tracker_.face_planes().begin(), tracker_.face_planes().end(), -1),
+              static_cast<std::ptrdiff_t>(mesh.mesh.faces.size()));
+  }
+}
+
+TEST_F(PlaneTrackerTest, LandmarksThatAreHardlyKnownMakeNoPlane) {
+  view_.sigma_depth_m = 0.15;
+  view_.pixel_noise = 0;
+  Run({wall_}, 10);
+  EXPECT_EQ(num_created_, 0);
+}
+
+TEST_F(PlaneTrackerTest, FacesThatAreNotFiniteBelongToNoPlane) {
+  Run({floor_}, 5);
+  view_.time_s += kKeyframe_s;
+  mesh_ = MakeMesh({floor_}, view_);
+  mesh_.mesh.vertices[0].setConstant(std::nan(""));
+  mesh_.mesh.vertices[30].setConstant(1e300);
+  tracker_.Process(mesh_, estimator_.Snapshot(mesh_));
+  for (std::size_t f = 0; f < mesh_.mesh.faces.size(); ++f) {
+    const auto& corners = mesh_.mesh.faces[f];
+    const bool is_bad = std::any_of(
+        corners.begin(), corners.end(), [](int corner) { return corner == 0 || corner == 30; });
+    if (is_bad) {
+      EXPECT_EQ(tracker_.face_planes()[f], -1);
+    }
+  }
+  EXPECT_TRUE(std::isfinite(tracker_.Records()[0].area_m2));
+}
+
+TEST_F(PlaneTrackerTest, PartsOfAWallThatMeetAreMerged) {
+  // 4.5 m apart at first: two planes. Then the wall between them is seen.
+  Run({MakeWall({3, -3, 1.4}, 0, 1.5, 2), MakeWall({3, 3, 1.4}, 0, 1.5, 2)}, 5);
+  ASSERT_EQ(num_created_, 2);
+  std::vector<PlaneId> ended;
+  for (double y = -3; y <= 3; y += 0.25) {
+    const PlaneAssignments found = Step({MakeWall({3, y, 1.4}, 0, 1.5, 2)});
+    ended.insert(ended.end(), found.ended.begin(), found.ended.end());
+  }
+  EXPECT_EQ(ended, std::vector{PlaneId{1}});
+  const auto records = tracker_.Records();
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].id, PlaneId{0});
+  EXPECT_NEAR(records[0].area_m2, 15, 1.5);
+  EXPECT_GT(NumMembers(PlaneId{0}), 50);
+  EXPECT_EQ(NumMembers(PlaneId{1}), 0);
+}
+
+TEST_F(PlaneTrackerTest, APlaneThatDoesNotFitItsLandmarksEndsAndItsPartsAreFound) {
+  const std::vector<Patch> parts = {MakeWall({3, 1.05, 1.4}, 0, 2, 2),
+                                    MakeWall({3.2, -1.05, 1.4}, 0, 2, 2)};
+  Run({MakeWall({3.1, 0, 1.4}, 0, 4, 2)}, 4);
+  ASSERT_EQ(num_created_, 1);
+  for (int k = 0; k < 2; ++k) {  // a wrong belief: all landmarks of both parts are on it
+    for (int i = 0; i < 81; ++i)
+      estimator_.memberships[LandmarkId{10000 * k + i}] = {PlaneId{0}};
+  }
+  std::vector<PlaneId> ended;
+  for (int k = 0; k < 10; ++k) {
+    const PlaneAssignments found = Step(parts);
+    ended.insert(ended.end(), found.ended.begin(), found.ended.end());
+  }
+  EXPECT_EQ(ended, std::vector{PlaneId{0}});
+  const auto records = tracker_.Records();
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_NEAR(std::abs(records[0].centroid_W.x() - records[1].centroid_W.x()), 0.2, 0.03);
+}
+
+TEST_F(PlaneTrackerTest, TwoRunsAreTheSame) {
+  Run({wall_, floor_}, 12);
+  const auto first = tracker_.Records();
+  tracker_ = PlaneTracker(RegularityOptions());
+  estimator_ = BelievingEstimator();
+  view_.time_s = 0;
+  view_.seed = 1;
+  Run({wall_, floor_}, 12);
+  const auto second = tracker_.Records();
+  ASSERT_EQ(first.size(), second.size());
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    EXPECT_EQ(first[k].plane_W.d, second[k].plane_W.d);
+    EXPECT_EQ(first[k].centroid_W, second[k].centroid_W);
+    EXPECT_EQ(first[k].area_m2, second[k].area_m2);
+  }
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Pipeline SP (paper II-B): landmarks on planes are treated as in its projection factors, and there
+// is no plane variable. Each keyframe's planes are found anew and forgotten.
+#pragma once
+
+#include <set>
+
+#include "facet/map/map_snapshot.h"
+#include "facet/map/plane_assignments.h"
+#include "facet/regularities/plane_detector.h"
+
+namespace facet {
+
+/// Not thread-safe. Never throws for any content of the mesh.
+class ProjectionLandmarks {
+ public:
+  explicit ProjectionLandmarks(const DetectionOptions& options) : detector_(options) {}
+
+  /// After a keyframe: which landmarks are on some plane from now on, and which of those that were
+  /// have faces around them now and none on a plane.
+  PlaneAssignments Process(const MeshSnapshot& mesh, const MapSnapshot& map);
+
+  void Reset() { projected_.clear(); }
+
+ private:
+  PlaneDetector detector_;
+  SurfaceFaces faces_;
+  std::set<LandmarkId> projected_;
+};
+
+}  // namespace facet
