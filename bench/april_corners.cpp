@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// april_corners [--set key=value]... [--window-table]
+// april_corners [--set key=value]... [--planes N] [--hide] [--window-table]
 // The back end alone on EuRoC's calibration recording: trajectory, landmarks and cost.
 #include <cstdio>
 #include <exception>
@@ -47,6 +47,12 @@ void PrintRun(const AprilRun& run, const AprilFigures& figures) {
               1000 * figures.landmark_rms_m,
               run.fits.size());
   std::printf("landmarks from a plane  %.2f mm rms (median)\n", 1000 * figures.flatness_m);
+  if (!run.planes_W.empty()) {
+    std::printf("planes against board    rmse %.3f, median %.3f, max %.3f deg\n",
+                figures.plane_angle_deg.rmse,
+                figures.plane_angle_deg.median,
+                figures.plane_angle_deg.max);
+  }
   PrintCost("frame", run.cost.all);
   PrintCost("keyframe", run.cost.keyframes);
 }
@@ -90,6 +96,9 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(1, 100));
   app.add_option("--pixel-sigma", options.pixel_sigma, "1-sigma of the corners [px]")
       ->check(CLI::PositiveNumber);
+  app.add_option("--planes", options.num_planes, "0: none, 1: the board, 4: its quarters")
+      ->check(CLI::IsMember({0, 1, 4}));
+  app.add_flag("--hide", options.hide_quarters, "hide each quarter of the board for 8 s");
   app.add_flag("--window-table", window_table, "compare window sizes (markdown)");
   app.add_option("--output", output, "file for the causal trajectory (TUM)");
   CLI11_PARSE(app, argc, argv);

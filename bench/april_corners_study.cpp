@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <unordered_map>
 #include <unordered_set>
 
 #include <Eigen/Eigenvalues>
+
+#include "facet/geometry/plane_fit.h"
 
 namespace facet {
 
@@ -73,6 +76,72 @@ class TrackBook {
   std::unordered_map<LandmarkId, int> corner_of_;
 };
 
+// Columns and rows of six tags with four corners each.
+int QuarterOf(const Vector3d& corner_G, const Vector3d& middle_G) {
+  return (corner_G.x() > middle_G.x() ? 1 : 0) + (corner_G.y() > middle_G.y() ? 2 : 0);
+}
+
+Vector3d MiddleOf(const std::map<int, Vector3d>& corners_G) {
+  Vector3d sum = Vector3d::Zero();
+  for (const auto& [corner, p_G] : corners_G)
+    sum += p_G;
+  return sum / static_cast<double>(corners_G.size());
+}
+
+// Each quarter for 8 s, beginning 10 s after the start.
+std::map<int, CornerObservation> HideQuarter(std::map<int, CornerObservation> corners,
+                                             double elapsed_s,
+                                             const std::map<int, Vector3d>& corners_G) {
+  const int hidden = static_cast<int>(std::floor((elapsed_s - 10) / 8));
+  const Vector3d middle_G = MiddleOf(corners_G);
+  std::erase_if(corners, [&](const auto& entry) {
+    return QuarterOf(corners_G.at(entry.first), middle_G) == hidden;
+  });
+  return corners;
+}
+
+// The planes of the board and who lies on them, known from the board.
+class BoardPlanes {
+ public:
+  BoardPlanes(const std::map<int, Vector3d>& corners_G, int num_planes)
+      : corners_G_(corners_G), middle_G_(MiddleOf(corners_G)), num_planes_(num_planes) {}
+
+  PlaneAssignments Assign(const MapSnapshot& snapshot, const TrackBook& tracks) {
+    PlaneAssignments out;
+    for (int k = 0; k < num_planes_; ++k) {
+      std::vector<const LandmarkEstimate*> members;
+      std::vector<Vector3d> points_W;
+      for (const LandmarkEstimate& landmark : snapshot.landmarks) {
+        const Vector3d& p_G = corners_G_.at(tracks.CornerOf(landmark.id));
+        if (num_planes_ > 1 && QuarterOf(p_G, middle_G_) != k) continue;
+        members.push_back(&landmark);
+        points_W.push_back(landmark.p_W);
+      }
+      if (created_.count(k) == 0) {
+        if (members.size() < kMinLandmarksOfPlane) continue;
+        const PlaneFit fit = FitPlane(points_W);
+        if (fit.extent_minor_m < kMinExtent_m) continue;
+        out.created.push_back({PlaneId{k}, fit.plane, fit.centroid});
+        if (!created_.empty())
+          out.related.push_back(
+              {PlaneRelationKind::kCoplanar, PlaneId{*created_.begin()}, PlaneId{k}});
+        created_.insert(k);
+      }
+      for (const LandmarkEstimate* landmark : members)
+        out.joined.push_back({landmark->id, PlaneId{k}});
+    }
+    return out;
+  }
+
+ private:
+  static constexpr std::size_t kMinLandmarksOfPlane = 12;
+  static constexpr double kMinExtent_m = 0.05;
+  const std::map<int, Vector3d>& corners_G_;
+  Vector3d middle_G_;
+  int num_planes_;
+  std::set<int> created_;
+};
+
 double RootMeanSquare(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values)
@@ -128,6 +197,7 @@ AprilRun RunAprilCorners(const AprilRecording& recording, const AprilOptions& op
   const Calibration& calibration = recording.calibration;
   VioEstimator estimator(calibration.rig, calibration.imu_noise, options.estimator);
   TrackBook tracks(options.max_unseen_frames);
+  BoardPlanes planes(recording.corners_G, options.num_planes);
   AprilRun run;
   std::vector<double> all_ms, keyframe_ms;
   std::optional<Timestamp> previous_t;
@@ -135,8 +205,12 @@ AprilRun RunAprilCorners(const AprilRecording& recording, const AprilOptions& op
     if (t < recording.imu.first_stamp()) continue;
     const int index = run.num_frames++;
     const bool is_keyframe = !estimator.is_initialised() || index % options.keyframe_every == 0;
-    FrameObservations observations =
-        tracks.Observe(corners, index, is_keyframe, options.pixel_sigma);
+    const double elapsed_s = ToSeconds(t - recording.frames.begin()->first);
+    FrameObservations observations = tracks.Observe(
+        options.hide_quarters ? HideQuarter(corners, elapsed_s, recording.corners_G) : corners,
+        index,
+        is_keyframe,
+        options.pixel_sigma);
     observations.frame = FrameId{index};
     observations.t = t;
     observations.is_keyframe = is_keyframe;
@@ -152,8 +226,12 @@ AprilRun RunAprilCorners(const AprilRecording& recording, const AprilOptions& op
     run.poses.push_back({t, result.state.T_WB});
     if (!is_keyframe) continue;
     keyframe_ms.push_back(times.Total());
-    const auto fit = FitBoard(estimator.Snapshot(), tracks, recording.corners_G);
+    const MapSnapshot snapshot = estimator.Snapshot();
+    const auto fit = FitBoard(snapshot, tracks, recording.corners_G);
     if (fit) run.fits.push_back(*fit);
+    for (const PlaneEstimate& plane : snapshot.planes)
+      run.planes_W.push_back(plane.plane_W);
+    estimator.Assign(planes.Assign(snapshot, tracks));
     tracks.CutTracksOutside(estimator.window());
   }
   run.cost = {SummarizeCost(std::move(all_ms)), SummarizeCost(std::move(keyframe_ms))};
@@ -171,6 +249,12 @@ AprilFigures EvaluateAprilCorners(const AprilRecording& recording, const AprilRu
     angles_deg.push_back(angle * 180 / std::numbers::pi);
   }
   figures.rotation_deg = Summarize(std::move(angles_deg));
+  std::vector<double> plane_angles_deg;
+  for (const Plane& plane : run.planes_W) {
+    const double cosine = std::abs((q_GW * plane.n).z());
+    plane_angles_deg.push_back(std::acos(std::min(cosine, 1.0)) * 180 / std::numbers::pi);
+  }
+  if (!plane_angles_deg.empty()) figures.plane_angle_deg = Summarize(std::move(plane_angles_deg));
   std::vector<double> rms, flatness;
   for (const BoardFit& fit : run.fits) {
     rms.push_back(fit.rms_m);

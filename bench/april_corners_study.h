@@ -39,6 +39,10 @@ struct AprilOptions {
   int keyframe_every = 4;     ///< right observations on keyframes only
   double pixel_sigma = 0.5;   ///< 1-sigma per axis
   int max_unseen_frames = 5;  ///< a corner that returns later is a new landmark
+  /// Planes as variables, which corner lies on which being known: 0 none, 1 the board, 4 its
+  /// quarters.
+  int num_planes = 0;
+  bool hide_quarters = false;  ///< each quarter of the board is hidden for 8 s, one after the other
 };
 
 /// The landmarks of one keyframe's snapshot after rigid alignment with the board.
@@ -62,6 +66,7 @@ struct AprilRun {
   int num_resets = 0;
   std::vector<StampedPose> poses;  ///< causal, one per frame with a state
   std::vector<BoardFit> fits;      ///< one per keyframe
+  std::vector<Plane> planes_W;     ///< of every keyframe
   AprilCost cost;
 };
 
@@ -73,6 +78,9 @@ struct AprilFigures {
   ErrorStatistics rotation_deg;  ///< of the causal poses, after the alignment of the positions
   double landmark_rms_m = 0;     ///< median over the snapshots
   double flatness_m = 0;         ///< median over the snapshots
+  /// Angle between the planes and the board, over all keyframes after the alignment of the
+  /// positions; zero without planes.
+  ErrorStatistics plane_angle_deg;
 };
 
 AprilFigures EvaluateAprilCorners(const AprilRecording& recording, const AprilRun& run);

@@ -60,6 +60,12 @@ std::vector<Rung> MakeRungs(const SearchOptions& search) {
   SearchOptions unrelated = search, short_lived = search;
   unrelated.regularities.relations.enabled = false;
   short_lived.regularities.tracking.max_age_s = 6;
+  const auto spoiled = [&](const SearchOptions& options) {
+    return [make = own(options)](const SimulatedRun& run, SearchQuality& quality) -> PlanePolicy {
+      constexpr double kFrom_s = 15;
+      return SpoiledPlanes(make(run, quality), kFrom_s);
+    };
+  };
   const auto placebo = [](const SimulatedRun& run, SearchQuality& /*quality*/) -> PlanePolicy {
     return PlaceboPlanes(run);
   };
@@ -69,6 +75,7 @@ std::vector<Rung> MakeRungs(const SearchOptions& search) {
           {"SPR", own(search)},
           {"SPR, no relations", own(unrelated)},
           {"SPR, 6 s", own(short_lived)},
+          {"SPR, 20 % wrong for 1 s", spoiled(search)},
           {"placebo, shuffled", placebo}};
 }
 

@@ -59,6 +59,24 @@ PlaneAssignments PlaceboPlanes::operator()(const FrameObservations& observations
   return out;
 }
 
+PlaneAssignments SpoiledPlanes::operator()(const FrameObservations& observations,
+                                           const MapSnapshot& snapshot) {
+  constexpr double kDuration_s = 1;
+  constexpr std::int64_t kEvery = 5;
+  constexpr double kAnyDistance_m = 100;
+  PlaneAssignments out = policy_(observations, snapshot);
+  if (!first_t_) first_t_ = observations.t;
+  const double elapsed_s = ToSeconds(observations.t - *first_t_) - from_s_;
+  if (elapsed_s < 0 || elapsed_s > kDuration_s || snapshot.planes.empty()) return out;
+  for (const LandmarkEstimate& landmark : snapshot.landmarks) {
+    const auto number = static_cast<std::size_t>(landmark.id.value);
+    const PlaneId plane = snapshot.planes[number % snapshot.planes.size()].id;
+    if (landmark.id.value % kEvery == 0 && !landmark.IsOn(plane))
+      out.joined.push_back({landmark.id, plane, kAnyDistance_m});
+  }
+  return out;
+}
+
 OwnSearch::OwnSearch(const SimulatedRun& run,
                      const MeshOptions& mesh,
                      const RegularityOptions& options,

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "consistency_run.h"
 
@@ -59,6 +61,20 @@ class PlaceboPlanes {
  private:
   OraclePlanes oracle_;
   std::vector<PlaneId> planes_;
+};
+
+/// Adds to what another policy says: for one second, a fifth of all landmarks is put on some plane
+/// where it does not belong, past the limits that the estimator sets on joining.
+class SpoiledPlanes {
+ public:
+  SpoiledPlanes(PlanePolicy policy, double from_s) : policy_(std::move(policy)), from_s_(from_s) {}
+
+  PlaneAssignments operator()(const FrameObservations& observations, const MapSnapshot& snapshot);
+
+ private:
+  PlanePolicy policy_;
+  double from_s_;
+  std::optional<Timestamp> first_t_;
 };
 
 /// The product's own search: mesh, detection, recognition, membership.

@@ -28,6 +28,8 @@ constexpr double kNoImuNoiseScale = 300.0;
 constexpr double kRelinearizeGyro = 2e-3;   // rad/s
 constexpr double kRelinearizeAccel = 2e-2;  // m/s^2
 constexpr int kStartIterations = 25;
+constexpr int kRepairIterations = 4;
+constexpr int kFewWrongMembers = 5;
 // Duplicates are kept up to this many frames: they average the pixel noise.
 constexpr int kMinStartFrames = 8;
 constexpr int kMinLandmarksOk = 8;
@@ -198,6 +200,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     RelinearizeImu();
     TakeAssignments();
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
+    if (DropWrongMembers()) result.solve = solver_.Solve(window_, kRepairIterations);
     newest_covariance_ = solver_.NewestFrameCovariance(window_);
     JudgePlanes();
     KeepPlaneCovariances();
@@ -387,6 +390,17 @@ void VioEstimator::RelinearizeImu() {
     frame.imu.Reintegrate(bias);
     UpdatePreintegration(frame);
   }
+}
+
+// Landmarks on planes where they do not belong bend the window: when many are found after the solve,
+// it is solved anew without them, before their pull is frozen or good observations look wrong.
+bool VioEstimator::DropWrongMembers() {
+  const int before = NumPlaneConstraints();
+  if (before == 0) return false;
+  geometry_.Update(window_.frames);
+  const int dropped =
+      DetachOutliers(geometry_, options_.robust(), options_.planes.outlier_sigma, window_);
+  return dropped > std::max(kFewWrongMembers, before / 10);
 }
 
 int VioEstimator::RemoveOutliers() {

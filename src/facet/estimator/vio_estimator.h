@@ -81,6 +81,7 @@ class VioEstimator {
   /// After the solve: which planes are settled or too many, which relations do not hold.
   void JudgePlanes();
   int RemoveOutliers();
+  bool DropWrongMembers();
   void Shrink(std::vector<KeyframePose>& finished);
   /// Of the planes that were ended, those that the prior does not know go at once ...
   void RemoveEndedPlanes();

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/projection_landmarks.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "facet/regularities/test_scene.h"
+
+namespace facet {
+namespace {
+
+using testing::BelievingEstimator;
+using testing::MakeMesh;
+using testing::MakeWall;
+using testing::TestView;
+
+const TestView kView{{0, 0, 1.4}, 0.005, 1, 0, 1};
+
+TEST(ProjectionLandmarks, LandmarksOfAWallAreMarkedOnce) {
+  const MeshSnapshot mesh = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
+  const MapSnapshot map = BelievingEstimator().Snapshot(mesh);
+  ProjectionLandmarks search{DetectionOptions()};
+  const PlaneAssignments found = search.Process(mesh, map);
+  EXPECT_GT(found.projected.size(), 0.9 * static_cast<double>(map.landmarks.size()));
+  EXPECT_TRUE(found.created.empty() && found.joined.empty() && found.unprojected.empty());
+  EXPECT_TRUE(search.Process(mesh, map).IsEmpty());
+}
+
+TEST(ProjectionLandmarks, WhatIsNoLongerOnAPlaneIsTakenBack) {
+  TestView view = kView;
+  const MeshSnapshot wall = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, view);
+  ProjectionLandmarks search{DetectionOptions()};
+  const auto marked = search.Process(wall, BelievingEstimator().Snapshot(wall)).projected;
+  MeshSnapshot crumpled = wall;
+  Rng rng(3);
+  for (Vector3d& p_W : crumpled.mesh.vertices)
+    p_W.x() += rng.Uniform(-0.5, 0.5);
+  const PlaneAssignments found =
+      search.Process(crumpled, BelievingEstimator().Snapshot(crumpled));
+  EXPECT_GT(found.unprojected.size(), 0.9 * static_cast<double>(marked.size()));
+  for (const LandmarkId id : found.unprojected)
+    EXPECT_NE(std::find(marked.begin(), marked.end(), id), marked.end());
+}
+
+TEST(ProjectionLandmarks, AnEmptyMeshChangesNothing) {
+  const MeshSnapshot wall = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
+  const MapSnapshot map = BelievingEstimator().Snapshot(wall);
+  ProjectionLandmarks search{DetectionOptions()};
+  search.Process(wall, map);
+  EXPECT_TRUE(search.Process(MeshSnapshot(), map).IsEmpty());
+  search.Reset();
+  EXPECT_FALSE(search.Process(wall, map).projected.empty());
+}
+
+}  // namespace
+}  // namespace facet
