@@ -66,8 +66,19 @@ std::vector<NamedConfig> ParseConfigs(const CompareArguments& arguments) {
   return configs;
 }
 
+// Horizon meshes are judged on those of every 10th keyframe; `facet run` takes the option only
+// once.
+std::vector<std::string> RunOptions(const CompareArguments& arguments) {
+  std::vector<std::string> options = arguments.run_options;
+  const auto is_mesh_every = [](const std::string& option) {
+    return option == "--mesh-every" || option.starts_with("--mesh-every=");
+  };
+  if (std::ranges::none_of(options, is_mesh_every)) options.emplace_back("--mesh-every=10");
+  return options;
+}
+
 std::vector<Combination> Combinations(const CompareArguments& arguments) {
-  std::vector<std::string> common = arguments.run_options;
+  std::vector<std::string> common = RunOptions(arguments);
   for (const std::string& text : arguments.overrides)
     common.insert(common.end(), {"--set", text});
   if (arguments.duration_s > 0) {
@@ -273,7 +284,7 @@ void AddOptions(CLI::App& command, CompareArguments& a) {
       .add_option("--run-option",
                   a.run_options,
                   "one more argument of facet run for all runs, repeatable: "
-                  "--run-option=--mesh-every=10")
+                  "--run-option=--mesh-every=5 (10 if not given; 0: none)")
       ->allow_extra_args(false);
   command.add_option("--duration", a.duration_s, "seconds of each run")->check(CLI::PositiveNumber);
   command.add_option(

@@ -8,6 +8,7 @@
 #include "program_run.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "facet/io/ply_writer.h"
 #include "facet/io/trajectory_file.h"
@@ -144,9 +145,25 @@ TEST_F(EvaluateInputTest, DamagedMesh) {
   ExpectRefused("mesh.ply: face 0: the file ends here");
 }
 
-TEST_F(EvaluateInputTest, TruthWithoutPlanes) {
-  WriteText(Result() / "planes.csv", "id,nx,ny,nz,d,cx,cy,cz\n");
+TEST_F(EvaluateInputTest, SceneWithoutPlanes) {
+  const std::string header =
+      "id,nx,ny,nz,d,cx,cy,cz,orientation,label,first_seen_ns,last_seen_ns,landmarks,area_m2\n";
   WriteText(Sequence() / "truth" / "planes.csv", "#plane,nx,ny,nz,d,area,seen area,label\n");
+  WriteText(Result() / "planes.csv", header);
+  EXPECT_EQ(Evaluate().exit_code, 0);
+  nlohmann::json planes = nlohmann::json::parse(ReadText(Result() / "evaluation.json"))["planes"];
+  EXPECT_FALSE(planes.contains("recall"));
+  EXPECT_FALSE(planes.contains("precision"));
+  WriteText(Result() / "planes.csv", header + "1,0,0,1,0,0,0,0,horizontal,floor,1,2,9,1.5\n");
+  EXPECT_EQ(Evaluate().exit_code, 0);
+  planes = nlohmann::json::parse(ReadText(Result() / "evaluation.json"))["planes"];
+  EXPECT_FALSE(planes.contains("recall"));
+  EXPECT_EQ(planes["precision"], 0);
+}
+
+TEST_F(EvaluateInputTest, PlanesFileThatEndsInItsHeader) {
+  WriteText(Result() / "planes.csv", "id,nx,ny,nz,d,cx,cy,cz\n");
+  WriteText(Sequence() / "truth" / "planes.csv", "#plane,nx,ny,");
   ExpectRefused("truth/planes.csv:1: the truth holds no plane");
 }
 

@@ -112,13 +112,14 @@ template <class Vio>
 SequenceRun RunWith(Vio& vio,
                     VioFunctions functions,
                     AslDataset& dataset,
+                    const VioOptions& options,
                     const RunArguments& arguments,
                     MeshFiles& mesh_files,
                     spdlog::logger& log) {
   functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
   functions.window_keyframes = [&] { return vio.WindowKeyframes(); };
   functions.map = [&] { return vio.Map(); };
-  functions.planes = [&] { return vio.Planes(); };
+  if (options.pipeline == "SPR") functions.planes = [&] { return vio.Planes(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
   const auto observer = [&](int done, int total, const VioOutput& output) {
@@ -145,12 +146,12 @@ SequenceRun RunPipeline(AslDataset& dataset,
     VioPipeline vio(dataset.rig(), dataset.imu_noise(), options);
     functions.add_stereo = [&](const StereoFrame& f) { return std::vector{vio.AddStereo(f)}; };
     functions.finish = [] { return std::vector<VioOutput>(); };
-    return RunWith(vio, functions, dataset, arguments, mesh_files, log);
+    return RunWith(vio, functions, dataset, options, arguments, mesh_files, log);
   }
   ThreadedVio vio(dataset.rig(), dataset.imu_noise(), options);
   functions.add_stereo = [&](const StereoFrame& f) { return vio.AddStereo(f); };
   functions.finish = [&] { return vio.Finish(); };
-  return RunWith(vio, functions, dataset, arguments, mesh_files, log);
+  return RunWith(vio, functions, dataset, options, arguments, mesh_files, log);
 }
 
 void PrintOutcome(const RunRecord& record, const std::string& folder) {

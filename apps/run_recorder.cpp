@@ -15,6 +15,8 @@ void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
   f.sigma_p = output.sigma_p;
   f.sigma_theta = output.sigma_theta;
   f.sigma_v = output.sigma_v;
+  f.sigma_b_g = output.sigma_b_g;
+  f.sigma_b_a = output.sigma_b_a;
   f.status = ToString(output.status);
   f.reason = output.reason;
   f.times = output.times;

@@ -64,10 +64,10 @@ class SelfComparisonTest : public ::testing::Test {
     if (!sequence_) GTEST_SKIP() << testing::MissingData("rendered_room");
   }
 
-  ProgramRun Compare(int starts, const std::string& duration) const {
+  ProgramRun Compare(int starts, const std::string& duration, const std::string& more = "") const {
     return RunFacet("compare " + sequence_->string() + " --pipelines S --jobs 2 --duration " +
                     duration + " --starts " + std::to_string(starts) + " --out " +
-                    out_.path().string());
+                    out_.path().string() + " " + more);
   }
 
   std::optional<fs::path> sequence_;
@@ -104,6 +104,14 @@ TEST_F(SelfComparisonTest, AnInterruptedStudyGoesOn) {
   EXPECT_EQ(fs::last_write_time(first), written);
   const ProgramRun changed = Compare(1, "3");  // other arguments: another study
   EXPECT_THAT(changed.err, ::testing::HasSubstr("start 0: done"));
+}
+
+TEST_F(SelfComparisonTest, HorizonMeshesAreWrittenUnlessRefused) {
+  const fs::path meshes = out_ / "rendered_room" / "S" / "start_0.0" / "meshes";
+  EXPECT_EQ(Compare(1, "2").exit_code, 0);
+  EXPECT_TRUE(fs::exists(meshes));
+  EXPECT_EQ(Compare(1, "2", "--run-option=--mesh-every=0").exit_code, 0);
+  EXPECT_FALSE(fs::exists(meshes));
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ std::vector<Patch> MakeHall() {
     patches.push_back(MakeWall(middle, azimuth, 1.2, 2));
   }
   for (int k = 0; k < 5; ++k)
-    patches.push_back(MakeFloor({2 + 0.3 * k, -2 + k, 0.5 + 0.15 * k}, 0.9, 0.7));
+    patches.push_back(MakeFloor({2 + 0.3 * k, k - 2.0, 0.5 + 0.15 * k}, 0.9, 0.7));
   for (int k = 0; k < 3; ++k) {
     patches.push_back(testing::Turned(MakeFloor({2.5, -1.5 + 1.5 * k, 2.2}, 1, 1),
                                       Vector3d::UnitY(),

@@ -48,6 +48,17 @@ ordered_json ToJson(const DistanceStatistics& s) {
           {"accuracy_rmse_m", s.rmse_m}};
 }
 
+ordered_json ToJson(const NearFigures& figures) {
+  ordered_json json = {{"accuracy_median_m", figures.median_m},
+                       {"precision_5cm", figures.precision}};
+  if (figures.completeness) {
+    json["completeness_5cm"] = *figures.completeness;
+    json["fscore_5cm"] = *figures.fscore;
+  }
+  json["samples"] = figures.num_samples;
+  return json;
+}
+
 ordered_json ToJson(const MeshFigures& figures) {
   ordered_json json = ToJson(figures.accuracy);
   json["precision_5cm"] = figures.precision[0];
@@ -61,6 +72,7 @@ ordered_json ToJson(const MeshFigures& figures) {
     json["fscore_5cm"] = (*figures.fscore)[0];
     json["fscore_10cm"] = (*figures.fscore)[1];
   }
+  if (figures.near) json["within_3m"] = ToJson(*figures.near);
   for (const RangeBin& bin : figures.by_range) {
     ordered_json entry = {{"from_m", bin.from_m}, {"to_m", bin.to_m}, {"samples", bin.num_samples}};
     entry.update(ToJson(bin.accuracy));
@@ -130,10 +142,19 @@ std::string Text(const char* format, double value) {
 // Rows of the table in order: name and the text of one run.
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
+void AddNearRows(const std::string& name, const NearFigures& near, Rows& rows) {
+  rows.emplace_back(name + " within 3 m, median [m]", Text("%.4f", near.median_m));
+  if (!near.fscore) return;
+  rows.emplace_back(name + " within 3 m, F 5 cm [%]", Text("%.1f", 100 * *near.fscore));
+}
+
 void AddMeshRows(const std::string& name, const MeshError& error, Rows& rows) {
   const MeshFigures& aligned = error.aligned;
   rows.emplace_back(name + " accuracy mean [m]", Text("%.4f", aligned.accuracy.mean_m));
+  rows.emplace_back(name + " accuracy median [m]", Text("%.4f", aligned.accuracy.median_m));
   rows.emplace_back(name + " accuracy p90 [m]", Text("%.4f", aligned.accuracy.p90_m));
+  rows.emplace_back(name + " area within 5 cm [%]", Text("%.1f", 100 * aligned.precision[0]));
+  if (aligned.near) AddNearRows(name, *aligned.near, rows);
   for (const RangeBin& bin : aligned.by_range) {
     rows.emplace_back(name + " mean, " + Text("%g", bin.from_m) + "-" + Text("%g m [m]", bin.to_m),
                       Text("%.4f", bin.accuracy.mean_m));

@@ -28,6 +28,18 @@ double Percentile(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
 }
 
+double HarmonicMean(double a, double b) {
+  return a + b > 0 ? 2 * a * b / (a + b) : 0;
+}
+
+std::vector<Vector3d> Marked(const std::vector<Vector3d>& points, const std::vector<char>& marks) {
+  std::vector<Vector3d> marked;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (marks[i] != 0) marked.push_back(points[i]);
+  }
+  return marked;
+}
+
 template <class T>
 std::vector<T> EveryKth(const std::vector<T>& all, std::size_t most) {
   std::vector<T> some;
@@ -40,14 +52,16 @@ std::vector<T> EveryKth(const std::vector<T>& all, std::size_t most) {
 // One mesh against one truth; everything is done twice, before and after the registration.
 class Comparison {
  public:
-  Comparison(const MeshUnderTest& test, const TruthSurface& truth, std::span<const char> seen)
+  Comparison(const MeshUnderTest& test, const TruthSurface& truth, const SeenTruth& seen)
       : test_(test),
         truth_(truth),
         index_(test.mesh_G),
-        samples_(SampleMesh(test.mesh_G, kSamplesPerSquareMetre)) {
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      if (seen[i]) seen_.push_back(truth.points()[i]);
-    }
+        samples_(SampleMesh(test.mesh_G, kSamplesPerSquareMetre)),
+        seen_(Marked(truth.points(), seen.points)),
+        seen_near_(Marked(truth.points(), seen.near_points)) {
+    if (!test.range_m) return;
+    for (const MeshSample& sample : samples_)
+      ranges_m_.push_back(test.range_m(sample.p, sample.face));
   }
 
   MeshError Evaluate() {
@@ -84,26 +98,22 @@ class Comparison {
     for (std::size_t i = 0; i < kFscoreLimits.size(); ++i)
       figures.precision[i] = Share(sorted, kFscoreLimits[i]);
     figures.by_range = ByRange(distances);
+    figures.near = Near(distances, T_GM);
     if (seen_.empty()) return figures;
-    figures.completeness = Completeness(T_GM);
+    figures.completeness = Completeness(seen_, T_GM);
     figures.fscore.emplace();
-    for (std::size_t i = 0; i < kFscoreLimits.size(); ++i) {
-      // The limits of the F-score are the first ones of the completeness.
-      const double precision = figures.precision[i], recall = (*figures.completeness)[i];
-      (*figures.fscore)[i] =
-          precision + recall > 0 ? 2 * precision * recall / (precision + recall) : 0;
-    }
+    // The limits of the F-score are the first ones of the completeness.
+    for (std::size_t i = 0; i < kFscoreLimits.size(); ++i)
+      (*figures.fscore)[i] = HarmonicMean(figures.precision[i], (*figures.completeness)[i]);
     return figures;
   }
 
   std::vector<RangeBin> ByRange(const std::vector<double>& distances) const {
     std::vector<RangeBin> bins;
-    if (!test_.range_m) return bins;
     std::array<std::vector<double>, kRangeBorders.size() - 1> sorted_in;
-    for (std::size_t s = 0; s < samples_.size(); ++s) {
-      const double range = test_.range_m(samples_[s].p, samples_[s].face);
+    for (std::size_t s = 0; s < ranges_m_.size(); ++s) {
       for (std::size_t b = 0; b < sorted_in.size(); ++b) {
-        if (range >= kRangeBorders[b] && range < kRangeBorders[b + 1]) {
+        if (ranges_m_[s] >= kRangeBorders[b] && ranges_m_[s] < kRangeBorders[b + 1]) {
           sorted_in[b].push_back(distances[s]);
         }
       }
@@ -118,10 +128,28 @@ class Comparison {
     return bins;
   }
 
-  std::array<double, 3> Completeness(const SE3& T_GM) const {
+  std::optional<NearFigures> Near(const std::vector<double>& distances, const SE3& T_GM) const {
+    std::vector<double> near;
+    for (std::size_t s = 0; s < ranges_m_.size(); ++s) {
+      if (ranges_m_[s] < kNearRange) near.push_back(distances[s]);
+    }
+    if (near.empty()) return std::nullopt;
+    std::sort(near.begin(), near.end());
+    NearFigures figures;
+    figures.num_samples = near.size();
+    figures.median_m = SummarizeDistances(near).median_m;
+    figures.precision = Share(near, kNearLimit);
+    if (seen_near_.empty()) return figures;
+    static_assert(kCompletenessLimits[0] == kNearLimit);
+    figures.completeness = Completeness(seen_near_, T_GM)[0];
+    figures.fscore = HarmonicMean(figures.precision, *figures.completeness);
+    return figures;
+  }
+
+  std::array<double, 3> Completeness(const std::vector<Vector3d>& seen_G, const SE3& T_GM) const {
     std::array<std::size_t, 3> count{};
     const SE3 T_MG = T_GM.Inverse();
-    for (const Vector3d& p_G : seen_) {
+    for (const Vector3d& p_G : seen_G) {
       const auto found = index_.Closest(T_MG * p_G, kCompletenessLimits.back());
       if (!found) continue;
       for (std::size_t i = 0; i < count.size(); ++i)
@@ -129,7 +157,7 @@ class Comparison {
     }
     std::array<double, 3> share{};
     for (std::size_t i = 0; i < count.size(); ++i)
-      share[i] = static_cast<double>(count[i]) / static_cast<double>(seen_.size());
+      share[i] = static_cast<double>(count[i]) / static_cast<double>(seen_G.size());
     return share;
   }
 
@@ -152,7 +180,8 @@ class Comparison {
   const TruthSurface& truth_;
   TriangleIndex index_;
   std::vector<MeshSample> samples_;
-  std::vector<Vector3d> seen_;
+  std::vector<double> ranges_m_;  // of the samples; empty: unknown
+  std::vector<Vector3d> seen_, seen_near_;
 };
 
 bool ShareAVertex(const TriangleMesh& mesh, int face, int other) {
@@ -183,9 +212,13 @@ DistanceStatistics SummarizeDistances(std::vector<double> distances_m) {
 
 MeshError EvaluateMesh(const MeshUnderTest& test,
                        const TruthSurface& truth,
-                       std::span<const char> seen) {
+                       const SeenTruth& seen) {
   FACET_CHECK(TotalArea(test.mesh_G) > 0) << "a mesh without area";
-  FACET_CHECK(seen.empty() || seen.size() == truth.points().size()) << seen.size();
+  const auto fits = [&truth](const std::vector<char>& marks) {
+    return marks.empty() || marks.size() == truth.points().size();
+  };
+  FACET_CHECK(fits(seen.points)) << seen.points.size();
+  FACET_CHECK(fits(seen.near_points)) << seen.near_points.size();
   return Comparison(test, truth, seen).Evaluate();
 }
 

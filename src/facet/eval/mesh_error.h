@@ -33,6 +33,20 @@ struct RangeBin {
   DistanceStatistics accuracy;
 };
 
+inline constexpr double kNearRange = 3;     // [m]
+inline constexpr double kNearLimit = 0.05;  // [m]
+
+/// What lies near the cameras: samples nearer than kNearRange to the camera that their range is
+/// counted from, and true points that a camera saw from less than kNearRange.
+struct NearFigures {
+  std::size_t num_samples = 0;
+  double median_m = 0;
+  double precision = 0;  ///< share of these samples within kNearLimit of the truth
+  /// Share of these true points within kNearLimit of the mesh, and the harmonic mean of both;
+  /// absent when there is no such point or nobody knows.
+  std::optional<double> completeness, fscore;
+};
+
 /// The figures of one mesh in one position.
 struct MeshFigures {
   DistanceStatistics accuracy;
@@ -42,6 +56,7 @@ struct MeshFigures {
   /// was seen or nobody knows.
   std::optional<std::array<double, 3>> completeness;
   std::optional<std::array<double, 2>> fscore;
+  std::optional<NearFigures> near;  ///< absent without such samples
 };
 
 struct IcpFigures {
@@ -73,11 +88,14 @@ struct MeshUnderTest {
   bool wants_doubled_area = false;
 };
 
-/// CHECKs that the mesh has a face with an area. `seen` tells which of truth.points() the
-/// cameras saw; empty: no completeness.
-MeshError EvaluateMesh(const MeshUnderTest& test,
-                       const TruthSurface& truth,
-                       std::span<const char> seen);
+/// Which of truth.points() the cameras saw. Empty: nobody knows, and there is no completeness.
+struct SeenTruth {
+  std::vector<char> points;
+  std::vector<char> near_points;  ///< from less than kNearRange
+};
+
+/// CHECKs that the mesh has a face with an area, and the sizes of `seen`.
+MeshError EvaluateMesh(const MeshUnderTest& test, const TruthSurface& truth, const SeenTruth& seen);
 
 /// Share of the area above or below which, at 1 to 10 cm along the normal, lies another face whose
 /// normal differs by less than 20 deg and that shares no vertex with it: surfaces mapped twice.

@@ -32,8 +32,11 @@ TEST(MeshErrorSpeedTest, LargeMeshAgainstLargeCloudInTime) {
     poses.emplace_back(ExpSO3({0, 0.6, 0.06 * i}), Vector3d(7, 7, 2));
   MeshUnderTest test;
   test.mesh_G = std::move(mesh);
+  test.range_m = [](const Vector3d& p, int) { return (p - Vector3d(7, 7, 2)).norm(); };
   const auto seen = SeenPoints(*surface, RigLookingAlongX(), poses);
-  const MeshError error = EvaluateMesh(test, *surface, std::vector<char>(seen.size(), 1));
+  const auto seen_near = SeenPoints(*surface, RigLookingAlongX(), poses, {kNearRange});
+  const MeshError error =
+      EvaluateMesh(test, *surface, {std::vector<char>(seen.size(), 1), seen_near});
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   std::cout << "200k faces against 2M points: " << seconds << " s\n";
   EXPECT_LT(seconds, 20);

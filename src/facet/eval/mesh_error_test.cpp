@@ -40,7 +40,7 @@ MeshError Evaluate(const TriangleMesh& mesh, const TriangleMesh& truth) {
   const auto surface = MakeTruthSurface(truth);
   MeshUnderTest test;
   test.mesh_G = mesh;
-  return EvaluateMesh(test, *surface, std::vector<char>(surface->points().size(), 1));
+  return EvaluateMesh(test, *surface, {std::vector<char>(surface->points().size(), 1), {}});
 }
 
 constexpr double kOnePercent = 0.01;
@@ -144,6 +144,40 @@ TEST(MeshErrorTest, BinsByRange) {
     EXPECT_NEAR(static_cast<double>(bin.num_samples), expected, kOnePercent * expected);
     EXPECT_NEAR(bin.accuracy.mean_m, 0.03, 1e-9);
   }
+}
+
+TEST(MeshErrorTest, Within3m) {
+  // A floor of 4 x 4 m that was seen from near up to x = 2. The mesh is 2 cm off up to x = 1, lacks
+  // the next metre, and is far off behind, where no camera was near.
+  const auto surface = MakeTruthSurface(CloudOf(Square(4, 0, 8), 4000));
+  MeshUnderTest test;
+  test.mesh_G = Square(4, 0.02, 4);
+  for (Vector3d& p : test.mesh_G.vertices)
+    p.z() = p.x() < 1.5 ? 0.02 : 0.4;
+  std::erase_if(test.mesh_G.faces, [&test](const std::array<int, 3>& face) {
+    const auto x = [&](int k) { return test.mesh_G.vertices[face[k]].x(); };
+    return std::min({x(0), x(1), x(2)}) == 1.0;  // the step
+  });
+  test.range_m = [](const Vector3d& p, int) { return p.x() < 1.5 ? 2.9 : 3.1; };
+  SeenTruth seen;
+  for (const Vector3d& p : surface->points()) {
+    seen.points.push_back(1);
+    seen.near_points.push_back(p.x() < 2 ? 1 : 0);
+  }
+  const MeshFigures figures = EvaluateMesh(test, *surface, seen).aligned;
+  ASSERT_TRUE(figures.near);
+  EXPECT_NEAR(static_cast<double>(figures.near->num_samples), 4000, 40);
+  EXPECT_NEAR(figures.near->median_m, 0.02, 1e-3);
+  EXPECT_EQ(figures.near->precision, 1);
+  // Of the 2 m that were seen from near the mesh has 1 m, and reaches as far beyond as 5 cm allow.
+  const double share = (1 + std::sqrt(0.05 * 0.05 - 0.02 * 0.02)) / 2;
+  EXPECT_NEAR(*figures.near->completeness, share, kOnePercent);
+  EXPECT_NEAR(*figures.near->fscore, 2 * share / (1 + share), kOnePercent);
+  EXPECT_NEAR(figures.precision[0], 1.0 / 3, kOnePercent);  // area within 5 cm
+  seen.near_points.clear();
+  EXPECT_FALSE(EvaluateMesh(test, *surface, seen).aligned.near->fscore);
+  test.range_m = [](const Vector3d&, int) { return 3.1; };
+  EXPECT_FALSE(EvaluateMesh(test, *surface, seen).aligned.near);
 }
 
 TEST(MeshErrorTest, DoubledArea) {

@@ -135,7 +135,10 @@ class MeshJudge {
     try {
       const Calibration calibration = FindCalibration(mav0, {});
       T_BC_ = calibration.rig.T_BC[0];
-      seen_ = SeenPoints(surface_, calibration.rig, poses);
+      seen_.points = SeenPoints(surface_, calibration.rig, poses);
+      VisibilityOptions near;
+      near.max_distance_m = kNearRange;
+      seen_.near_points = SeenPoints(surface_, calibration.rig, poses, near);
     } catch (const InputError& error) {
       warnings_.push_back(std::string(error.what()) +
                           "; without cameras nobody knows what they saw: no completeness");
@@ -159,7 +162,7 @@ class MeshJudge {
   TrajectoryAlignment alignment_;
   SE3 T_BC_;  // left camera
   std::vector<Vector3d> eyes_;
-  std::vector<char> seen_;
+  SeenTruth seen_;
   std::vector<std::string> warnings_;
 };
 

@@ -121,6 +121,9 @@ TEST(PlanesFileTest, ReadsBothKinds) {
   EXPECT_EQ(truth[0].seen_area_m2, 3);
   WriteText(folder / "empty.csv", "id,nx,ny,nz,d\n");
   EXPECT_TRUE(ReadEstimatedPlanes(folder / "empty.csv").empty());
+  WriteText(folder / "none.csv",
+            "#plane,nx,ny,nz,d [m] (n.x = d),area [m^2],seen area [m^2],label,seen_s [s]\r\n");
+  EXPECT_TRUE(ReadTruePlanes(folder / "none.csv").empty());
 }
 
 TEST(PlanesFileTest, NamesFileAndLine) {
@@ -135,6 +138,8 @@ TEST(PlanesFileTest, NamesFileAndLine) {
     return std::string("accepted");
   };
   EXPECT_THAT(message("#plane,nx\n"), HasSubstr("t.csv:1: the truth holds no plane"));
+  EXPECT_THAT(message(""), HasSubstr("t.csv:1: the truth holds no plane"));
+  EXPECT_THAT(message("#plane,nx,ny,nz,d,ar"), HasSubstr("t.csv:1: the truth holds no plane"));
   EXPECT_THAT(message("#p\n0,0,0,1,0.5,4\n"),
               HasSubstr("t.csv:2: 6 columns; column 7 (seen area)"));
   EXPECT_THAT(message("0,0,0,2,0.5,4,3\n"), HasSubstr("t.csv:1: the normal has norm 2"));

@@ -107,6 +107,9 @@ struct TrackingOptions {
 struct StereoMatcherOptions {
   /// Free parameters of the warp from left to right (see TrackingOptions).
   int num_parameters = 4;
+  /// The same for places whose depth is asked for (support points of the mesh). More cost time, and
+  /// lose more points.
+  int near_parameters = 2;
   /// Nearest depth that the search of new points covers. Smaller costs time and false matches.
   double min_depth_m = 0.3;
   /// Pyramid level of the search along the epipolar line.
@@ -124,6 +127,10 @@ struct StereoMatcherOptions {
   void Visit(Visitor& v) {
     v.Field(
         "num_parameters", num_parameters, Range{2, 6}, "2 shift, 3 rotation, 4 scale, 6 affine");
+    v.Field("near_parameters",
+            near_parameters,
+            Range{2, 6},
+            "same, for places whose depth is asked for");
     v.Field("min_depth_m", min_depth_m, Range{0.02, 100}, "nearest depth of the search");
     v.Field("search_level", search_level, Range{0, 5}, "pyramid level of the epipolar search");
     v.Field("min_search_zncc", min_search_zncc, Range{-1, 1}, "similarity in the search");

@@ -13,6 +13,14 @@ constexpr std::size_t kMaxCandidates = 2;
 // Coarsest level of a match whose depth is known.
 constexpr int kSeededLevel = 1;
 
+// Nobody tracks these points on: the last hundredths of a pixel, far below the noise, are not worth
+// an iteration.
+KltOptions NearKltOptions(KltOptions options) {
+  constexpr double kMinUpdate_px = 0.05;
+  options.min_update_px = std::max(options.min_update_px, kMinUpdate_px);
+  return options;
+}
+
 }  // namespace
 
 StereoMatcher::StereoMatcher(const StereoRig& rig, const FrontendOptions& options)
@@ -20,7 +28,8 @@ StereoMatcher::StereoMatcher(const StereoRig& rig, const FrontendOptions& option
       T_C1C0_(rig.T_C1C0()),
       baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()),
       options_(options.stereo),
-      tracker_(options.klt, options.stereo.num_parameters) {}
+      tracker_(options.klt, options.stereo.num_parameters),
+      near_tracker_(NearKltOptions(options.klt), options.stereo.near_parameters) {}
 
 bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
                                 const Vector2d& px_right,
@@ -46,14 +55,15 @@ bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
 }
 
 std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
-                                                 double inverse_depth,
-                                                 int coarsest_level,
+                                                 const Start& start,
                                                  const ImagePyramid& left,
                                                  const ImagePyramid& right,
                                                  float* zncc) {
-  std::optional<PatchWarp> warp = PredictWarp(track.ray, inverse_depth, T_C1C0_, right_camera_);
+  std::optional<PatchWarp> warp =
+      PredictWarp(track.ray, start.inverse_depth, T_C1C0_, right_camera_);
   if (!warp) return std::nullopt;
-  const Alignment found = tracker_.Align(patch_, right, {coarsest_level, track.level}, *warp);
+  const PatchTracker& tracker = start.tracker;
+  const Alignment found = tracker.Align(patch_, right, {start.coarsest_level, track.level}, *warp);
   *zncc = found.zncc;
   if (!found.ok || found.zncc < static_cast<float>(options_.min_zncc)) return std::nullopt;
   StereoMatch match;
@@ -66,8 +76,8 @@ std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
   const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
   PatchWarp back = InverseAt(*warp, x, y);
   const LevelRange finest = {found.level, found.level};
-  tracker_.Extract(right, warp->x, warp->y, finest, back_);
-  if (!tracker_.Align(back_, left, finest, back).ok) return std::nullopt;
+  tracker.Extract(right, warp->x, warp->y, finest, back_);
+  if (!tracker.Align(back_, left, finest, back).ok) return std::nullopt;
   const float distance = std::hypot(back.x - x, back.y - y);
   if (distance > static_cast<float>(options_.max_left_right_px)) return std::nullopt;
   return match;
@@ -126,7 +136,7 @@ std::optional<StereoMatch> StereoMatcher::Match(const Track& track,
   tracker_.Extract(left, x, y, {kSeededLevel, 0}, patch_);
   if (track.inverse_depth) {
     std::optional<StereoMatch> match =
-        Refine(track, *track.inverse_depth, kSeededLevel, left, right, &zncc);
+        Refine(track, {*track.inverse_depth, kSeededLevel, tracker_}, left, right, &zncc);
     if (match) return match;
   }
   Search(track, left, right);
@@ -135,7 +145,7 @@ std::optional<StereoMatch> StereoMatcher::Match(const Track& track,
   for (const Candidate& candidate : candidates_) {
     const int level = std::max(options_.search_level, track.level);
     std::optional<StereoMatch> match =
-        Refine(track, candidate.inverse_depth, level, left, right, &zncc);
+        Refine(track, {candidate.inverse_depth, level, tracker_}, left, right, &zncc);
     if (!match || zncc <= best_zncc) continue;
     best = match;
     best_zncc = zncc;
@@ -149,10 +159,11 @@ std::optional<StereoMatch> StereoMatcher::MatchNear(const Track& track,
                                                     const ImagePyramid& right) {
   patch_.Invalidate();
   const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
-  tracker_.Extract(left, x, y, {kSeededLevel, track.level}, patch_);
+  near_tracker_.Extract(left, x, y, {kSeededLevel, track.level}, patch_);
   float zncc = -1;
   for (double inverse_depth : inverse_depths) {
-    auto match = Refine(track, inverse_depth, kSeededLevel, left, right, &zncc);
+    const Start start = {inverse_depth, kSeededLevel, near_tracker_};
+    auto match = Refine(track, start, left, right, &zncc);
     if (match) return match;
   }
   return std::nullopt;

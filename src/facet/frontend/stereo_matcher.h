@@ -44,9 +44,15 @@ class StereoMatcher {
     float zncc = -1;
   };
 
+  /// Where an alignment starts, and with what.
+  struct Start {
+    double inverse_depth = 0;
+    int coarsest_level = 0;
+    const PatchTracker& tracker;
+  };
+
   std::optional<StereoMatch> Refine(const Track& track,
-                                    double inverse_depth,
-                                    int coarsest_level,
+                                    const Start& start,
                                     const ImagePyramid& left,
                                     const ImagePyramid& right,
                                     float* zncc);
@@ -59,7 +65,7 @@ class StereoMatcher {
   SE3 T_C1C0_;
   double baseline_focal_px_;
   StereoMatcherOptions options_;
-  PatchTracker tracker_;
+  PatchTracker tracker_, near_tracker_;
   std::vector<Candidate> samples_;     // along the epipolar line
   std::vector<Candidate> candidates_;  // the best local maxima of samples_
   PatchPyramid patch_;                 // of the left image

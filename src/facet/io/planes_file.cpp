@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/io/planes_file.h"
 
-#include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <tuple>
 
 #include "facet/io/csv_reader.h"
@@ -43,6 +43,19 @@ std::pair<Vector3d, double> NormalAndDistance(const CsvReader& row) {
   return {n / norm, Number(row, 4, "d") / norm};
 }
 
+// Whether the first line names the columns of a list of true planes.
+bool HasHeader(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string header;
+  std::getline(stream, header);
+  std::size_t at = 0;
+  for (const char* name : {",nx", ",ny", ",nz", ",d", ",area", ",seen area"}) {
+    at = header.find(name, at);
+    if (at == std::string::npos) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& file) {
@@ -72,10 +85,12 @@ std::vector<TruePlane> ReadTruePlanes(const std::filesystem::path& file) {
     plane.label = Text(row, 7);
     planes.push_back(std::move(plane));
   }
-  if (planes.empty()) {
-    throw InputError(file.string() + ":" + std::to_string(std::max(1, row.line())) +
-                     ": the truth holds no plane; columns 'plane,nx,ny,nz,d,area,seen area,label' "
-                     "are expected, or no such file at all");
+  // Without a row only the header tells a scene without planes from a file cut short.
+  if (planes.empty() && !HasHeader(file)) {
+    throw InputError(
+        file.string() +
+        ":1: the truth holds no plane and no header that says so; columns "
+        "'plane,nx,ny,nz,d,area,seen area,label' are expected, or no such file at all");
   }
   return planes;
 }

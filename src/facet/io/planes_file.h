@@ -35,8 +35,9 @@ struct TruePlane {
 /// that are not finite and normals that are not of unit norm (within 1 %).
 std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& file);
 
-/// Columns by position: plane, nx, ny, nz, d, area, seen area, label, ... Throws InputError like
-/// ReadEstimatedPlanes, and for a file that holds no plane.
+/// Columns by position: plane, nx, ny, nz, d, area, seen area, label, ... A file with nothing but
+/// the header is an answer, too: a scene without planar surfaces. Throws InputError like
+/// ReadEstimatedPlanes, and for an empty file.
 std::vector<TruePlane> ReadTruePlanes(const std::filesystem::path& file);
 
 }  // namespace facet

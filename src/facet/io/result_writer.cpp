@@ -47,8 +47,9 @@ std::string StatesCsv(const std::vector<FrameRecord>& frames) {
   std::string text =
       "timestamp_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz,"
       "sigma_px,sigma_py,sigma_pz,sigma_rx,sigma_ry,sigma_rz,sigma_vx,sigma_vy,sigma_vz,"
+      "sigma_bgx,sigma_bgy,sigma_bgz,sigma_bax,sigma_bay,sigma_baz,"
       "status,reason\n";
-  constexpr int kNumValues = 25;
+  constexpr int kNumValues = 31;
   for (const FrameRecord& f : frames) {
     text += std::to_string(f.t.ns);
     if (f.has_pose) {
@@ -61,7 +62,9 @@ std::string StatesCsv(const std::vector<FrameRecord>& frames) {
                                 f.state.bias.b_a,
                                 f.sigma_p,
                                 f.sigma_theta,
-                                f.sigma_v}) {
+                                f.sigma_v,
+                                f.sigma_b_g,
+                                f.sigma_b_a}) {
         AppendVector(text, v);
       }
     } else {
@@ -199,7 +202,7 @@ Json Summary(const RunRecord& run) {
   json["stages"] = StagesSummary(frames);
   if (const auto init_s = run.InitSeconds()) json["init_s"] = *init_s;
   if (!landmarks.empty()) json["landmarks_median"] = Median(landmarks);
-  json["planes_total"] = run.planes.size();
+  json["planes_total"] = run.planes ? run.planes->size() : 0;
   const auto most = [&](int FrameRecord::*count) {
     int out = 0;
     for (const FrameRecord& f : frames)
@@ -250,7 +253,7 @@ void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   WritePlyPoints(folder / "landmarks.ply", run.landmarks);
   if (run.mesh) WritePlyMesh(folder / "mesh.ply", *run.mesh);
   if (run.map) WritePlyMesh(folder / "map.ply", *run.map);
-  WriteTextFile(folder / "planes.csv", PlanesCsv(run.planes));
+  if (run.planes) WriteTextFile(folder / "planes.csv", PlanesCsv(*run.planes));
   WriteTextFile(folder / "config.yaml", run.config);
   // Text from file names may be in any encoding; what is not UTF-8 is replaced, not refused.
   WriteTextFile(folder / "summary.json",

@@ -24,6 +24,8 @@ struct FrameRecord {
   Vector3d sigma_p = Vector3d::Zero();
   Vector3d sigma_theta = Vector3d::Zero();
   Vector3d sigma_v = Vector3d::Zero();
+  Vector3d sigma_b_g = Vector3d::Zero();
+  Vector3d sigma_b_a = Vector3d::Zero();
   std::string status;  ///< initialising, ok, degraded, lost
   std::string reason;  ///< why it is not ok
   StageTimes times;
@@ -53,7 +55,7 @@ struct RunRecord {
   std::vector<Vector3d> landmarks;     ///< of the horizon at the end, in W
   std::optional<TriangleMesh> mesh;    ///< of the horizon at the end, in W
   std::optional<TriangleMesh> map;     ///< of the whole run, in W
-  std::vector<PlaneRecord> planes;     ///< ever in the estimator, in W
+  std::optional<std::vector<PlaneRecord>> planes;  ///< ever in the estimator, in W; if looked for
   /// Surface of the horizon mesh and of the newest keyframe's own faces, by keyframe [m^2].
   std::vector<double> mesh_areas_m2, view_areas_m2;
   std::string config;  ///< YAML of every parameter in force

@@ -7,6 +7,7 @@
 
 #include "facet/io/errors.h"
 #include "facet/io/result_folder.h"
+#include "facet/io/states_file.h"
 #include "facet/io/test_sequence.h"
 
 namespace facet {
@@ -55,9 +56,9 @@ TEST(ResultWriterTest, WritesEveryFile) {
   EXPECT_THAT(states[1], testing::StartsWith("1000000000,,,"));
   EXPECT_THAT(states[1], testing::EndsWith(",initialising,\"waiting, 3 of 7 frames\""));
   EXPECT_THAT(states[2], testing::StartsWith("1050000000,1,0,0,1,0,0,0,"));
-  EXPECT_EQ(std::count(states[0].begin(), states[0].end(), ','), 27);
-  EXPECT_EQ(std::count(states[1].begin(), states[1].end(), ','), 28);  // one within the quotes
-  EXPECT_EQ(std::count(states[2].begin(), states[2].end(), ','), 27);
+  EXPECT_EQ(std::count(states[0].begin(), states[0].end(), ','), 33);
+  EXPECT_EQ(std::count(states[1].begin(), states[1].end(), ','), 34);  // one within the quotes
+  EXPECT_EQ(std::count(states[2].begin(), states[2].end(), ','), 33);
 
   const auto timing = Lines(ReadText(folder / "timing.csv"));
   EXPECT_THAT(timing[0], testing::StartsWith("timestamp_ns,is_keyframe,decode,track,stereo,"));
@@ -69,6 +70,28 @@ TEST(ResultWriterTest, WritesEveryFile) {
   EXPECT_THAT(ply, testing::StartsWith("ply\nformat binary_little_endian 1.0\nelement vertex 2\n"));
   const std::size_t body = ply.find("end_header\n") + 11;
   EXPECT_EQ(ply.size() - body, 24u);
+}
+
+TEST(ResultWriterTest, StatesAreReadBack) {
+  TempFolder folder;
+  RunRecord run = SmallRun();
+  FrameRecord& f = run.frames[2];
+  f.state.v_WB = {4, 5, 6};
+  f.state.bias = {{0.1, 0.2, 0.3}, {1, 2, 3}};
+  f.sigma_p = {0.01, 0.02, 0.03};
+  f.sigma_theta = {0.001, 0.002, 0.003};
+  f.sigma_v = {0.4, 0.5, 0.6};
+  f.sigma_b_g = {1e-4, 2e-4, 3e-4};
+  f.sigma_b_a = {0.07, 0.08, 0.09};
+  WriteResult(folder.path(), run);
+  const std::vector<EstimatedState> states = ReadStates(folder / "states.csv");
+  ASSERT_EQ(states.size(), 3u);
+  EXPECT_EQ(states[1].state.bias.b_a, f.state.bias.b_a);
+  EXPECT_EQ(states[1].sigma_p, f.sigma_p);
+  EXPECT_EQ(states[1].sigma_theta, f.sigma_theta);
+  EXPECT_EQ(states[1].sigma_v, f.sigma_v);
+  EXPECT_EQ(states[1].sigma_b_g, f.sigma_b_g);
+  EXPECT_EQ(states[1].sigma_b_a, f.sigma_b_a);
 }
 
 TEST(ResultWriterTest, Summary) {

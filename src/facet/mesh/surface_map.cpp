@@ -15,13 +15,11 @@ constexpr double kMinFaceWeight = 1e-3, kMaxFaceWeight = 4;
 constexpr double kBorderVoxels = 0.75;
 constexpr double kMaxCoordinate_m = 1e5;
 
-std::int32_t FloorDivide(std::int32_t a, std::int32_t b) {
-  return a >= 0 ? a / b : -((-a + b - 1) / b);
-}
-
+// Shifts round down, below zero as well.
 CubeIndex BlockOf(const CubeIndex& c) {
-  constexpr int n = SurfaceMap::kBlockSide;
-  return {FloorDivide(c.x, n), FloorDivide(c.y, n), FloorDivide(c.z, n)};
+  constexpr int kShift = 3;
+  static_assert(1 << kShift == SurfaceMap::kBlockSide);
+  return {c.x >> kShift, c.y >> kShift, c.z >> kShift};
 }
 
 std::size_t VoxelOf(const CubeIndex& c, const CubeIndex& block) {
@@ -80,8 +78,7 @@ const SurfaceMap::Voxel* SurfaceMap::Find(const CubeIndex& corner) const {
   return voxel.weight > 0 ? &voxel : nullptr;
 }
 
-SurfaceMap::Voxel& SurfaceMap::At(const CubeIndex& corner) {
-  const CubeIndex block = BlockOf(corner);
+SurfaceMap::Block& SurfaceMap::BlockAt(const CubeIndex& block) {
   if (last_block_ < 0 || block != last_index_) {
     const auto [found, is_new] = index_.try_emplace(block, static_cast<int>(blocks_.size()));
     if (is_new) {
@@ -91,7 +88,36 @@ SurfaceMap::Voxel& SurfaceMap::At(const CubeIndex& corner) {
     last_block_ = found->second;
     last_index_ = block;
   }
-  return blocks_[last_block_].voxels[VoxelOf(corner, block)];
+  return blocks_[last_block_];
+}
+
+void SurfaceMap::Merge(const Sample& sample, Voxel& voxel) {
+  const float total = voxel.weight + sample.weight, share = sample.weight / total;
+  voxel.distance += (sample.distance - voxel.distance) * share;
+  voxel.intensity += (sample.intensity - voxel.intensity) * share;
+  voxel.weight = std::min(total, kMaxWeight);
+  if (sample.plane_id >= 0) voxel.plane_id = sample.plane_id;
+}
+
+// One look for the block serves all corners of the column inside it.
+void SurfaceMap::MergeColumn(const Column& column, Sample sample) {
+  constexpr std::array<std::ptrdiff_t, 3> kStride = {1, kBlockSide, kBlockSide * kBlockSide};
+  std::array<std::int32_t, 3> c = column.first;
+  std::int32_t& at = c[column.axis];
+  sample.distance = column.distance;
+  while (at < column.end) {
+    const CubeIndex corner{c[0], c[1], c[2]};
+    const CubeIndex index = BlockOf(corner);
+    Block& block = BlockAt(index);
+    Voxel* voxel = &block.voxels[VoxelOf(corner, index)];
+    const std::int32_t left = kBlockSide - (at & (kBlockSide - 1));
+    const std::int32_t count = std::min(left, column.end - at);
+    for (std::int32_t k = 0; k < count; ++k, voxel += kStride[column.axis]) {
+      Merge(sample, *voxel);
+      sample.distance += column.step;
+    }
+    at += count;
+  }
 }
 
 void SurfaceMap::Add(const LostFace& face) {
@@ -106,14 +132,24 @@ void SurfaceMap::Add(const LostFace& face) {
   const Vector3d low = face.p_W[0].cwiseMin(face.p_W[1]).cwiseMin(face.p_W[2]);
   const Vector3d high = face.p_W[0].cwiseMax(face.p_W[1]).cwiseMax(face.p_W[2]);
   const auto [u, v, w] = std::array{flat.u, flat.v, flat.w};
-  const auto floor_index = [voxel](double x) { return static_cast<int>(std::floor(x / voxel)); };
+  const auto floor_index = [voxel](double x) {
+    const double place = x / voxel;
+    const int towards_zero =
+        static_cast<int>(place);  // std::floor is a call where SSE2 is the most
+    return towards_zero - (place < towards_zero ? 1 : 0);
+  };
   const double half = options_.truncation_m / std::abs(flat.n[w]);
+  Column column;
+  column.axis = w;
+  column.step = static_cast<float>(flat.n[w] * voxel);
   std::array<std::int32_t, 3> c{};
   std::array<double, 3> share{};
-  for (c[u] = floor_index(low[u] - border) + 1; c[u] <= floor_index(high[u] + border); ++c[u]) {
-    for (c[v] = floor_index(low[v] - border) + 1; c[v] <= floor_index(high[v] + border); ++c[v]) {
-      const Vector2d column(c[u] * voxel, c[v] * voxel);
-      if (!flat.Contains(column, border, share)) continue;
+  const int u_end = floor_index(high[u] + border) + 1, v_end = floor_index(high[v] + border) + 1;
+  const int v_begin = floor_index(low[v] - border) + 1;
+  for (c[u] = floor_index(low[u] - border) + 1; c[u] < u_end; ++c[u]) {
+    for (c[v] = v_begin; c[v] < v_end; ++c[v]) {
+      const Vector2d place(c[u] * voxel, c[v] * voxel);
+      if (!flat.Contains(place, border, share)) continue;
       sample.intensity =
           static_cast<float>((share[0] * face.intensity[0] + share[1] * face.intensity[1] +
                               share[2] * face.intensity[2]) /
@@ -121,21 +157,14 @@ void SurfaceMap::Add(const LostFace& face) {
       // Where the column meets the plane; the part of it within the truncation is merged.
       const double centre =
           flat.a[w] -
-          (flat.n[u] * (column.x() - flat.a[u]) + flat.n[v] * (column.y() - flat.a[v])) / flat.n[w];
-      for (c[w] = floor_index(centre - half) + 1; c[w] <= floor_index(centre + half); ++c[w]) {
-        sample.distance = static_cast<float>(flat.n[w] * (c[w] * voxel - centre));
-        Merge(sample, At({c[0], c[1], c[2]}));
-      }
+          (flat.n[u] * (place.x() - flat.a[u]) + flat.n[v] * (place.y() - flat.a[v])) / flat.n[w];
+      c[w] = floor_index(centre - half) + 1;
+      column.first = c;
+      column.end = floor_index(centre + half) + 1;
+      column.distance = static_cast<float>(flat.n[w] * (c[w] * voxel - centre));
+      MergeColumn(column, sample);
     }
   }
-}
-
-void SurfaceMap::Merge(const Sample& sample, Voxel& voxel) {
-  const float total = voxel.weight + sample.weight, share = sample.weight / total;
-  voxel.distance += (sample.distance - voxel.distance) * share;
-  voxel.intensity += (sample.intensity - voxel.intensity) * share;
-  voxel.weight = std::min(total, kMaxWeight);
-  if (sample.plane_id >= 0) voxel.plane_id = sample.plane_id;
 }
 
 }  // namespace facet

@@ -74,8 +74,17 @@ class SurfaceMap {
     float distance = 0, weight = 0, intensity = 0;
     int plane_id = -1;
   };
+  /// The corners first, first + 1, ... along one axis of the grid.
+  struct Column {
+    std::array<std::int32_t, 3> first{};
+    int axis = 0;
+    std::int32_t end = 0;  // behind the last one, along the axis
+    float distance = 0;    // of the first corner to the face [m]
+    float step = 0;        // from one corner to the next [m]
+  };
   static void Merge(const Sample& sample, Voxel& voxel);
-  Voxel& At(const CubeIndex& corner);
+  void MergeColumn(const Column& column, Sample sample);
+  Block& BlockAt(const CubeIndex& block);
 
   SurfaceMapOptions options_;
   std::vector<Block> blocks_;  // in the order in which they were needed

@@ -59,9 +59,12 @@ void BackStage::FillOutput(const FrontPacket& packet, EstimatorResult result, Vi
   out.reason = result.reason;
   out.has_pose = result.has_state;
   out.state = result.state;
-  out.sigma_theta = result.covariance.diagonal().segment<3>(0).cwiseMax(0).cwiseSqrt();
-  out.sigma_p = result.covariance.diagonal().segment<3>(3).cwiseMax(0).cwiseSqrt();
-  out.sigma_v = result.covariance.diagonal().segment<3>(6).cwiseMax(0).cwiseSqrt();
+  const Vector<15> sigma = result.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  out.sigma_theta = sigma.segment<3>(0);
+  out.sigma_p = sigma.segment<3>(3);
+  out.sigma_v = sigma.segment<3>(6);
+  out.sigma_b_g = sigma.segment<3>(9);
+  out.sigma_b_a = sigma.segment<3>(12);
   out.num_tracks = static_cast<int>(observations.features.size());
   out.num_landmarks = static_cast<int>(estimator_.window().landmarks().size());
   out.num_planes = static_cast<int>(estimator_.window().planes.size());

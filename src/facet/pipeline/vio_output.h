@@ -25,6 +25,8 @@ struct VioOutput {
   Vector3d sigma_p = Vector3d::Zero();  ///< 1-sigma [m], in W
   Vector3d sigma_theta = Vector3d::Zero();  ///< 1-sigma [rad], in B
   Vector3d sigma_v = Vector3d::Zero();      ///< 1-sigma [m/s], in W
+  Vector3d sigma_b_g = Vector3d::Zero();    ///< 1-sigma [rad/s]
+  Vector3d sigma_b_a = Vector3d::Zero();    ///< 1-sigma [m/s^2]
   int num_tracks = 0;                       ///< features tracked in this frame
   int num_landmarks = 0;                    ///< landmarks in the window
   int num_planes = 0;                       ///< in the estimator
