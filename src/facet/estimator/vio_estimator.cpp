@@ -392,8 +392,9 @@ void VioEstimator::RelinearizeImu() {
   }
 }
 
-// Landmarks on planes where they do not belong bend the window: when many are found after the solve,
-// it is solved anew without them, before their pull is frozen or good observations look wrong.
+// Landmarks on planes where they do not belong bend the window: when many are found after the
+// solve, it is solved anew without them, before their pull is frozen or good observations look
+// wrong.
 bool VioEstimator::DropWrongMembers() {
   const int before = NumPlaneConstraints();
   if (before == 0) return false;

@@ -29,11 +29,10 @@ class PlaneRelationsTest : public ::testing::Test {
   }
   void AddWall(double azimuth_deg, double lean_deg = 0, double area_m2 = 5) {
     const double azimuth = azimuth_deg * kDegree, lean = lean_deg * kDegree;
-    AddPlane({std::cos(azimuth) * std::cos(lean),
-              std::sin(azimuth) * std::cos(lean),
-              std::sin(lean)},
-             PlaneOrientation::kVertical,
-             area_m2);
+    AddPlane(
+        {std::cos(azimuth) * std::cos(lean), std::sin(azimuth) * std::cos(lean), std::sin(lean)},
+        PlaneOrientation::kVertical,
+        area_m2);
   }
   std::vector<PlaneRelation> Update(int num_keyframes) {
     std::vector<PlaneRelation> out;
@@ -104,9 +103,9 @@ TEST_F(PlaneRelationsTest, AWallAtAnotherAngleHasAHeadingOfItsOwn) {
 
 TEST_F(PlaneRelationsTest, WhatIsOffOrSmallOrObliqueIsNotRelated) {
   AddWall(0);
-  AddWall(95);                        // 5 deg off: neither related nor a heading of its own
-  AddWall(90, 0, 0.5);                // small: upright only
-  AddWall(180, 9);                    // leans
+  AddWall(95);          // 5 deg off: neither related nor a heading of its own
+  AddWall(90, 0, 0.5);  // small: upright only
+  AddWall(180, 9);      // leans
   AddPlane({0.5, 0, 0.8}, PlaneOrientation::kOblique);
   estimates_.push_back(estimates_[0]);  // not settled
   estimates_.back().id = PlaneId{5};

@@ -36,8 +36,7 @@ TEST(ProjectionLandmarks, WhatIsNoLongerOnAPlaneIsTakenBack) {
   Rng rng(3);
   for (Vector3d& p_W : crumpled.mesh.vertices)
     p_W.x() += rng.Uniform(-0.5, 0.5);
-  const PlaneAssignments found =
-      search.Process(crumpled, BelievingEstimator().Snapshot(crumpled));
+  const PlaneAssignments found = search.Process(crumpled, BelievingEstimator().Snapshot(crumpled));
   EXPECT_GT(found.unprojected.size(), 0.9 * static_cast<double>(marked.size()));
   for (const LandmarkId id : found.unprojected)
     EXPECT_NE(std::find(marked.begin(), marked.end(), id), marked.end());
