@@ -25,12 +25,12 @@ TEST(ThreadsTest, TwoThreadsGiveTheSameBytesAsOne) {
     const std::filesystem::path folder = std::filesystem::path(FACET_BINARY_DIR) / "threads_test";
     for (const char* threads : {"1", "2"}) {
       const std::string command = std::string(FACET_PROGRAM) + " run '" + sequence->string() +
-                                  "' --pipeline S --duration 5 --quiet --threads " + threads +
+                                  "' --pipeline SPR --duration 8 --quiet --threads " + threads +
                                   " --out '" + (folder / threads).string() + "'";
       ASSERT_EQ(std::system(command.c_str()), 0) << command;
     }
     for (const char* file :
-         {"trajectory.tum", "keyframes.tum", "states.csv", "mesh.ply", "map.ply"}) {
+         {"trajectory.tum", "keyframes.tum", "states.csv", "planes.csv", "mesh.ply", "map.ply"}) {
       const std::string one = ReadFile(folder / "1" / file), two = ReadFile(folder / "2" / file);
       EXPECT_FALSE(one.empty()) << file;
       EXPECT_TRUE(one == two) << name << ' ' << file;

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The three pipelines on a recording: SPR finds the room's planes, S and SP have none, and all of
+// them follow the path.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "facet/eval/run_evaluation.h"
+#include "facet/io/planes_file.h"
+#include "facet/testing/data_dir.h"
+
+namespace facet {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PipelinesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    sequence_ = testing::DataDir("rendered_room");
+    if (!sequence_) GTEST_SKIP() << testing::MissingData("rendered_room");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path Run(const std::string& pipeline) {
+    const fs::path out = folder_ / pipeline;
+    const std::string command = std::string(FACET_PROGRAM) + " run '" + sequence_->string() +
+                                "' --pipeline " + pipeline + " --duration 12 --quiet --out '" +
+                                out.string() + "'";
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+    return out;
+  }
+
+  const fs::path folder_ = fs::path(FACET_BINARY_DIR) / "pipelines_test";
+  std::optional<fs::path> sequence_;
+};
+
+TEST_F(PipelinesTest, SprFindsPlanesThatAreThere) {
+  const fs::path out = Run("SPR");
+  const std::vector<EstimatedPlane> planes = ReadEstimatedPlanes(out / "planes.csv");
+  ASSERT_GE(planes.size(), 2u);
+  EXPECT_TRUE(std::any_of(planes.begin(), planes.end(), [](const EstimatedPlane& plane) {
+    return plane.label == "floor" && plane.orientation == "horizontal" && plane.area_m2 > 5 &&
+           plane.n_W.z() > 0.999;
+  }));
+  EvaluationOptions options;
+  options.judge_mesh = false;
+  const RunEvaluation evaluation = EvaluateRun(out, LoadGroundTruth(*sequence_), options);
+  ASSERT_TRUE(evaluation.planes);
+  EXPECT_GE(evaluation.planes->precision.value_or(0), 0.8);
+  EXPECT_LE(evaluation.planes->normal_error_deg_median.value_or(90), 2.0);
+  EXPECT_LE(evaluation.causal.ate_m.rmse, 0.004) << "m";
+}
+
+TEST_F(PipelinesTest, TheOthersHaveNone) {
+  for (const char* pipeline : {"S", "SP"}) {
+    const fs::path out = Run(pipeline);
+    EXPECT_FALSE(fs::exists(out / "planes.csv")) << pipeline;
+    EXPECT_TRUE(fs::exists(out / "trajectory.tum")) << pipeline;
+  }
+}
+
+}  // namespace
+}  // namespace facet
