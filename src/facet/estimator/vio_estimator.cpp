@@ -15,6 +15,7 @@
 #include "facet/estimator/plane_membership.h"
 #include "facet/estimator/relation_factor.h"
 #include "facet/estimator/window_policy.h"
+#include "facet/estimator/window_snapshot.h"
 
 namespace facet {
 
@@ -443,6 +444,7 @@ int VioEstimator::RemoveOutliers() {
     }
   }
   window_.RemoveLandmarks(gone);
+  // Without those observations vision places some landmarks elsewhere.
   DetachOutliers(geometry_, robust, options_.planes.outlier_sigma, window_);
   RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
   return removed;
@@ -602,55 +604,10 @@ int VioEstimator::NumPlaneConstraints() const {
   return std::accumulate(members.begin(), members.end(), 0);
 }
 
-void VioEstimator::SnapshotPlanes(MapSnapshot& snapshot) const {
-  const std::vector<int> members = CountMembers(window_);
-  for (std::size_t k = 0; k < window_.planes.size(); ++k) {
-    const WindowPlane& plane = window_.planes[k];
-    PlaneEstimate& estimate = snapshot.planes.emplace_back();
-    estimate.id = plane.id;
-    estimate.plane_W = plane.plane();
-    estimate.anchor_W = plane.anchor_W;
-    estimate.num_landmarks = members[k];
-    estimate.is_settled = plane.settled;
-    for (const auto& [id, covariance] : plane_covariances_) {
-      if (id == plane.id) estimate.covariance = covariance;
-    }
-  }
-}
-
 MapSnapshot VioEstimator::Snapshot() const {
-  MapSnapshot snapshot;
-  if (window_.frames.empty()) return snapshot;
-  snapshot.latest = passing_ ? passing_->x : window_.frames.back().x;
-  for (const WindowFrame& frame : window_.frames) {
-    if (frame.is_reported) snapshot.keyframes.push_back({frame.id, frame.x.t, frame.x.T_WB});
-  }
-  std::vector<CameraCentres> centres;
-  for (const WindowFrame& frame : window_.frames)
-    centres.push_back({frame.x.T_WB * rig_.T_BC[0].p, frame.x.T_WB * rig_.T_BC[1].p});
-  constexpr double kMinInverseDistance = 1e-3;
-  for (const WindowLandmark& landmark : window_.landmarks()) {
-    const double rho = landmark.inverse_distance;
-    if (!landmark.has_depth || rho < kMinInverseDistance) continue;
-    const SE3 T_WC = window_.frames[landmark.host].x.T_WB * rig_.T_BC[0];
-    const Vector3d ray_W = T_WC.q * landmark.bearing_H;
-    const double information = InverseDistanceInformation(landmark, ray_W, centres);
-    snapshot.landmarks.push_back({landmark.id,
-                                  T_WC.p + ray_W / rho,
-                                  static_cast<int>(landmark.observations.size()),
-                                  1 / (rho * rho * std::sqrt(information + 1e-12)),
-                                  {}});
-    for (int k = 0; k < landmark.planes.count; ++k) {
-      const int plane = landmark.planes.index[static_cast<std::size_t>(k)];
-      snapshot.landmarks.back().planes[static_cast<std::size_t>(k)] = window_.planes[plane].id;
-    }
-  }
-  SnapshotPlanes(snapshot);
-  for (const WindowRelation& relation : window_.relations)
-    snapshot.relations.push_back(relation.relation);
-  std::sort(snapshot.landmarks.begin(), snapshot.landmarks.end(), [](const auto& a, const auto& b) {
-    return a.id < b.id;
-  });
+  if (window_.frames.empty()) return {};
+  MapSnapshot snapshot = SnapshotWindow(window_, rig_, plane_covariances_);
+  if (passing_) snapshot.latest = passing_->x;
   return snapshot;
 }
 

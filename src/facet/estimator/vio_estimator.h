@@ -12,6 +12,7 @@
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/frame_update.h"
 #include "facet/estimator/marginalization.h"
+#include "facet/estimator/window_snapshot.h"
 #include "facet/estimator/window_solver.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/map/map_snapshot.h"
@@ -88,7 +89,6 @@ class VioEstimator {
   /// ... and the others are marginalised.
   void EndPlanes(MarginalizationPlan& plan);
   void KeepPlaneCovariances();
-  void SnapshotPlanes(MapSnapshot& snapshot) const;
   void MoveOriginToNewestFrame();
   /// Whether the start is over. If it is not but the window is full, drops a duplicate frame.
   bool UpdateStart(std::vector<KeyframePose>& finished);
@@ -113,8 +113,7 @@ class VioEstimator {
   std::optional<WindowFrame> passing_;
   PlaneAssignments assignments_;  ///< to come into force with the next keyframe
   std::vector<PlaneId> ended_planes_;
-  /// PlaneEstimate::covariance after the newest keyframe's solve.
-  std::vector<std::pair<PlaneId, Matrix<10, 10>>> plane_covariances_;
+  std::vector<PlaneCovariance> plane_covariances_;  ///< after the newest keyframe's solve
   bool initialised_ = false;
   bool start_is_over_ = false;
   Timestamp first_t_;

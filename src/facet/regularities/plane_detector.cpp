@@ -46,6 +46,28 @@ std::vector<int> PlaneDetector::Accept(const SurfaceFaces& faces,
   return near;
 }
 
+// What is found takes its votes back, so that it does not hide its neighbours.
+template <class Votes, class Vote>
+void PlaneDetector::TakePeaks(const SurfaceFaces& faces,
+                              Votes& histogram,
+                              std::vector<char>& has_voted,
+                              const Vote& vote,
+                              std::vector<PlaneCandidate>& out) {
+  for (const int f : pool_) {
+    if (has_voted[f] != 0) vote(f, 1);
+  }
+  for (int k = 0; k < options_.max_candidates; ++k) {
+    const auto peak = histogram.Highest();
+    if (!peak || peak->area_m2 < options_.min_area_m2) return;
+    for (const int f : Accept(faces, peak->plane_W, options_.min_area_m2, out)) {
+      if (has_voted[f] == 0) continue;
+      vote(f, -1);
+      has_voted[f] = 0;
+    }
+    histogram.Erase(peak->plane_W);
+  }
+}
+
 void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
   const double min_z = std::cos(options_.max_lean_deg * kDegree);
   std::vector<char> votes(faces.faces.size(), 0);
@@ -64,19 +86,7 @@ void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandid
   const auto vote = [&](int f, double sign) {
     heights_.Add(faces.faces[f].centre_W.z(), sign * faces.faces[f].area_m2);
   };
-  for (const int f : pool_) {
-    if (votes[f] != 0) vote(f, 1);
-  }
-  for (int k = 0; k < options_.max_candidates; ++k) {
-    const auto peak = heights_.Highest();
-    if (!peak || peak->area_m2 < options_.min_area_m2) return;
-    for (const int f : Accept(faces, peak->plane_W, options_.min_area_m2, out)) {
-      if (votes[f] == 0) continue;
-      vote(f, -1);
-      votes[f] = 0;
-    }
-    heights_.Erase(peak->plane_W.d);
-  }
+  TakePeaks(faces, heights_, votes, vote, out);
 }
 
 void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
@@ -101,19 +111,7 @@ void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCand
       walls_.Add(face.centre_W, face.n_W, weight);
     }
   };
-  for (const int f : pool_) {
-    if (votes[f] != 0) vote(f, 1);
-  }
-  for (int k = 0; k < options_.max_candidates; ++k) {
-    const auto peak = walls_.Highest();
-    if (!peak || peak->area_m2 < options_.min_area_m2) return;
-    for (const int f : Accept(faces, peak->plane_W, options_.min_area_m2, out)) {
-      if (votes[f] == 0) continue;
-      vote(f, -1);
-      votes[f] = 0;
-    }
-    walls_.Erase(peak->plane_W);
-  }
+  TakePeaks(faces, walls_, votes, vote, out);
 }
 
 void PlaneDetector::FindOblique(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {

@@ -24,6 +24,13 @@ class PlaneDetector {
   void FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out);
   void FindUpright(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out);
   void FindOblique(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out);
+  /// Has the faces marked in `has_voted` vote, and accepts what stands behind the highest peaks.
+  template <class Votes, class Vote>
+  void TakePeaks(const SurfaceFaces& faces,
+                 Votes& histogram,
+                 std::vector<char>& has_voted,
+                 const Vote& vote,
+                 std::vector<PlaneCandidate>& out);
   /// The free faces; keeps what passes and marks its faces. Returns all faces near the plane.
   std::vector<int> Accept(const SurfaceFaces& faces,
                           const Plane& start,

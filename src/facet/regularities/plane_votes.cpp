@@ -83,8 +83,8 @@ std::optional<VotePeak> HeightVotes::Highest() const {
   return VotePeak{{Vector3d::UnitZ(), origin_m_ + bin_m_ * position}, *highest};
 }
 
-void HeightVotes::Erase(double height_m) {
-  EraseAround((height_m - origin_m_) / bin_m_, bins_.data(), static_cast<int>(bins_.size()));
+void HeightVotes::Erase(const Plane& plane_W) {
+  EraseAround((plane_W.d - origin_m_) / bin_m_, bins_.data(), static_cast<int>(bins_.size()));
 }
 
 void WallVotes::Reset(const Vector3d& origin_W, double radius_m, double sigma_m, double sigma_rad) {

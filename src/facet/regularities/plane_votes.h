@@ -30,7 +30,7 @@ class HeightVotes {
   std::optional<VotePeak> Highest() const;
 
   /// Takes away what is left around a peak.
-  void Erase(double height_m);
+  void Erase(const Plane& plane_W);
 
  private:
   double origin_m_ = 0, bin_m_ = 0;

@@ -185,7 +185,7 @@ TEST(HeightVotesTest, CountAtBothEndsAndInAnEmptyRange) {
   votes.Add(2, 1.0);
   ASSERT_TRUE(votes.Highest());
   EXPECT_NEAR(votes.Highest()->plane_W.d, 2, 0.005);
-  votes.Erase(2);
+  votes.Erase({Vector3d::UnitZ(), 2});
   EXPECT_FALSE(votes.Highest());
 }
 

@@ -2,8 +2,6 @@
 // Every knob of the search for planes. (!) marks the ones worth tuning.
 #pragma once
 
-#include <string>
-
 #include "facet/base/options.h"
 
 namespace facet {
