@@ -25,6 +25,7 @@ struct EvaluateArguments {
   std::vector<double> rpe_lengths_m;
   std::string alignment = ToString(AlignmentKind::kSE3);
   std::vector<std::string> parts = {"mesh", "planes", "consistency"};
+  bool parts_are_named = false;
   bool align_time = false;
   std::string report;
 };
@@ -41,6 +42,7 @@ EvaluationOptions OptionsOf(const EvaluateArguments& arguments) {
   options.judge_mesh = wants("mesh");
   options.judge_planes = wants("planes");
   options.judge_consistency = wants("consistency");
+  options.parts_must_exist = arguments.parts_are_named;
   return options;
 }
 
@@ -117,13 +119,18 @@ void AddEvaluateCommand(CLI::App& app) {
                     arguments->align_time,
                     "estimate the offset between the two clocks (at most 0.5 s) and remove it");
   command
-      ->add_option("--parts",
-                   arguments->parts,
-                   "what to judge beside the trajectory, where there is truth for it: "
-                   "mesh,planes,consistency (default), or trajectory for nothing else")
+      ->add_option(
+          "--parts",
+          arguments->parts,
+          "what to judge beside the trajectory, where there is truth for it: "
+          "mesh,planes,consistency (default), or trajectory for nothing else; what is named "
+          "must be there")
       ->delimiter(',')
       ->check(CLI::IsMember({"trajectory", "mesh", "planes", "consistency"}));
-  command->callback([arguments] { Evaluate(*arguments); });
+  command->callback([arguments, command] {
+    arguments->parts_are_named = command->count("--parts") > 0;
+    Evaluate(*arguments);
+  });
 }
 
 }  // namespace facet

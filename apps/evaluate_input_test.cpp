@@ -180,6 +180,22 @@ TEST_F(EvaluateInputTest, ABadRunToCompareWithLeavesNothingBehind) {
   EXPECT_FALSE(fs::exists(Result() / "evaluation.json"));
 }
 
+TEST_F(EvaluateInputTest, APartThatIsNamedMustBeThere) {
+  const auto expect = [&](const std::string& part, const std::string& text) {
+    const ProgramRun run = Evaluate("--parts " + part);
+    EXPECT_EQ(run.exit_code, 3) << part;
+    EXPECT_THAT(run.err, HasSubstr(text));
+    EXPECT_FALSE(fs::exists(Result() / "evaluation.json"));
+  };
+  expect("planes", "seq: there is no list of true planes (truth/planes.csv)");
+  expect("mesh", "result: there is no mesh");
+  fs::remove(Sequence() / "truth" / "mesh.ply");
+  expect("mesh", "seq: there is no true surface");
+  expect("trajectory,consistency", "result: there is no states.csv");
+  WriteText(Sequence() / "truth" / "planes.csv", "#plane,nx,ny,nz,d,area,seen area,label\n");
+  expect("planes", "result: there is no planes.csv");
+}
+
 TEST_F(EvaluateInputTest, UnknownPart) {
   EXPECT_EQ(Evaluate("--parts wings").exit_code, 2);
 }
