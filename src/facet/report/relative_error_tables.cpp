@@ -126,7 +126,7 @@ Table GainTable(const ordered_json& comparison) {
                              gains[g]["reference"].get<std::string>()));
       for (const char* key :
            {"translation_mean", "translation_best", "rotation_mean", "rotation_best"})
-        row.push_back(NumberCell(comparison, place + "/" + key, "%+.0f", 100));
+        row.push_back(NumberCell(comparison, place + "/" + key, "%+.1f", 100));
       row.push_back(NumberCell(comparison, place + "/lengths", "%.0f"));
     }
   }

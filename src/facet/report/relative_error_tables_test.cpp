@@ -69,7 +69,7 @@ TEST(RelativeErrorTablesTest, PaperBesideOurs) {
   EXPECT_THAT(errors,
               HasSubstr("| V2_02_medium | SP | 1.00 | 2.00 | 1.00 | 5.00 | 0.100 | 0.500 |"));
   EXPECT_THAT(errors, HasSubstr("| V2_02_medium | SPR | 1.00 | 2.00 | 0.75 | - | 0.075 | - |"));
-  EXPECT_THAT(gains, HasSubstr("| V2_02_medium | SPR / SP | +25 | +25 | +25 | +25 | 1 |"));
+  EXPECT_THAT(gains, HasSubstr("| V2_02_medium | SPR / SP | +25.0 | +25.0 | +25.0 | +25.0 | 1 |"));
   EXPECT_THAT(gains, HasSubstr("| V2_02 (paper) | SPR / SP | +20 | +50 | +15 | +30 | - |"));
 }
 
