@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "number_check.h"
 #include <CLI/CLI.hpp>
 
 #include "facet/eval/evaluation_json.h"
@@ -112,7 +113,7 @@ void AddEvaluateCommand(CLI::App& app) {
           arguments->rpe_lengths_m,
           "path lengths [m] for relative errors; default: 1,2,5,10,20,... as far as the path goes")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command->add_option(
       "--report", arguments->report, "folder for report.html: plots and tables on one page");
   command->add_flag("--align-time",
