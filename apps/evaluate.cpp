@@ -57,14 +57,9 @@ Report MakeReport(const EvaluateArguments& arguments, std::vector<RunEvaluation>
   ReportSection& section = report.sections.emplace_back();
   section.name = NameOf(arguments.truth);
   section.truth = arguments.truth;
-  for (RunEvaluation& evaluation : evaluations) {
-    std::string name = NameOf(evaluation.result);
-    const auto is_same = [&name](const ReportRun& run) { return run.name == name; };
-    if (std::ranges::any_of(section.runs, is_same)) {
-      name = std::filesystem::absolute(evaluation.result).lexically_normal().string();
-    }
-    section.runs.push_back(MakeReportRun(name, std::move(evaluation)));
-  }
+  const std::vector<std::string> names = ColumnNames(evaluations);
+  for (std::size_t i = 0; i < evaluations.size(); ++i)
+    section.runs.push_back(MakeReportRun(names[i], std::move(evaluations[i])));
   report.title = "Evaluation on " + section.name;
   return report;
 }
