@@ -23,14 +23,14 @@ constexpr int kPhases = 16;
 constexpr int kHalfTaps = 4;
 constexpr int kTaps = 2 * kHalfTaps;
 
-using Bump = std::array<double, kTaps>;
+using Bump = std::array<float, kTaps>;
 
 std::array<Bump, kPhases> MakeBumps() {
   std::array<Bump, kPhases> bumps;
   for (int phase = 0; phase < kPhases; ++phase) {
     for (int tap = 0; tap < kTaps; ++tap) {
       const double x = (tap - kHalfTaps + 1 - static_cast<double>(phase) / kPhases) / kBinsPerSigma;
-      bumps[phase][tap] = std::exp(-0.5 * x * x);
+      bumps[phase][tap] = static_cast<float>(std::exp(-0.5 * x * x));
     }
   }
   return bumps;
@@ -44,8 +44,14 @@ void AddBump(double position, double weight, float* bins, int num_bins) {
   const int whole = fine >= 0 ? fine / kPhases : -((kPhases - 1 - fine) / kPhases);
   const Bump& bump = kBumps[static_cast<std::size_t>(fine - whole * kPhases)];
   const int start = whole - kHalfTaps + 1;
+  const auto height = static_cast<float>(weight);
+  if (start >= 0 && start + kTaps <= num_bins) {
+    for (int tap = 0; tap < kTaps; ++tap)
+      bins[start + tap] += height * bump[static_cast<std::size_t>(tap)];
+    return;
+  }
   for (int tap = std::max(0, -start); tap < std::min(kTaps, num_bins - start); ++tap)
-    bins[start + tap] += static_cast<float>(weight * bump[static_cast<std::size_t>(tap)]);
+    bins[start + tap] += height * bump[static_cast<std::size_t>(tap)];
 }
 
 // Vertex of the parabola through the bin and its neighbours, relative to the bin.
