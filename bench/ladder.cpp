@@ -7,8 +7,8 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
-#include <memory>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -31,24 +31,11 @@ struct LadderOptions {
   int jobs = 1;
 };
 
-struct CsvCloser {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using CsvFile = std::unique_ptr<std::FILE, CsvCloser>;
-
-CsvFile OpenCsv(const std::string& path) {
-  if (path.empty()) return nullptr;
-  CsvFile file(std::fopen(path.c_str(), "w"));
-  if (!file) throw std::runtime_error("cannot write " + path);
-  WriteCsvHeader(file.get());
-  return file;
-}
-
 /// Realisations in parallel, each through all rungs, so that whatever is done in time is paired.
 std::vector<Realisation> RunFlight(const Scenario& scenario,
                                    const LadderOptions& options,
                                    const std::vector<Rung>& rungs,
-                                   std::FILE* csv) {
+                                   OutcomeFile* file) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   const auto elapsed_s = [&] {
@@ -62,13 +49,26 @@ std::vector<Realisation> RunFlight(const Scenario& scenario,
       if (options.budget_s > 0 && elapsed_s() > options.budget_s) return;
       Realisation realisation;
       realisation.seed = static_cast<std::uint64_t>(options.consistency.first_seed + i);
-      const double begin_ms = ThreadCpuMs();
-      const SimulatedRun run = Simulate(scenario, options.consistency, realisation.seed);
-      realisation.simulation_s = (ThreadCpuMs() - begin_ms) / 1000;
-      for (const Rung& rung : rungs)
-        realisation.outcomes.push_back(RunRung(run, options.consistency, rung));
+      std::optional<SimulatedRun> run;  // simulated when the first rung needs it
+      for (const Rung& rung : rungs) {
+        if (file != nullptr) {
+          const std::lock_guard lock(mutex);
+          if (const Outcome* known = file->Find(scenario.name, realisation.seed, rung.key)) {
+            realisation.outcomes.push_back(*known);
+            continue;
+          }
+        }
+        if (!run) {
+          const double begin_ms = ThreadCpuMs();
+          run = Simulate(scenario, options.consistency, realisation.seed);
+          realisation.simulation_s = (ThreadCpuMs() - begin_ms) / 1000;
+        }
+        realisation.outcomes.push_back(RunRung(*run, options.consistency, rung));
+        const std::lock_guard lock(mutex);
+        if (file != nullptr)
+          file->Add(scenario.name, realisation.seed, rung.key, realisation.outcomes.back());
+      }
       const std::lock_guard lock(mutex);
-      if (csv != nullptr) WriteCsv(csv, scenario.name, rungs, realisation);
       done.push_back(std::move(realisation));
       std::fprintf(stderr,
                    "%s: %zu of %d realisations, %.0f s\n",
@@ -123,7 +123,7 @@ int Main(int argc, char** argv) {
   app.add_option("--rungs", rung_keys, "keys of rungs besides S, with commas")->delimiter(',');
   app.add_option("--jobs", options.jobs, "runs at the same time")->check(CLI::Range(1, 256));
   app.add_option("--budget", options.budget_s, "begin no realisation of a flight later [s]");
-  app.add_option("--csv", csv_path, "file for every single outcome");
+  app.add_option("--csv", csv_path, "file for single outcomes; what is there is not run again");
   app.add_option("--set", overrides, "option of the estimator, key=value");
   app.add_option("--search", search_overrides, "option of the search, mesh.* or regularities.*");
   CLI11_PARSE(app, argc, argv);
@@ -132,9 +132,19 @@ int Main(int argc, char** argv) {
   ApplyOverrides(search_overrides, ListFields(search));
   const std::vector<Rung> rungs = SelectRungs(MakeRungs(search), rung_keys);
   const std::vector<Scenario> flights = SelectFlights(options);
-  const CsvFile csv = OpenCsv(csv_path);
+  std::optional<OutcomeFile> file;
+  if (!csv_path.empty()) {
+    std::string settings = "duration " + std::to_string(options.duration_s);
+    for (const std::vector<std::string>* texts : {&overrides, &search_overrides}) {
+      for (const std::string& text : *texts)
+        settings += " " + text;
+    }
+    file.emplace(csv_path, settings);
+  }
   for (const Scenario& flight : flights) {
-    const std::vector<Realisation> realisations = RunFlight(flight, options, rungs, csv.get());
+    const std::vector<Realisation> realisations =
+        RunFlight(flight, options, rungs, file ? &*file : nullptr);
+    if (realisations.empty()) continue;  // the budget is used up
     std::printf("%s, %.0f s, %zu realisations\n",
                 flight.name.c_str(),
                 flight.duration_s,

@@ -2,6 +2,8 @@
 #include "ladder_report.h"
 
 #include <algorithm>
+#include <fstream>
+#include <stdexcept>
 
 #include "facet/eval/paired_comparison.h"
 
@@ -82,6 +84,10 @@ void PrintQuality(const Realisations& realisations, std::size_t rung) {
   std::printf("\n");
 }
 
+std::string KeyOf(const std::string& flight, std::uint64_t seed, const std::string& rung) {
+  return flight + "," + std::to_string(seed) + "," + rung;
+}
+
 }  // namespace
 
 void PrintLadder(const std::vector<Rung>& rungs, const Realisations& realisations) {
@@ -99,34 +105,72 @@ void PrintLadder(const std::vector<Rung>& rungs, const Realisations& realisation
   std::fflush(stdout);
 }
 
-void WriteCsvHeader(std::FILE* file) {
-  std::fprintf(file,
-               "flight,seed,rung,ate_m,pose_nees,yaw_nees,resets,planes,joined,joined_wrongly,"
-               "wrong_returns,cpu_s\n");
+OutcomeFile::OutcomeFile(const std::string& path, const std::string& settings) {
+  const std::string begin = "# " + settings;
+  std::ifstream old(path);
+  std::string line;
+  if (std::getline(old, line) && line != begin)
+    throw std::runtime_error(path + ": is of other settings (" + line + ")");
+  const bool is_new = !old;
+  bool was_cut = false;  // the last line lacks its end
+  while (std::getline(old, line)) {
+    was_cut = old.eof();
+    Outcome o;
+    char flight[64], rung[64];
+    unsigned long long seed = 0;
+    const int found = std::sscanf(line.c_str(),
+                                  "%63[^,],%llu,%63[^,],%lf,%lf,%lf,%d,%d,%d,%d,%d,%lf",
+                                  flight,
+                                  &seed,
+                                  rung,
+                                  &o.ate_m,
+                                  &o.pose_nees,
+                                  &o.yaw_nees,
+                                  &o.num_resets,
+                                  &o.quality.num_created,
+                                  &o.quality.num_joined,
+                                  &o.quality.num_wrong,
+                                  &o.quality.num_events,
+                                  &o.cpu_s);
+    constexpr int kColumns = 12;
+    if (found == kColumns) outcomes_[KeyOf(flight, seed, rung)] = o;
+  }
+  file_.reset(std::fopen(path.c_str(), "a"));
+  if (!file_) throw std::runtime_error(path + ": cannot be written");
+  if (was_cut) std::fputc('\n', file_.get());
+  if (!is_new) return;
+  std::fprintf(file_.get(),
+               "%s\nflight,seed,rung,ate_m,pose_nees,yaw_nees,resets,planes,joined,joined_wrongly,"
+               "wrong_returns,cpu_s\n",
+               begin.c_str());
 }
 
-void WriteCsv(std::FILE* file,
-              const std::string& flight,
-              const std::vector<Rung>& rungs,
-              const Realisation& realisation) {
-  for (std::size_t r = 0; r < rungs.size(); ++r) {
-    const Outcome& o = realisation.outcomes[r];
-    std::fprintf(file,
-                 "%s,%llu,%s,%.9g,%.6g,%.6g,%d,%d,%d,%d,%d,%.3f\n",
-                 flight.c_str(),
-                 static_cast<unsigned long long>(realisation.seed),
-                 rungs[r].key.c_str(),
-                 o.ate_m,
-                 o.pose_nees,
-                 o.yaw_nees,
-                 o.num_resets,
-                 o.quality.num_created,
-                 o.quality.num_joined,
-                 o.quality.num_wrong,
-                 o.quality.num_events,
-                 o.cpu_s);
-  }
-  std::fflush(file);
+const Outcome* OutcomeFile::Find(const std::string& flight,
+                                 std::uint64_t seed,
+                                 const std::string& rung) const {
+  const auto found = outcomes_.find(KeyOf(flight, seed, rung));
+  return found == outcomes_.end() ? nullptr : &found->second;
+}
+
+void OutcomeFile::Add(const std::string& flight,
+                      std::uint64_t seed,
+                      const std::string& rung,
+                      const Outcome& o) {
+  const std::string key = KeyOf(flight, seed, rung);
+  outcomes_[key] = o;
+  std::fprintf(file_.get(),
+               "%s,%.9g,%.6g,%.6g,%d,%d,%d,%d,%d,%.3f\n",
+               key.c_str(),
+               o.ate_m,
+               o.pose_nees,
+               o.yaw_nees,
+               o.num_resets,
+               o.quality.num_created,
+               o.quality.num_joined,
+               o.quality.num_wrong,
+               o.quality.num_events,
+               o.cpu_s);
+  std::fflush(file_.get());
 }
 
 }  // namespace facet

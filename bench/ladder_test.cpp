@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The rungs of the ladder do what their names say.
-#include "ladder_rungs.h"
+#include <filesystem>
+#include <fstream>
+
+#include "ladder_report.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 namespace facet {
 namespace {
@@ -62,6 +66,28 @@ TEST(LadderRungsTest, SIsAlwaysThereAndUnknownKeysAreNamed) {
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("oracle-6s"));
   }
+}
+
+TEST(OutcomeFileTest, GoesOnWhereItStoppedAndRefusesOtherSettings) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("facet_outcomes_" + std::to_string(::getpid()) + ".csv");
+  Outcome outcome;
+  outcome.ate_m = 0.0125;
+  outcome.quality.num_events = 1;
+  OutcomeFile(path, "duration 5").Add("corridor", 3, "SPR", outcome);
+  {
+    const OutcomeFile again(path, "duration 5");
+    const Outcome* known = again.Find("corridor", 3, "SPR");
+    ASSERT_NE(known, nullptr);
+    EXPECT_EQ(known->ate_m, 0.0125);
+    EXPECT_EQ(known->quality.num_events, 1);
+    EXPECT_EQ(again.Find("corridor", 4, "SPR"), nullptr);
+    EXPECT_EQ(again.Find("corridor", 3, "S"), nullptr);
+  }
+  std::ofstream(path, std::ios::app) << "corridor,4,SPR,0.01";  // cut off in the middle of a line
+  EXPECT_EQ(OutcomeFile(path, "duration 5").Find("corridor", 4, "SPR"), nullptr);
+  EXPECT_THROW(OutcomeFile(path, "duration 6"), std::runtime_error);
+  std::filesystem::remove(path);
 }
 
 }  // namespace
