@@ -72,7 +72,7 @@ std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& fil
     plane.area_m2 = Number(row, 13, "area_m2");
     planes.push_back(std::move(plane));
   }
-  if (planes.empty() && !HasHeader(file, {",nx", ",ny", ",nz", ",d", ",cx"})) {
+  if (planes.empty() && !HasHeader(file, {",nx", ",ny", ",nz", ",d"})) {
     throw InputError(file.string() +
                      ":1: neither a plane nor a header; columns 'id,nx,ny,nz,d,cx,cy,cz,...' are "
                      "expected, or no such file at all");
