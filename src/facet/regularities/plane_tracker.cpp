@@ -299,6 +299,7 @@ PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {
   record.first_seen = plane.first_seen;
   record.last_seen = plane.last_seen;
   record.num_landmarks = plane.num_landmarks;
+  record.absorbed = plane.absorbed;
   record.area_m2 = plane.support.area_m2();
   record.outline_W = plane.support.Outline(record.plane_W);
   const Matrix<10, 10>& covariance = plane.estimate.covariance;
