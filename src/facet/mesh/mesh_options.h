@@ -151,7 +151,7 @@ struct SupportOptions {
   bool enabled = true;
   /// Side of a cell with at most one support point, if it holds no corner. The cells take turns
   /// over two keyframes. Smaller: more points, more time. (!)
-  int cell_px = 22;
+  int cell_px = 23;
   /// Mean difference between pixels two apart along the rows that a place must have [grey values].
   double min_contrast = 1.5;
   /// A triangle whose corners' inverse depths differ by more is also searched around the nearest

@@ -187,8 +187,8 @@ void PlaneTracker::Recognise(const MapSnapshot& map, const PlaneCandidate& candi
     plane_of_face_[f] = plane;
 }
 
-// Enough of them, and spread so that they determine the normal: once a plane is a variable it should
-// be known, not follow whatever comes first.
+// Enough of them, and spread so that they determine the normal: once a plane is a variable it
+// should be known, not follow whatever comes first.
 bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   const PlaneTrackingOptions& limits = options_.tracking;
   const Vector3d& n_W = planes_[plane].estimate.plane_W.n;
