@@ -21,6 +21,9 @@ namespace facet {
 namespace {
 
 constexpr double kStep_px = 4;  // between the rays that ask the mesh
+// The boards are nearer than this; a ray that passes through a hole of the mesh and meets what lies
+// behind says nothing about them, and is counted as not met.
+constexpr double kRange_m = 2;
 
 struct Outline {
   std::string board;
@@ -87,7 +90,7 @@ Board Look(const MeshQuery& mesh,
       if (!outline.Contains({x, y}) || !ray) continue;
       ++board.num_rays;
       const Vector3d direction_W = T_WC.q * Vector3d(ray->xy.x(), ray->xy.y(), 1);
-      const auto hit = mesh.FirstAlongRay(T_WC.p, direction_W, 20);
+      const auto hit = mesh.FirstAlongRay(T_WC.p, direction_W, kRange_m);
       if (!hit || hit->distance_m < min_m) continue;
       board.p_W.push_back(hit->p_W);
       board.nearest_m = std::min(board.nearest_m, hit->distance_m);
