@@ -187,8 +187,8 @@ void PlaneTracker::Recognise(const MapSnapshot& map, const PlaneCandidate& candi
     plane_of_face_[f] = plane;
 }
 
-// Enough of them, and spread so that they determine the normal: once a plane is a variable it should
-// be known, not follow whatever comes first.
+// Enough of them, and spread so that they determine the normal: once a plane is a variable it
+// should be known, not follow whatever comes first.
 bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   const PlaneTrackingOptions& limits = options_.tracking;
   const Vector3d& n_W = planes_[plane].estimate.plane_W.n;
@@ -309,6 +309,7 @@ PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {
   record.first_seen = plane.first_seen;
   record.last_seen = plane.last_seen;
   record.num_landmarks = plane.num_landmarks;
+  record.absorbed = plane.absorbed;
   record.area_m2 = plane.support.area_m2();
   record.outline_W = plane.support.Outline(record.plane_W);
   const Matrix<10, 10>& covariance = plane.estimate.covariance;
