@@ -105,7 +105,7 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
       const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
       double worst = 0;
       for (const int corner : face.corners) {
-        const SurfacePoint& point = faces_.points[corner];
+        const FacePoint& point = faces_.points[corner];
         const double sigma = point.SigmaAlong(plane.n);
         const double gate = std::clamp(
             3 * std::sqrt(sigma * sigma + variance), limits.min_gate_m, limits.max_gate_m);
