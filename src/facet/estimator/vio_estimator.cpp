@@ -199,8 +199,12 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     InitializeDepths();
     RelinearizeImu();
     TakeAssignments();
+    before_solve_.Save(window_);
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
-    if (DropWrongMembers()) result.solve = solver_.Solve(window_, kRepairIterations);
+    if (DropWrongMembers()) {
+      before_solve_.Restore(window_);
+      result.solve = solver_.Solve(window_, kRepairIterations);
+    }
     newest_covariance_ = solver_.NewestFrameCovariance(window_);
     JudgePlanes();
     KeepPlaneCovariances();
@@ -396,7 +400,7 @@ void VioEstimator::RelinearizeImu() {
 
 // Landmarks on planes where they do not belong bend the window: when many are found after the
 // solve, it is solved anew without them, before their pull is frozen or good observations look
-// wrong.
+// wrong. From where it was: a few iterations do not lead back from far off.
 bool VioEstimator::DropWrongMembers() {
   const int before = NumPlaneConstraints();
   if (before == 0) return false;

@@ -43,7 +43,9 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   std::transform(plane_of_face_.begin(), plane_of_face_.end(), taken.begin(), [](int plane) {
     return plane >= 0 ? 1 : 0;
   });
-  for (const PlaneCandidate& candidate : detector_.Detect(faces_, taken))
+  const std::vector<PlaneCandidate> seen =
+      sightings_ ? sightings_(faces_, taken) : detector_.Detect(faces_, taken);
+  for (const PlaneCandidate& candidate : seen)
     Recognise(map, candidate);
   Promote(out);
   JoinLandmarks(map, out);
