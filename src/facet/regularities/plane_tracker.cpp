@@ -107,7 +107,7 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
       const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
       double worst = 0;
       for (const int corner : face.corners) {
-        const SurfacePoint& point = faces_.points[corner];
+        const FacePoint& point = faces_.points[corner];
         const double sigma = point.SigmaAlong(plane.n);
         const double gate = std::clamp(
             3 * std::sqrt(sigma * sigma + variance), limits.min_gate_m, limits.max_gate_m);
@@ -311,6 +311,7 @@ PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {
   record.first_seen = plane.first_seen;
   record.last_seen = plane.last_seen;
   record.num_landmarks = plane.num_landmarks;
+  record.absorbed = plane.absorbed;
   record.area_m2 = plane.support.area_m2();
   record.outline_W = plane.support.Outline(record.plane_W);
   const Matrix<10, 10>& covariance = plane.estimate.covariance;
