@@ -73,6 +73,24 @@ TEST_F(SimulateTest, WrongUsage) {
   Expect(run, 2, "--out DIR is required");
 }
 
+TEST_F(SimulateTest, NoiseSeeds) {
+  ExpectFailure(2, "--noise-seeds", "--noise-seeds 0");
+  ExpectFailure(2, "without noise all sequences are the same", "--noise-seeds 2 --noise-free");
+  const ProgramRun run = RunShell(Command("--noise-seeds 2 --duration 0.1"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  for (const char* name : {"sequence-1", "sequence-2"}) {
+    EXPECT_THAT(ReadText(out_ / name / "simulation.txt"),
+                HasSubstr(std::string("Noise realisation ") + name[9] + " of 2."));
+    EXPECT_TRUE(std::filesystem::exists(out_ / name / "mav0" / "imu0" / "data.csv"));
+  }
+  const auto entries = std::filesystem::directory_iterator(out_.path());
+  EXPECT_EQ(std::distance(begin(entries), end(entries)), 2);
+  const ProgramRun again = RunShell(Command("--noise-seeds 3 --duration 0.1"));
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("sequence-1: exists already"));
+  EXPECT_FALSE(std::filesystem::exists(out_ / "sequence-3"));
+}
+
 TEST_F(SimulateTest, ExistingOutputIsNotTouched) {
   WriteText(in_ / "seq" / "precious.txt", "mine");
   const ProgramRun run =

@@ -46,6 +46,15 @@ Seeds::Seeds(std::uint64_t seed) {
   }
 }
 
+Seeds Seeds::WithNoise(int realisation) const {
+  Seeds other = *this;
+  if (realisation == 0) return other;
+  Rng rng(static_cast<std::uint64_t>(realisation));
+  other.noise += rng.Next();
+  other.imu += rng.Next();
+  return other;
+}
+
 Motion MakeMotion(const SimulationRequest& request, const Seeds& seeds) {
   const NamedScene* scene = FindScene(request.scene);
   const MotionRange range{request.start_s, request.duration_s, request.options.image.rate_hz};

@@ -11,6 +11,8 @@ namespace facet {
 /// Seeds of the independent parts of a simulation: changing one leaves the others as they are.
 struct Seeds {
   explicit Seeds(std::uint64_t seed);
+  /// The same scene, flight and exposures with other noise of cameras and IMU. 0: no change.
+  Seeds WithNoise(int realisation) const;
   std::uint64_t textures, scene, flight, light, exposure, noise, imu, truth;
 };
 
