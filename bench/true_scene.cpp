@@ -70,7 +70,9 @@ std::optional<ScenePoint> TrueScene::Find(const StereoRig& rig,
   const SE3 T_WC = T_WB * rig.T_BC[0];
   const std::optional<Hit> hit = surfaces_->Cast(rig, T_WC, px);
   if (!hit) return std::nullopt;
-  return ScenePoint{hit->p_W, surfaces_->Judge(rig, T_WC, px, *hit)};
+  return ScenePoint{hit->p_W,
+                    surfaces_->Judge(rig, T_WC, px, *hit),
+                    surfaces_->mesh.plane_ids[static_cast<std::size_t>(hit->face)]};
 }
 
 }  // namespace facet

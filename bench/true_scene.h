@@ -19,6 +19,7 @@ constexpr std::array<const char*, 4> kGroundNames = {"flat", "curved", "crease",
 struct ScenePoint {
   Vector3d p_W = Vector3d::Zero();
   Ground ground = Ground::kFlat;
+  int plane = -1;  ///< row of planes.csv
 };
 
 /// Thread-safe (immutable).

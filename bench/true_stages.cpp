@@ -3,8 +3,10 @@
 // Runs pipeline S over a simulated sequence with tracked pixels replaced by the truth, to see which
 // stage an error comes from, and tells the errors of the tracked pixels by what they lie on. The
 // point of a track is where the ray of its first left pixel meets the true mesh.
+#include <algorithm>
 #include <bit>
 #include <cstdio>
+#include <fstream>
 #include <iostream>
 #include <map>
 #include <optional>
@@ -20,6 +22,7 @@
 #include "facet/base/random.h"
 #include "facet/eval/trajectory_error.h"
 #include "facet/io/asl_dataset.h"
+#include "facet/io/calibration_file.h"
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
 #include "facet/io/trajectory_file.h"
@@ -41,8 +44,14 @@ struct Errors {
 struct Replacement {
   bool left = false, right = false;
   double noise_px = 0;
-  std::string only;  ///< name of a Ground: others are dropped
+  std::vector<std::string> exact_on;  ///< names of Grounds; empty: all
+  std::vector<std::string> only;      ///< others are dropped; empty: none is
 };
+
+bool IsAmong(const std::vector<std::string>& names, Ground ground) {
+  const char* name = kGroundNames[static_cast<std::size_t>(ground)];
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
 
 /// Errors of the tracked pixels, and the observations with true ones instead.
 class PixelJudge {
@@ -50,7 +59,7 @@ class PixelJudge {
   PixelJudge(const StereoRig& rig, const TrueScene& scene, const Replacement& replacement)
       : rig_(rig), scene_(scene), replacement_(replacement) {}
 
-  void Replace(const SE3& T_WB, FrameObservations& frame) {
+  void Replace(const SE3& T_WB, FrameObservations& frame, std::ostream* dump) {
     std::vector<FeatureObservation> kept;
     for (FeatureObservation o : frame.features) {
       auto track = tracks_.find(o.landmark);
@@ -64,12 +73,17 @@ class PixelJudge {
       const auto left = ProjectInto(0, T_WB, point.p_W), right = ProjectInto(1, T_WB, point.p_W);
       if (!left) continue;
       Count(track->second, *left, right, o);
-      if (!replacement_.only.empty() &&
-          replacement_.only != kGroundNames[static_cast<std::size_t>(point.ground)]) {
-        continue;
+      if (dump) {
+        const Vector2d error = *left - o.px_left;
+        *dump << frame.frame.value << ',' << o.landmark.value << ',' << track->second.age << ','
+              << kGroundNames[static_cast<std::size_t>(point.ground)] << ',' << point.plane << ','
+              << o.px_left.x() << ',' << o.px_left.y() << ',' << error.x() << ',' << error.y()
+              << '\n';
       }
-      if (replacement_.left) o.px_left = *left + Noise();
-      if (replacement_.right && o.px_right) {
+      if (!IsAmong(replacement_.only, point.ground)) continue;
+      const bool is_exact = IsAmong(replacement_.exact_on, point.ground);
+      if (replacement_.left && is_exact) o.px_left = *left + Noise();
+      if (replacement_.right && is_exact && o.px_right) {
         o.px_right.reset();
         if (right) o.px_right = *right + Noise();
       }
@@ -143,11 +157,20 @@ SE3 TruthAt(const Trajectory& truth, Timestamp t) {
   return found.pairs.front().T_GB;
 }
 
-void Process(const std::string& sequence, const VioOptions& options, const Replacement& what) {
+void Process(const std::string& sequence,
+             const VioOptions& options,
+             const Replacement& what,
+             const std::string& dump_file) {
+  std::ofstream dump(dump_file);
+  if (!dump_file.empty()) dump << "frame,landmark,age,ground,plane,x,y,error_x,error_y\n";
   AslDataset dataset(sequence);
+  const std::filesystem::path exact = std::filesystem::path(sequence) / "truth";
+  const StereoRig exact_rig = std::filesystem::exists(exact / "cam0")
+                                  ? FindCalibration({}, {exact.string(), {}}).rig
+                                  : dataset.rig();
   const Trajectory truth = ReadTrajectory(FindTruth(sequence));
   const TrueScene scene(sequence);
-  PixelJudge judge(dataset.rig(), scene, what);
+  PixelJudge judge(exact_rig, scene, what);
   FrontStage front(dataset.rig(), options);
   BackStage back(dataset.rig(), dataset.imu_noise(), options);
   std::vector<StampedPose> estimate;
@@ -160,7 +183,8 @@ void Process(const std::string& sequence, const VioOptions& options, const Repla
     StereoFrame frame{t, {}, {}};
     dataset.ReadPair(i, frame.left, frame.right);
     FrontPacket packet = front.Process(frame);
-    judge.Replace(TruthAt(truth, t), packet.frontend.observations);
+    judge.Replace(
+        TruthAt(truth, t), packet.frontend.observations, dump_file.empty() ? nullptr : &dump);
     const VioOutput out = back.Process(packet);
     if (back.feedback()) front.AddFeedback(*back.feedback());
     if (out.has_pose) estimate.push_back({t, out.state.T_WB});
@@ -177,14 +201,16 @@ void Process(const std::string& sequence, const VioOptions& options, const Repla
 
 int Main(int argc, char** argv) {
   CLI::App app("Pipeline S with tracked pixels replaced by the truth of a simulated sequence");
-  std::string sequence, left = "tracked", right = "tracked";
+  std::string sequence, dump, left = "tracked", right = "tracked";
   std::vector<std::string> overrides;
   Replacement what;
   app.add_option("sequence", sequence, "made by facet simulate")->required();
   app.add_option("--left", left)->check(CLI::IsMember({"tracked", "exact"}));
   app.add_option("--right", right)->check(CLI::IsMember({"tracked", "exact"}));
   app.add_option("--noise", what.noise_px, "1-sigma, added to exact pixels");
-  app.add_option("--only", what.only, "flat, curved, crease or 'depth edge': drop other tracks");
+  app.add_option("--only", what.only, "flat, curved, crease, 'depth edge': drop other tracks");
+  app.add_option("--exact-on", what.exact_on, "the same: exact pixels on these only");
+  app.add_option("--dump", dump, "file for the left errors (csv)");
   app.add_option("--set", overrides, "option of the pipeline, key=value");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
@@ -194,7 +220,7 @@ int Main(int argc, char** argv) {
   options.pipeline = "S";
   options.mesh.enabled = false;
   ApplyOverrides(overrides, ListFields(options));
-  Process(sequence, options, what);
+  Process(sequence, options, what, dump);
   return 0;
 }
 

@@ -41,7 +41,7 @@ const NamedScene* FindScene(const std::string& name) {
 Seeds::Seeds(std::uint64_t seed) {
   Rng rng(seed);
   for (std::uint64_t* part :
-       {&textures, &scene, &flight, &light, &exposure, &noise, &imu, &truth}) {
+       {&textures, &scene, &flight, &light, &exposure, &noise, &imu, &truth, &calibration}) {
     *part = rng.Next();
   }
 }

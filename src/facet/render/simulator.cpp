@@ -224,7 +224,8 @@ SimulationReport Simulate(const SimulationRequest& request,
   }
   materials.Paint(UsedMaterials(scene.mesh), request.num_threads);
   BakeLight(rays, scene.lighting, seeds.light, request.num_threads, scene.mesh);
-  const ImageRenderer renderer(scene.mesh, materials, rays, scene.lighting);
+  const ImageRenderer renderer(
+      scene.mesh, materials, rays, scene.lighting, request.options.image.highlights);
 
   const SurfaceTruth truth = FindSeenSurfaces(scene.mesh,
                                               rays,
@@ -234,8 +235,11 @@ SimulationReport Simulate(const SimulationRequest& request,
                                               request.options.truth,
                                               seeds.truth,
                                               request.num_threads);
+  const StereoRig measured =
+      MeasureRig(sensors.rig, request.options.calibration, seeds.calibration);
   for (std::size_t i = 0; i < folders.size(); ++i) {
-    WriteCalibration(folders[i], sensors.rig, sensors.noise, request.options.image.rate_hz);
+    WriteCalibration(
+        folders[i], measured, sensors.rig, sensors.noise, request.options.image.rate_hz);
     const std::uint64_t imu_seed = seeds.WithNoise(static_cast<int>(i)).imu;
     WriteInertialData(request, motion, sensors.noise, imu_seed, folders[i]);
     WriteSurfaces(folders[i], scene.mesh, truth);
