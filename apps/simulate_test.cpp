@@ -141,6 +141,20 @@ TEST_F(SimulateTest, SceneFileWithUnusableSizesImagesAndMeshes) {
       3, "a made-up flight needs a 'route'", Scene("objects:\n  - {type: chair, at: [0,0,0]}\n"));
 }
 
+TEST_F(SimulateTest, DamagedSceneFilesAndMeshes) {
+  const std::string objects = "objects:\n  - {type: chair, at: [0,2,0]}\n";
+  ExpectFailure(3, "'objects' must be a list of at least one object", Scene("objects: []\n"));
+  ExpectFailure(3, "at least two points [x, y, z]", Scene("route: [[0,0,1]]\n" + objects));
+  ExpectFailure(3, "scene.yaml:", Scene("objects: [\n"));
+  const std::string mesh =
+      "route: [[0,0,1], [3,0,1]]\nobjects:\n  - {type: mesh, at: [0,2,0], file: a.obj}\n";
+  ExpectFailure(3, "a.obj: cannot be opened", Scene(mesh));
+  WriteText(in_ / "a.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n");
+  ExpectFailure(3, "a.obj:3: unknown corner", Scene(mesh));
+  WriteText(in_ / "a.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n");
+  ExpectFailure(3, "a.obj:3: a face needs three corners", Scene(mesh));
+}
+
 TEST_F(SimulateTest, PathThroughSurfacesOrOutOfTheScene) {
   ExpectFailure(3,
                 "comes within",
@@ -164,6 +178,34 @@ TEST_F(SimulateTest, DamagedRecordedTrajectory) {
     rows += std::to_string(1000000000LL + 5000000LL * i) + ",0,0,1,1,0,0,0\n";
   WriteText(in_ / "truth.csv", rows);
   ExpectFailure(3, "need more than the", "--trajectory " + (in_ / "truth.csv").string());
+}
+
+TEST_F(SimulateTest, DamagedImuAndCalibration) {
+  std::string rows;
+  for (int i = 0; i < 1000; ++i)
+    rows += std::to_string(1000000000LL + 5000000LL * i) + ",0,0,1,1,0,0,0\n";
+  WriteText(in_ / "truth.csv", rows);
+  WriteText(in_ / "imu.csv", "#t,gyro,accel\n1000000000,0,0\n");
+  const std::string flight = "--trajectory " + (in_ / "truth.csv").string();
+  ExpectFailure(3, "imu.csv:2: too few columns", flight + " --imu " + (in_ / "imu.csv").string());
+  ExpectFailure(3, "nowhere.csv", flight + " --imu " + (in_ / "nowhere.csv").string());
+  ExpectFailure(3, "nowhere", "--calibration " + (in_ / "nowhere").string());
+}
+
+TEST_F(SimulateTest, InterruptedLeavesNothing) {
+  const ProgramRun run =
+      RunShell("timeout --preserve-status -s INT 2 " + Command("--duration 20 --trajectory hover"));
+  Expect(run, 130, "interrupted; nothing was written");
+}
+
+TEST_F(SimulateTest, DiskFullWithTheFirstImage) {
+  const std::string scene = Scene(
+      "route: [[-2,0,1], [2,0,1]]\nobjects:\n"
+      "  - {type: mat, at: [0,0,0], size: [12,12]}\n"
+      "  - {type: box, at: [0,3,0], size: [1,1,1]}\n");
+  const ProgramRun run = RunShell(
+      "(ulimit -f 60; " + Command(scene + " --duration 0.1 --set truth.max_points=100") + ")");
+  Expect(run, 1, ".png: cannot be written");
 }
 
 TEST_F(SimulateTest, FullDisk) {

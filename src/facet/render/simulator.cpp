@@ -222,11 +222,19 @@ SimulationReport Simulate(const SimulationRequest& request,
     throw InputError("--scene " + request.scene + ", --trajectory " + request.trajectory + ": " +
                      clearance.problem + "; take another scene, flight or --seed");
   }
+  SimulationReport report;
+  DescribePath(motion, report);
+  report.min_clearance_m = clearance.min_distance_m;
+  report.num_triangles = scene.mesh.triangles.size();
+  // Between the stages before the first image, each of which takes seconds.
+  const auto is_wanted = [&] { return observer(0, report.num_pairs); };
+  if (!is_wanted()) return report;
   materials.Paint(UsedMaterials(scene.mesh), request.num_threads);
   BakeLight(rays, scene.lighting, seeds.light, request.num_threads, scene.mesh);
   const ImageRenderer renderer(
       scene.mesh, materials, rays, scene.lighting, request.options.image.highlights);
 
+  if (!is_wanted()) return report;
   const SurfaceTruth truth = FindSeenSurfaces(scene.mesh,
                                               rays,
                                               sensors.rig,
@@ -245,15 +253,12 @@ SimulationReport Simulate(const SimulationRequest& request,
     WriteSurfaces(folders[i], scene.mesh, truth);
   }
 
-  SimulationReport report;
-  DescribePath(motion, report);
-  report.min_clearance_m = clearance.min_distance_m;
-  report.num_triangles = scene.mesh.triangles.size();
   report.num_points = truth.points_W.size();
   report.num_planes = static_cast<std::size_t>(
       std::count_if(scene.mesh.parts.begin(), scene.mesh.parts.end(), [](const ScenePart& part) {
         return part.is_planar;
       }));
+  if (!is_wanted()) return report;
   const auto begin = std::chrono::steady_clock::now();
   report.is_complete =
       WriteImages(request, motion, sensors.rig, renderer, seeds, folders, observer);
