@@ -127,18 +127,42 @@ std::vector<int> CountMembers(const SlidingWindow& window) {
   return members;
 }
 
+namespace {
+
+// Mean squared distance of each plane's landmarks from its anchor; infinite for a plane without.
+std::vector<double> SquaredExtents(const SlidingWindow& window) {
+  std::vector<double> extents(window.planes.size(), 0.0);
+  for (const WindowLandmark& landmark : window.landmarks()) {
+    if (!landmark.IsOnPlanes()) continue;
+    const Vector3d p_W = window.PositionOf(landmark);
+    for (int k = 0; k < landmark.planes.count; ++k) {
+      const auto plane =
+          static_cast<std::size_t>(landmark.planes.index[static_cast<std::size_t>(k)]);
+      extents[plane] += (p_W - window.planes[plane].anchor_W).squaredNorm();
+    }
+  }
+  const std::vector<int> members = CountMembers(window);
+  for (std::size_t k = 0; k < extents.size(); ++k)
+    extents[k] = members[k] > 0 ? extents[k] / members[k] : std::numeric_limits<double>::infinity();
+  return extents;
+}
+
+}  // namespace
+
 void MarkSettledPlanes(const std::vector<Matrix3d>& information,
                        const SettledLimits& limits,
                        SlidingWindow& window) {
+  const auto square = [](double x) { return x * x; };
+  const std::vector<double> extents = SquaredExtents(window);
   for (std::size_t k = 0; k < window.planes.size(); ++k) {
     const Eigen::LLT<Matrix3d> factor(information[k]);
     if (factor.info() != Eigen::Success) continue;
     const Matrix3d covariance = factor.solve(Matrix3d::Identity());
     const double variance_normal = covariance(0, 0) + covariance(1, 1);
-    if (variance_normal < limits.sigma_normal_rad * limits.sigma_normal_rad &&
-        covariance(2, 2) < limits.sigma_offset_m * limits.sigma_offset_m) {
+    const bool has_normal = variance_normal < square(limits.sigma_normal_rad) ||
+                            variance_normal * extents[k] < square(limits.sigma_rim_m);
+    if (has_normal && covariance(2, 2) < square(limits.sigma_offset_m))
       window.planes[k].settled = true;
-    }
   }
 }
 

@@ -104,7 +104,7 @@ TEST(PlaneMembershipTest, OnlySettledPlanesKeepTheRowsOfLeavingLandmarks) {
   scene.Apply(join);
   const Matrix3d well = Vector3d(1e6, 1e6, 1e6).asDiagonal();
   const Matrix3d badly = Vector3d(1e6, 1.0, 1e6).asDiagonal();
-  MarkSettledPlanes({well, badly}, {0.01, 0.01}, scene.window());
+  MarkSettledPlanes({well, badly}, {0.01, 0, 0.01}, scene.window());
   EXPECT_TRUE(scene.window().planes[0].settled);
   EXPECT_FALSE(scene.window().planes[1].settled);
   std::vector<char> leaving(scene.window().landmarks().size(), 0);
@@ -113,6 +113,24 @@ TEST(PlaneMembershipTest, OnlySettledPlanesKeepTheRowsOfLeavingLandmarks) {
   leaving[0] = 1;
   CutUnsettledLinks(leaving, scene.window());
   EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{1, 0}));
+}
+
+// Both planes have one landmark; it lies 5 cm and 1 m from their anchors.
+TEST(PlaneMembershipTest, SmallPlanesSettleByTheirDistanceAtTheLandmarks) {
+  Scene scene(6);
+  NewPlane small = scene.PlaneAt(1, 0.0), large = scene.PlaneAt(2, 0.0);
+  const Vector3d along = small.plane_W.n.cross(Vector3d::UnitX()).normalized();
+  small.centroid_W += 0.05 * along;
+  large.centroid_W += along;
+  PlaneAssignments join;
+  join.created = {small, large};
+  join.joined = {{scene.landmark, PlaneId{1}}, {scene.landmark, PlaneId{2}}};
+  scene.Apply(join);
+  ASSERT_EQ(CountMembers(scene.window()), (std::vector<int>{1, 1}));
+  const Matrix3d information = Vector3d(1e4, 1e4, 1e6).asDiagonal();  // 0.014 rad, 1 mm
+  MarkSettledPlanes({information, information}, {0.005, 0.004, 0.01}, scene.window());
+  EXPECT_TRUE(scene.window().planes[0].settled);
+  EXPECT_FALSE(scene.window().planes[1].settled);
 }
 
 }  // namespace

@@ -249,7 +249,9 @@ void VioEstimator::JudgePlanes() {
   const PlaneOptions& planes = options_.planes;
   const std::vector<Matrix3d> information = solver_.system().PlaneInformation();
   MarkSettledPlanes(
-      information, {planes.settled_normal_deg * kDegree, planes.settled_offset_m}, window_);
+      information,
+      {planes.settled_normal_deg * kDegree, planes.settled_rim_m, planes.settled_offset_m},
+      window_);
   DropViolatedRelations(options_.robust().relations, planes.relations.outlier_sigma, window_);
   for (const PlaneId id : ExcessPlanes(window_, information, planes.max_planes))
     ended_planes_.push_back(id);

@@ -90,6 +90,11 @@ ordered_json ToJson(const MeshError& error) {
   json["samples"] = error.num_samples;
   json["truth_points_seen"] = error.num_seen;
   if (error.doubled_area) json["doubled_area"] = *error.doubled_area;
+  if (error.plane_areas) {
+    json["plane_areas"] = {{"rmse_m", error.plane_areas->rmse_m},
+                           {"left_out", error.plane_areas->left_out},
+                           {"samples", error.plane_areas->num_samples}};
+  }
   json["icp"] = ToJson(error.icp.figures);
   json["icp"]["correction_translation_m"] = error.icp.correction_translation_m;
   json["icp"]["correction_rotation_deg"] = error.icp.correction_rotation_deg;
@@ -163,6 +168,8 @@ void AddMeshRows(const std::string& name, const MeshError& error, Rows& rows) {
     rows.emplace_back(name + " complete 10 cm [%]", Text("%.1f", 100 * (*aligned.completeness)[1]));
     rows.emplace_back(name + " F-score 10 cm [%]", Text("%.1f", 100 * (*aligned.fscore)[1]));
   }
+  if (error.plane_areas)
+    rows.emplace_back(name + " on planes, rmse [m]", Text("%.4f", error.plane_areas->rmse_m));
   rows.emplace_back(name + " mean after ICP [m]", Text("%.4f", error.icp.figures.accuracy.mean_m));
   rows.emplace_back(name + " ICP correction [m]", Text("%.4f", error.icp.correction_translation_m));
   rows.emplace_back(name + " ICP correction [deg]",

@@ -15,6 +15,7 @@ namespace {
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr std::size_t kMaxPictureSamples = 12000;
 constexpr std::size_t kMaxRegistrationSamples = 20000;
+constexpr std::size_t kMaxPlaneSamples = 100000;
 constexpr double kMaxCorrection = 0.3;  // [m]
 constexpr double kMaxCorrectionDeg = 5;
 
@@ -74,6 +75,10 @@ class Comparison {
     const std::vector<double> distances = Distances(SE3());
     error.aligned = Figures(distances, SE3());
     error.icp = Register();
+    if (!test_.planes_G.empty()) {
+      error.plane_areas =
+          EvaluatePlaneAreas(EveryKth(samples_, kMaxPlaneSamples), truth_, test_.planes_G);
+    }
     if (test_.wants_doubled_area) error.doubled_area = DoubledArea(test_.mesh_G, index_);
     error.picture_samples_G = EveryKth(Positions(samples_), kMaxPictureSamples);
     error.picture_distances_m = EveryKth(distances, kMaxPictureSamples);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "facet/eval/mesh_sampling.h"
+#include "facet/eval/plane_areas.h"
 #include "facet/eval/truth_surface.h"
 #include "facet/geometry/se3.h"
 
@@ -75,6 +76,7 @@ struct MeshError {
   MeshFigures aligned;  ///< as the trajectory's alignment puts it
   IcpFigures icp;
   std::optional<double> doubled_area;  ///< share of the area, where it was asked for
+  std::optional<PlaneAreaFigures> plane_areas;  ///< as aligned; absent without true planes there
   /// For pictures: every k-th sample and its distance, as aligned.
   std::vector<Vector3d> picture_samples_G;
   std::vector<double> picture_distances_m;
@@ -86,6 +88,7 @@ struct MeshUnderTest {
   /// Distance of a point of face f from the camera that saw it; empty: no bins by range.
   std::function<double(const Vector3d& p_G, int face)> range_m;
   bool wants_doubled_area = false;
+  std::vector<TruePlane> planes_G;  ///< true planes; may be empty
 };
 
 /// Which of truth.points() the cameras saw. Empty: nobody knows, and there is no completeness.

@@ -81,11 +81,13 @@ class MeshJudge {
             std::span<const PosePair> pairs,
             const TrajectoryAlignment& alignment)
       : surface_(truth.surface->Get()), pairs_(pairs), alignment_(alignment) {
+    if (!truth.planes_file.empty()) planes_ = ReadTruePlanes(truth.planes_file);
     Look(truth.mav0);
   }
 
   MeshError JudgePooled(const fs::path& result, const std::vector<StampedFile>& files) const {
     MeshUnderTest test;
+    test.planes_G = planes_;
     std::vector<Vector3d> eyes;
     std::vector<int> eye_of_face;
     for (const StampedFile& file : files) {
@@ -104,6 +106,7 @@ class MeshJudge {
 
   MeshError JudgeFinal(const fs::path& file) const {
     MeshUnderTest test;
+    test.planes_G = planes_;
     test.mesh_G = ReadMesh(file, alignment_);
     RequireArea(test.mesh_G, file);
     const Vector3d eye = EyeAt(pairs_.back().t);
@@ -113,6 +116,7 @@ class MeshJudge {
 
   MeshError JudgeMap(const fs::path& file) const {
     MeshUnderTest test;
+    test.planes_G = planes_;
     test.mesh_G = ReadMesh(file, alignment_);
     test.wants_doubled_area = true;
     RequireArea(test.mesh_G, file);
@@ -160,6 +164,7 @@ class MeshJudge {
   const TruthSurface& surface_;
   std::span<const PosePair> pairs_;
   TrajectoryAlignment alignment_;
+  std::vector<TruePlane> planes_;
   SE3 T_BC_;  // left camera
   std::vector<Vector3d> eyes_;
   SeenTruth seen_;

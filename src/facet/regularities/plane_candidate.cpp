@@ -18,8 +18,11 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFlatness_m = 0.005;  // of real surfaces, 1-sigma
 constexpr double kMinBand_m = 0.01;    // half thickness that every plane is granted
-constexpr double kMaxFaceAngle = 25 * kDegree;
+const double kMinFaceCosine = std::cos(25 * kDegree);
 constexpr double kMaxTurn = 20 * kDegree;  // from the peak to the fit
+// Beyond these a face is on no plane that a fit from the peak can turn to.
+const double kMinAroundCosine = std::cos(45 * kDegree);
+constexpr double kMaxAround_m = 0.5;
 constexpr int kMaxRounds = 8;
 constexpr int kMaxSplits = 2;
 constexpr double kCell_m = 0.3;  // pieces farther apart than a cell are not connected
@@ -46,9 +49,9 @@ WeightedPlane FitFaces(const SurfaceFaces& faces,
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
   WeightedPlane out;
   for (const int corner : corners) {
-    const double sigma = faces.points[corner].SigmaAlong(n_W);
+    const double variance = faces.points[corner].VarianceAlong(n_W);
     out.points.push_back(faces.points[corner].p_W);
-    out.weights.push_back(1 / (sigma * sigma + kFlatness_m * kFlatness_m));
+    out.weights.push_back(1 / (variance + kFlatness_m * kFlatness_m));
     out.total_weight += out.weights.back();
   }
   if (out.points.empty()) return out;
@@ -150,6 +153,19 @@ PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
   return candidate;
 }
 
+std::vector<int> FacesAround(const SurfaceFaces& faces,
+                             std::span<const int> pool,
+                             const Plane& start) {
+  std::vector<int> out;
+  for (const int f : pool) {
+    const SurfaceFace& face = faces.faces[f];
+    if (std::abs(face.n_W.dot(start.n)) >= kMinAroundCosine &&
+        std::abs(start.SignedDistance(face.centre_W)) <= kMaxAround_m)
+      out.push_back(f);
+  }
+  return out;
+}
+
 std::vector<int> Without(const std::vector<int>& faces, const std::vector<int>& taken) {
   std::vector<int> out;
   std::set_difference(
@@ -239,16 +255,21 @@ std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
                               std::span<const int> pool,
                               const Plane& plane_W,
                               double max_distance_m) {
+  const double band_m = std::min(kMinBand_m, max_distance_m);
+  const auto is_near = [&](int corner) {
+    const SurfacePoint& point = faces.points[corner];
+    const double distance = std::abs(plane_W.SignedDistance(point.p_W));
+    if (distance <= band_m) return true;
+    return distance <= max_distance_m &&
+           distance * distance <= 9 * point.VarianceAlong(plane_W.n);
+  };
   std::vector<int> out;
   for (const int f : pool) {
     const SurfaceFace& face = faces.faces[f];
-    if (std::abs(face.n_W.dot(plane_W.n)) < std::cos(kMaxFaceAngle)) continue;
-    const bool is_near = std::all_of(face.corners.begin(), face.corners.end(), [&](int corner) {
-      const SurfacePoint& point = faces.points[corner];
-      const double gate = std::max(kMinBand_m, 3 * point.SigmaAlong(plane_W.n));
-      return std::abs(plane_W.SignedDistance(point.p_W)) <= std::min(gate, max_distance_m);
-    });
-    if (is_near) out.push_back(f);
+    // Most faces are far away, and the middle of a face tells.
+    if (std::abs(plane_W.SignedDistance(face.centre_W)) > max_distance_m) continue;
+    if (std::abs(face.n_W.dot(plane_W.n)) < kMinFaceCosine) continue;
+    if (std::all_of(face.corners.begin(), face.corners.end(), is_near)) out.push_back(f);
   }
   return out;
 }
@@ -279,7 +300,7 @@ std::vector<PlaneCandidate> FitCandidates(const SurfaceFaces& faces,
                                           const DetectionOptions& options) {
   const CandidateSearch search{faces, min_area_m2, options};
   std::vector<PlaneCandidate> out;
-  search.Run({pool.begin(), pool.end()}, start, kMaxSplits, out);
+  search.Run(FacesAround(faces, pool, start), start, kMaxSplits, out);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "facet/geometry/plane_fit.h"
 #include "facet/regularities/plane_gate.h"
@@ -44,7 +45,7 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   });
   for (const PlaneCandidate& candidate : detector_.Detect(faces_, taken))
     Recognise(map, candidate);
-  Promote(map, out);
+  Promote(out);
   JoinLandmarks(map, out);
   UpdateSupports();
   Relate(out);
@@ -186,33 +187,42 @@ void PlaneTracker::Recognise(const MapSnapshot& map, const PlaneCandidate& candi
     plane_of_face_[f] = plane;
 }
 
-bool PlaneTracker::HasEnoughLandmarks(int plane, const MapSnapshot& map) const {
-  std::vector<int> landmarks;
+// Enough of them, and spread so that they determine the normal: once a plane is a variable it should
+// be known, not follow whatever comes first.
+bool PlaneTracker::HasEnoughLandmarks(int plane) const {
+  const PlaneTrackingOptions& limits = options_.tracking;
+  const Vector3d& n_W = planes_[plane].estimate.plane_W.n;
+  std::vector<int> corners;
   for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
     if (plane_of_face_[f] != plane) continue;
     for (const int corner : faces_.faces[f].corners) {
-      if (landmark_of_point_[corner] < 0) continue;
-      if (faces_.points[corner].SigmaAlong(planes_[plane].estimate.plane_W.n) <
-          kMaxLandmarkSigma_m) {
-        landmarks.push_back(landmark_of_point_[corner]);
-      }
+      if (landmark_of_point_[corner] >= 0 &&
+          faces_.points[corner].SigmaAlong(n_W) < kMaxLandmarkSigma_m)
+        corners.push_back(corner);
     }
   }
-  std::sort(landmarks.begin(), landmarks.end());
-  landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
-  if (static_cast<int>(landmarks.size()) < options_.tracking.min_landmarks) return false;
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  if (static_cast<int>(corners.size()) < limits.min_landmarks) return false;
   std::vector<Vector3d> points;
-  for (const int l : landmarks)
-    points.push_back(map.landmarks[l].p_W);
-  return FitPlane(points).extent_minor_m >= options_.tracking.min_landmark_extent_m;
+  std::vector<double> weights;
+  for (const int corner : corners) {
+    points.push_back(faces_.points[corner].p_W);
+    weights.push_back(1 / (faces_.points[corner].VarianceAlong(n_W) + kFlatness_m * kFlatness_m));
+  }
+  const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+  const double extent_m = FitPlane(points, weights).extent_minor_m;
+  const double sigma_normal = 1 / (std::sqrt(total) * extent_m);
+  return extent_m >= limits.min_landmark_extent_m &&
+         sigma_normal <= limits.max_normal_sigma_deg * kDegree;
 }
 
-void PlaneTracker::Promote(const MapSnapshot& map, PlaneAssignments& out) {
+void PlaneTracker::Promote(PlaneAssignments& out) {
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     KnownPlane& plane = planes_[k];
     if (!plane.IsTentative() || plane.last_seen < now_ ||
         plane.sightings < options_.tracking.min_sightings ||
-        !HasEnoughLandmarks(static_cast<int>(k), map)) {
+        !HasEnoughLandmarks(static_cast<int>(k))) {
       continue;
     }
     plane.id = PlaneId{next_id_++};

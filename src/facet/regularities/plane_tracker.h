@@ -41,8 +41,8 @@ class PlaneTracker {
   int FindKnown(const MapSnapshot& map, const PlaneCandidate& candidate) const;
   int FindTentative(const PlaneCandidate& candidate) const;
   bool IsNearKnown(const PlaneCandidate& candidate) const;
-  void Promote(const MapSnapshot& map, PlaneAssignments& out);
-  bool HasEnoughLandmarks(int plane, const MapSnapshot& map) const;
+  void Promote(PlaneAssignments& out);
+  bool HasEnoughLandmarks(int plane) const;
   void JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out);
   void UpdateSupports();
   void Relate(PlaneAssignments& out);

@@ -78,6 +78,17 @@ TEST_F(PlaneTrackerTest, APlaneIsHandedOverAfterEnoughSightings) {
   }
 }
 
+TEST_F(PlaneTrackerTest, APlaneWaitsUntilItsLandmarksDetermineItsNormal) {
+  Patch board = MakeWall({3, 0, 1.4}, 0, 0.8, 0.8);
+  board.step_m = 0.2;  // 25 landmarks, spread by 0.25 m
+  view_.sigma_depth_m = 0.05;
+  Run({board}, 10);  // to 0.05 / (5 * 0.25) rad = 2.3 deg
+  EXPECT_EQ(num_created_, 0);
+  view_.sigma_depth_m = 0.015;
+  Run({board}, 3);
+  EXPECT_EQ(num_created_, 1);
+}
+
 TEST_F(PlaneTrackerTest, TheSamePlaneIsNeverHandedOverTwice) {
   Run({wall_, floor_}, 30);
   EXPECT_EQ(num_created_, 2);

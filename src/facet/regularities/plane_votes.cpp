@@ -13,6 +13,7 @@ namespace {
 constexpr double kMaxRange_m = 100;
 constexpr double kBinsPerSigma = 1.5;
 constexpr double kReach = 2.5;  // of a bump, in sigmas
+constexpr float kChanged = -1;
 constexpr int kAzimuths = 60;
 constexpr double kAzimuthStep = std::numbers::pi / kAzimuths;
 
@@ -22,43 +23,49 @@ constexpr int kPhases = 16;
 constexpr int kHalfTaps = 4;
 constexpr int kTaps = 2 * kHalfTaps;
 
-using Bump = std::array<double, kTaps>;
+using Bump = std::array<float, kTaps>;
 
 std::array<Bump, kPhases> MakeBumps() {
   std::array<Bump, kPhases> bumps;
   for (int phase = 0; phase < kPhases; ++phase) {
     for (int tap = 0; tap < kTaps; ++tap) {
       const double x = (tap - kHalfTaps + 1 - static_cast<double>(phase) / kPhases) / kBinsPerSigma;
-      bumps[phase][tap] = std::exp(-0.5 * x * x);
+      bumps[phase][tap] = static_cast<float>(std::exp(-0.5 * x * x));
     }
   }
   return bumps;
 }
 
 // Adds a bump of the given height around `position`, in bins.
-void AddBump(double position, double weight, double* bins, int num_bins) {
+void AddBump(double position, double weight, float* bins, int num_bins) {
   static const std::array<Bump, kPhases> kBumps = MakeBumps();
   if (!(position > -kTaps && position < num_bins + kTaps) || !std::isfinite(weight)) return;
   const int fine = static_cast<int>(std::floor(position * kPhases + 0.5));
   const int whole = fine >= 0 ? fine / kPhases : -((kPhases - 1 - fine) / kPhases);
   const Bump& bump = kBumps[static_cast<std::size_t>(fine - whole * kPhases)];
   const int start = whole - kHalfTaps + 1;
+  const auto height = static_cast<float>(weight);
+  if (start >= 0 && start + kTaps <= num_bins) {
+    for (int tap = 0; tap < kTaps; ++tap)
+      bins[start + tap] += height * bump[static_cast<std::size_t>(tap)];
+    return;
+  }
   for (int tap = std::max(0, -start); tap < std::min(kTaps, num_bins - start); ++tap)
-    bins[start + tap] += weight * bump[static_cast<std::size_t>(tap)];
+    bins[start + tap] += height * bump[static_cast<std::size_t>(tap)];
 }
 
 // Vertex of the parabola through the bin and its neighbours, relative to the bin.
-double PeakOffset(const double* bins, int num_bins, int k) {
+double PeakOffset(const float* bins, int num_bins, int k) {
   if (k == 0 || k == num_bins - 1) return 0;
   const double curvature = bins[k - 1] - 2 * bins[k] + bins[k + 1];
   return curvature < 0 ? 0.5 * (bins[k - 1] - bins[k + 1]) / curvature : 0;
 }
 
-void EraseAround(double position, double* bins, int num_bins) {
+void EraseAround(double position, float* bins, int num_bins) {
   const int middle = static_cast<int>(std::lround(position));
   const int first = std::clamp(middle - kHalfTaps, 0, num_bins);
   const int last = std::clamp(middle + kHalfTaps + 1, first, num_bins);
-  std::fill(bins + first, bins + last, 0.0);
+  std::fill(bins + first, bins + last, 0.0F);
 }
 
 }  // namespace
@@ -68,7 +75,7 @@ void HeightVotes::Reset(double min_m, double max_m, double sigma_m) {
   const double half = std::min(0.5 * (max_m - min_m) + kReach * sigma_m, kMaxRange_m);
   bin_m_ = sigma_m / kBinsPerSigma;
   origin_m_ = middle - half;
-  bins_.assign(static_cast<std::size_t>(2 * half / bin_m_) + 2, 0.0);
+  bins_.assign(static_cast<std::size_t>(2 * half / bin_m_) + 2, 0.0F);
 }
 
 void HeightVotes::Add(double height_m, double weight) {
@@ -93,13 +100,15 @@ void WallVotes::Reset(const Vector3d& origin_W, double radius_m, double sigma_m,
   bin_m_ = sigma_m / kBinsPerSigma;
   radius_m_ = std::min(radius_m, kMaxRange_m) + kReach * sigma_m;
   num_distances_ = static_cast<int>(2 * radius_m_ / bin_m_) + 2;
-  bins_.assign(static_cast<std::size_t>(kAzimuths * num_distances_), 0.0);
+  bins_.assign(static_cast<std::size_t>(kAzimuths * num_distances_), 0.0F);
+  highest_.assign(kAzimuths, 0.0F);
   if (!directions_.empty()) return;
   for (int k = 0; k < kAzimuths; ++k)
     directions_.emplace_back(std::cos(k * kAzimuthStep), std::sin(k * kAzimuthStep), 0);
 }
 
 void WallVotes::AddColumn(int column, double distance_m, double weight) {
+  highest_[column] = kChanged;
   AddBump((distance_m + radius_m_) / bin_m_,
           weight,
           bins_.data() + column * num_distances_,
@@ -136,12 +145,17 @@ void WallVotes::AddOwnDistance(const Vector3d& centre_W, const Vector3d& n_W, do
   });
 }
 
-std::optional<VotePeak> WallVotes::Highest() const {
-  const auto highest = std::max_element(bins_.begin(), bins_.end());
-  if (highest == bins_.end() || *highest <= 0) return std::nullopt;
-  const int index = static_cast<int>(highest - bins_.begin());
-  const int column = index / num_distances_, k = index % num_distances_;
-  const double* row = bins_.data() + column * num_distances_;
+std::optional<VotePeak> WallVotes::Highest() {
+  for (std::size_t k = 0; k < highest_.size(); ++k) {
+    if (highest_[k] >= 0) continue;
+    const float* row = bins_.data() + k * static_cast<std::size_t>(num_distances_);
+    highest_[k] = std::max(0.0F, Eigen::Map<const Eigen::ArrayXf>(row, num_distances_).maxCoeff());
+  }
+  const auto highest = std::max_element(highest_.begin(), highest_.end());
+  if (highest == highest_.end() || *highest <= 0) return std::nullopt;
+  const int column = static_cast<int>(highest - highest_.begin());
+  const float* row = bins_.data() + column * num_distances_;
+  const int k = static_cast<int>(std::find(row, row + num_distances_, *highest) - row);
   const double distance = bin_m_ * (k + PeakOffset(row, num_distances_, k)) - radius_m_;
   const Vector3d& n = directions_[column];
   return VotePeak{{n, distance + n.dot(origin_W_)}, *highest};
@@ -154,6 +168,7 @@ void WallVotes::Erase(const Plane& plane_W) {
   const Vector3d& n = directions_[column];
   const double sign = n.dot(plane_W.n) < 0 ? -1 : 1;
   const double distance = sign * (plane_W.d - plane_W.n.dot(origin_W_));
+  highest_[column] = kChanged;
   EraseAround(
       (distance + radius_m_) / bin_m_, bins_.data() + column * num_distances_, num_distances_);
 }

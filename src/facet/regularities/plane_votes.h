@@ -34,13 +34,13 @@ class HeightVotes {
 
  private:
   double origin_m_ = 0, bin_m_ = 0;
-  std::vector<double> bins_;
+  std::vector<float> bins_;
 };
 
 /// Upright planes by the azimuth of the normal, 0 to pi, and the distance from a given point. A
 /// face votes for every azimuth near its own, each time with the distance that its centre has under
 /// that azimuth: faces of one wall agree in the true azimuth's column however noisy their normals
-/// are.
+/// are. Not thread-safe.
 class WallVotes {
  public:
   /// Distances count from `origin_W`, up to `radius_m` on both sides (at most 100 m).
@@ -54,7 +54,7 @@ class WallVotes {
   /// normal times the distance from the origin moves the vote.
   void AddOwnDistance(const Vector3d& centre_W, const Vector3d& n_W, double weight);
 
-  std::optional<VotePeak> Highest() const;
+  std::optional<VotePeak> Highest();
 
   void Erase(const Plane& plane_W);
 
@@ -67,7 +67,8 @@ class WallVotes {
   double radius_m_ = 0, bin_m_ = 0, sigma_rad_ = 0;
   int num_distances_ = 0;
   std::vector<Vector3d> directions_;  // of the columns
-  std::vector<double> bins_;          // [azimuth][distance]
+  std::vector<float> bins_;           // [azimuth][distance]
+  std::vector<float> highest_;        // of each column, negative: changed since it was looked up
 };
 
 }  // namespace facet

@@ -3,52 +3,71 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
-#include <tuple>
+#include <numeric>
 #include <utility>
 
 namespace facet {
 
 namespace {
 
-constexpr double kMaxAngle = 15 * std::numbers::pi / 180;
+const double kMinCosine = std::cos(15 * std::numbers::pi / 180);
 constexpr double kMinBand_m = 0.02;
 constexpr double kMaxBand_m = 0.08;
 
-// For each face of the pool its up to three neighbours in the pool, across its sides.
+// For each face of the pool its neighbours in the pool, across its sides.
 class Adjacency {
  public:
-  Adjacency(const SurfaceFaces& faces, std::span<const int> pool) : neighbours_(pool.size()) {
-    struct Side {
-      int a, b, place;
-      bool operator<(const Side& other) const {
-        return std::tie(a, b, place) < std::tie(other.a, other.b, other.place);
+  Adjacency(const SurfaceFaces& faces, std::span<const int> pool) : first_(pool.size() + 1, 0) {
+    const std::vector<Side> sides = SortedSides(faces, pool);
+    std::vector<std::pair<int, int>> pairs;
+    for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+      for (std::size_t j = i + 1; j < sides.size() && sides[j].key == sides[i].key; ++j) {
+        pairs.emplace_back(sides[i].place, sides[j].place);
+        ++first_[static_cast<std::size_t>(sides[i].place) + 1];
+        ++first_[static_cast<std::size_t>(sides[j].place) + 1];
       }
-    };
+    }
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    neighbours_.resize(2 * pairs.size());
+    std::vector<int> next(first_.begin(), first_.end() - 1);
+    for (const auto& [a, b] : pairs) {
+      neighbours_[next[a]++] = b;
+      neighbours_[next[b]++] = a;
+    }
+  }
+
+  std::span<const int> Of(int place) const {
+    return std::span(neighbours_).subspan(first_[place], first_[place + 1] - first_[place]);
+  }
+
+ private:
+  struct Side {
+    std::uint64_t key;  // both ends
+    int place;          // of the face in the pool
+    bool operator<(const Side& other) const {
+      return key != other.key ? key < other.key : place < other.place;
+    }
+  };
+
+  static std::vector<Side> SortedSides(const SurfaceFaces& faces, std::span<const int> pool) {
     std::vector<Side> sides;
     sides.reserve(3 * pool.size());
     for (std::size_t i = 0; i < pool.size(); ++i) {
       const auto& c = faces.faces[pool[i]].corners;
       for (int k = 0; k < 3; ++k) {
         const auto [a, b] = std::minmax(c[k], c[(k + 1) % 3]);
-        sides.push_back({a, b, static_cast<int>(i)});
+        sides.push_back({static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b),
+                         static_cast<int>(i)});
       }
     }
     std::sort(sides.begin(), sides.end());
-    for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-      for (std::size_t j = i + 1;
-           j < sides.size() && sides[j].a == sides[i].a && sides[j].b == sides[i].b;
-           ++j) {
-        neighbours_[sides[i].place].push_back(sides[j].place);
-        neighbours_[sides[j].place].push_back(sides[i].place);
-      }
-    }
+    return sides;
   }
 
-  const std::vector<int>& Of(int place) const { return neighbours_[place]; }
-
- private:
-  std::vector<std::vector<int>> neighbours_;  // places in the pool
+  std::vector<int> first_;  // by place in the pool: where its neighbours begin
+  std::vector<int> neighbours_;
 };
 
 // A plane that follows what was added to it, weighted by area.
@@ -65,11 +84,12 @@ class GrowingPlane {
 
   bool Accepts(const SurfaceFaces& faces, const SurfaceFace& face) const {
     const Plane plane = ToPlane();
-    if (std::abs(plane.n.dot(face.n_W)) < std::cos(kMaxAngle)) return false;
+    if (std::abs(plane.n.dot(face.n_W)) < kMinCosine) return false;
     return std::all_of(face.corners.begin(), face.corners.end(), [&](int corner) {
       const SurfacePoint& point = faces.points[corner];
-      const double band = std::clamp(3 * point.SigmaAlong(plane.n), kMinBand_m, kMaxBand_m);
-      return std::abs(plane.SignedDistance(point.p_W)) <= band;
+      const double distance = std::abs(plane.SignedDistance(point.p_W));
+      if (distance <= kMinBand_m) return true;
+      return distance <= kMaxBand_m && distance <= 3 * point.SigmaAlong(plane.n);
     });
   }
 

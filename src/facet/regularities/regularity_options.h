@@ -67,6 +67,8 @@ struct PlaneTrackingOptions {
   /// Landmarks that must lie on it then, and their least spread across (1-sigma) [m]. (!)
   int min_landmarks = 10;
   double min_landmark_extent_m = 0.12;
+  /// 1-sigma of its normal as these landmarks determine it [deg]. (!)
+  double max_normal_sigma_deg = 1.5;
   /// A plane unseen for longer is dormant: only a whole new sighting brings it back [s].
   double active_s = 1.5;
   /// A face is on a plane when its corners are within three sigmas of it, but between these [m].
@@ -92,6 +94,10 @@ struct PlaneTrackingOptions {
             min_landmark_extent_m,
             Range{0, 10},
             "least spread across of its landmarks [m]");
+    v.Field("max_normal_sigma_deg",
+            max_normal_sigma_deg,
+            Range{0.01, 90},
+            "1-sigma of a new plane's normal by its landmarks [deg]");
     v.Field("active_s", active_s, Range{0, 1e3}, "a plane unseen for longer is dormant [s]");
     v.Field("min_gate_m", min_gate_m, Range{0, 1}, "least gate for the corners of faces [m]");
     v.Field("max_gate_m", max_gate_m, Range{0, 1}, "largest gate for the corners of faces [m]");

@@ -16,12 +16,12 @@ struct SurfacePoint {
   double sigma_along_m = 0;            ///< 1-sigma along the ray
   double sigma_across_m = 0;           ///< and across it
 
-  /// 1-sigma in the direction of a unit normal.
-  double SigmaAlong(const Vector3d& n_W) const {
+  /// In the direction of a unit normal.
+  double VarianceAlong(const Vector3d& n_W) const {
     const double c = n_W.dot(ray_W);
-    return std::sqrt(c * c * sigma_along_m * sigma_along_m +
-                     (1 - c * c) * sigma_across_m * sigma_across_m);
+    return c * c * sigma_along_m * sigma_along_m + (1 - c * c) * sigma_across_m * sigma_across_m;
   }
+  double SigmaAlong(const Vector3d& n_W) const { return std::sqrt(VarianceAlong(n_W)); }
 };
 
 SurfacePoint MakeSurfacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W);

@@ -64,6 +64,7 @@ constexpr KnownFigure kMainFigures[] = {
     {"/evaluation/mesh/completeness_10cm", "mesh completeness at 10 cm [%]", "%.1f", 100},
     {"/evaluation/mesh/fscore_10cm", "mesh F-score at 10 cm [%]", "%.1f", 100},
     {"/evaluation/mesh/icp/accuracy_mean_m", "mesh accuracy after ICP, mean [cm]", "%.2f", 100},
+    {"/evaluation/mesh/plane_areas/rmse_m", "mesh on planes, RMSE [cm]", "%.2f", 100},
     {"/evaluation/map/accuracy_mean_m", "map accuracy, mean [cm]", "%.2f", 100},
     {"/evaluation/map/completeness_10cm", "map completeness at 10 cm [%]", "%.1f", 100},
     {"/evaluation/map/fscore_10cm", "map F-score at 10 cm [%]", "%.1f", 100},
