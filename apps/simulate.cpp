@@ -33,7 +33,7 @@ struct SimulateArguments {
   std::string out;
   std::vector<std::string> overrides;
   int num_noise_seeds = 1;
-  bool noise_free = false, clean_images = false, clean_imu = false, exact_calibration = false;
+  bool noise_free = false, clean_images = false, clean_imu = false, calibration_error = false;
   bool list = false, quiet = false;
   std::string command_line;
 };
@@ -67,7 +67,7 @@ void ApplyOptions(SimulateArguments& a) {
   SimulatorOptions& options = a.request.options;
   if (a.noise_free || a.clean_images) CleanImages(options);
   if (a.noise_free || a.clean_imu) CleanImu(options);
-  if (a.noise_free || a.exact_calibration) options.calibration.enabled = false;
+  options.calibration.enabled = a.calibration_error;
   ApplyOverrides(a.overrides, ListFields(options));
   if (a.num_noise_seeds > 1 && !options.sensor.add_noise && !options.imu.add_noise) {
     throw ConfigError("--noise-seeds " + std::to_string(a.num_noise_seeds) +
@@ -195,15 +195,14 @@ void AddOptions(CLI::App& command, SimulateArguments& a) {
       ->capture_default_str();
   command.add_option("--set", a.overrides, "key.path=value, repeatable; keys: --list")
       ->allow_extra_args(false);
-  command.add_flag(
-      "--noise-free", a.noise_free, "as --clean-images --clean-imu --exact-calibration");
+  command.add_flag("--noise-free", a.noise_free, "as --clean-images --clean-imu");
   command.add_flag("--clean-images",
                    a.clean_images,
                    "no noise, no motion blur, one exposure, 16 rays per pixel");
   command.add_flag("--clean-imu", a.clean_imu, "no noise, no vibration, no bias");
-  command.add_flag("--exact-calibration",
-                   a.exact_calibration,
-                   "the written calibration has no errors; the exact one is also in truth/");
+  command.add_flag("--calibration-error",
+                   a.calibration_error,
+                   "the written calibration has errors like a real one; truth/ has the exact one");
   command.add_flag("--list", a.list, "print known scenes, flights and options");
   command.add_flag("--quiet", a.quiet, "no progress bar, no summary");
 }

@@ -143,7 +143,9 @@ TEST_F(SimulateTest, SceneFileWithUnusableSizesImagesAndMeshes) {
 
 TEST_F(SimulateTest, DamagedSceneFilesAndMeshes) {
   const std::string objects = "objects:\n  - {type: chair, at: [0,2,0]}\n";
-  ExpectFailure(3, "'objects' must be a list of at least one object", Scene("objects: []\n"));
+  ExpectFailure(3,
+                "'objects' must be a list of at least one object",
+                Scene("route: [[0,0,1], [3,0,1]]\nobjects: []\n"));
   ExpectFailure(3, "at least two points [x, y, z]", Scene("route: [[0,0,1]]\n" + objects));
   ExpectFailure(3, "scene.yaml:", Scene("objects: [\n"));
   const std::string mesh =

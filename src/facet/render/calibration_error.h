@@ -14,7 +14,7 @@ namespace facet {
 /// scripts/calibration_error.py finds in EuRoC's own calibration recording: residuals common to an
 /// image region of 0.13 px per axis.
 struct CalibrationErrorOptions {
-  bool enabled = true;                 ///< false: the written calibration is exact
+  bool enabled = false;                ///< false: the written calibration is exact
   double focal_px = 0.4;               ///< of each focal length
   double center_px = 0.4;              ///< of each coordinate of the principal point
   double radial = 1e-3;                ///< of the distortion's first two coefficients

@@ -8,6 +8,12 @@
 namespace facet {
 namespace {
 
+CalibrationErrorOptions Enabled() {
+  CalibrationErrorOptions options;
+  options.enabled = true;
+  return options;
+}
+
 /// Difference in the pixels of a camera where a board was seen (not at the left and right border),
 /// after the turn and the scale that make it smallest: what the pose of a board cannot explain.
 double UnexplainedRms(const CameraModel& a, const CameraModel& b) {
@@ -37,7 +43,7 @@ TEST(CalibrationErrorTest, AsLargeAsInARealCalibration) {
   double squares = 0;
   constexpr int kSeeds = 200;
   for (int seed = 0; seed < kSeeds; ++seed) {
-    const StereoRig measured = MeasureRig(rig, {}, static_cast<std::uint64_t>(seed));
+    const StereoRig measured = MeasureRig(rig, Enabled(), static_cast<std::uint64_t>(seed));
     for (std::size_t c = 0; c < 2; ++c)
       squares += std::pow(UnexplainedRms(rig.cameras[c], measured.cameras[c]), 2) / (2 * kSeeds);
   }
@@ -50,7 +56,7 @@ TEST(CalibrationErrorTest, BothCamerasAgreeOnTheWhole) {
   double squares = 0;
   constexpr int kSeeds = 200;
   for (int seed = 0; seed < kSeeds; ++seed) {
-    const StereoRig measured = MeasureRig(rig, {}, static_cast<std::uint64_t>(seed));
+    const StereoRig measured = MeasureRig(rig, Enabled(), static_cast<std::uint64_t>(seed));
     double sum = 0;
     int count = 0;
     for (int y = 60; y < 480; y += 60) {
@@ -73,7 +79,7 @@ TEST(CalibrationErrorTest, BothCamerasAgreeOnTheWhole) {
 
 TEST(CalibrationErrorTest, OffsetsOfTheCamerasHaveTheirSigma) {
   const StereoRig rig = EurocRig();
-  CalibrationErrorOptions options;
+  CalibrationErrorOptions options = Enabled();
   options.focal_px = options.center_px = options.radial = options.tangential = 0;
   constexpr int kSeeds = 400;
   Vector4d squares = Vector4d::Zero();
@@ -98,7 +104,7 @@ TEST(CalibrationErrorTest, OffsetsOfTheCamerasHaveTheirSigma) {
 
 TEST(CalibrationErrorTest, DiffersWithTheSeedAndCanBeSwitchedOff) {
   const StereoRig rig = EurocRig();
-  CalibrationErrorOptions options;
+  CalibrationErrorOptions options = Enabled();
   const double fx = MeasureRig(rig, options, 1).cameras[0].intrinsics().fx;
   EXPECT_EQ(fx, MeasureRig(rig, options, 1).cameras[0].intrinsics().fx);
   EXPECT_NE(fx, MeasureRig(rig, options, 2).cameras[0].intrinsics().fx);
