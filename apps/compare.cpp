@@ -12,6 +12,7 @@
 
 #include "compare_runs.h"
 #include "load_options.h"
+#include "number_check.h"
 #include "run.h"
 #include <CLI/CLI.hpp>
 
@@ -286,7 +287,7 @@ void AddOptions(CLI::App& command, CompareArguments& a) {
                   "one more argument of facet run for all runs, repeatable: "
                   "--run-option=--mesh-every=5 (10 if not given; 0: none)")
       ->allow_extra_args(false);
-  command.add_option("--duration", a.duration_s, "seconds of each run")->check(CLI::PositiveNumber);
+  command.add_option("--duration", a.duration_s, "seconds of each run")->check(PositiveNumber());
   command.add_option(
       "--report", a.report, "folder for report.html with figures of each sequence's first start");
   command.add_flag("--quiet", a.is_quiet, "no line per run");

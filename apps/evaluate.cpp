@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "number_check.h"
 #include <CLI/CLI.hpp>
 
 #include "facet/eval/evaluation_json.h"
@@ -25,6 +26,7 @@ struct EvaluateArguments {
   std::vector<double> rpe_lengths_m;
   std::string alignment = ToString(AlignmentKind::kSE3);
   std::vector<std::string> parts = {"mesh", "planes", "consistency"};
+  bool parts_are_named = false;
   bool align_time = false;
   std::string report;
 };
@@ -41,6 +43,7 @@ EvaluationOptions OptionsOf(const EvaluateArguments& arguments) {
   options.judge_mesh = wants("mesh");
   options.judge_planes = wants("planes");
   options.judge_consistency = wants("consistency");
+  options.parts_must_exist = arguments.parts_are_named;
   return options;
 }
 
@@ -54,14 +57,9 @@ Report MakeReport(const EvaluateArguments& arguments, std::vector<RunEvaluation>
   ReportSection& section = report.sections.emplace_back();
   section.name = NameOf(arguments.truth);
   section.truth = arguments.truth;
-  for (RunEvaluation& evaluation : evaluations) {
-    std::string name = NameOf(evaluation.result);
-    const auto is_same = [&name](const ReportRun& run) { return run.name == name; };
-    if (std::ranges::any_of(section.runs, is_same)) {
-      name = std::filesystem::absolute(evaluation.result).lexically_normal().string();
-    }
-    section.runs.push_back(MakeReportRun(name, std::move(evaluation)));
-  }
+  const std::vector<std::string> names = ColumnNames(evaluations);
+  for (std::size_t i = 0; i < evaluations.size(); ++i)
+    section.runs.push_back(MakeReportRun(names[i], std::move(evaluations[i])));
   report.title = "Evaluation on " + section.name;
   return report;
 }
@@ -110,20 +108,25 @@ void AddEvaluateCommand(CLI::App& app) {
           arguments->rpe_lengths_m,
           "path lengths [m] for relative errors; default: 1,2,5,10,20,... as far as the path goes")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command->add_option(
       "--report", arguments->report, "folder for report.html: plots and tables on one page");
   command->add_flag("--align-time",
                     arguments->align_time,
                     "estimate the offset between the two clocks (at most 0.5 s) and remove it");
   command
-      ->add_option("--parts",
-                   arguments->parts,
-                   "what to judge beside the trajectory, where there is truth for it: "
-                   "mesh,planes,consistency (default), or trajectory for nothing else")
+      ->add_option(
+          "--parts",
+          arguments->parts,
+          "what to judge beside the trajectory, where there is truth for it: "
+          "mesh,planes,consistency (default), or trajectory for nothing else; what is named "
+          "must be there")
       ->delimiter(',')
       ->check(CLI::IsMember({"trajectory", "mesh", "planes", "consistency"}));
-  command->callback([arguments] { Evaluate(*arguments); });
+  command->callback([arguments, command] {
+    arguments->parts_are_named = command->count("--parts") > 0;
+    Evaluate(*arguments);
+  });
 }
 
 }  // namespace facet

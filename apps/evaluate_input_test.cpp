@@ -139,6 +139,22 @@ TEST_F(EvaluateInputTest, EmptyMesh) {
   EXPECT_EQ(Evaluate("--parts trajectory").exit_code, 0);
 }
 
+TEST_F(EvaluateInputTest, MeshInMillimetres) {
+  TriangleMesh mesh = OneTriangle();
+  for (Vector3d& p : mesh.vertices)
+    p *= 1e4;
+  WritePlyMesh(Result() / "map.ply", mesh);
+  ExpectRefused("map.ply: the mesh has an area of 5e+07 m2; vertices must be in metres");
+}
+
+TEST_F(EvaluateInputTest, StatesCutShort) {
+  WriteText(Result() / "states.csv",
+            "timestamp_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,sigma_px,sigma_rx\n" +
+                std::to_string(kStartNs) + ",0,0,0,1,0,0,0,0,0,0,1,1\n" +
+                std::to_string(kStartNs + 1) + ",0,0,0,1,0\n");
+  ExpectRefused("states.csv:3: 6 columns, the header has 13");
+}
+
 TEST_F(EvaluateInputTest, DamagedMesh) {
   WritePlyMesh(Result() / "mesh.ply", OneTriangle());
   Truncate(Result() / "mesh.ply", fs::file_size(Result() / "mesh.ply") - 3);
@@ -167,6 +183,12 @@ TEST_F(EvaluateInputTest, PlanesFileThatEndsInItsHeader) {
   ExpectRefused("truth/planes.csv:1: the truth holds no plane");
 }
 
+TEST_F(EvaluateInputTest, EstimatedPlanesWithoutHeader) {
+  WriteText(Sequence() / "truth" / "planes.csv", "#plane,nx,ny,nz,d,area,seen area,label\n");
+  WriteText(Result() / "planes.csv", "");
+  ExpectRefused("result/planes.csv:1: neither a plane nor a header");
+}
+
 TEST_F(EvaluateInputTest, DamagedPlanes) {
   WriteText(Sequence() / "truth" / "planes.csv", "#p,nx,ny,nz,d,a,s\n0,0,0,1,0,5,5\n");
   WriteText(Result() / "planes.csv", "id,nx,ny,nz,d,cx,cy,cz\n1,0,0,3,0,0,0,0\n");
@@ -178,6 +200,30 @@ TEST_F(EvaluateInputTest, ABadRunToCompareWithLeavesNothingBehind) {
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.err, HasSubstr("none: there is no such file or folder"));
   EXPECT_FALSE(fs::exists(Result() / "evaluation.json"));
+}
+
+TEST_F(EvaluateInputTest, APartThatIsNamedMustBeThere) {
+  const auto expect = [&](const std::string& part, const std::string& text) {
+    const ProgramRun run = Evaluate("--parts " + part);
+    EXPECT_EQ(run.exit_code, 3) << part;
+    EXPECT_THAT(run.err, HasSubstr(text));
+    EXPECT_FALSE(fs::exists(Result() / "evaluation.json"));
+  };
+  expect("planes", "seq: there is no list of true planes (truth/planes.csv)");
+  expect("mesh", "result: there is no mesh");
+  fs::remove(Sequence() / "truth" / "mesh.ply");
+  expect("mesh", "seq: there is no true surface");
+  expect("trajectory,consistency", "result: there is no states.csv");
+  WriteText(Sequence() / "truth" / "planes.csv", "#plane,nx,ny,nz,d,area,seen area,label\n");
+  expect("planes", "result: there is no planes.csv");
+}
+
+TEST_F(EvaluateInputTest, LengthsMustBePositiveNumbers) {
+  for (const char* text : {"-3", "0", "nan", "two"}) {
+    const ProgramRun run = Evaluate(std::string("--rpe-lengths 1,") + text);
+    EXPECT_EQ(run.exit_code, 2) << text;
+    EXPECT_THAT(run.err, HasSubstr("'" + std::string(text) + "' is not a positive number"));
+  }
 }
 
 TEST_F(EvaluateInputTest, UnknownPart) {
@@ -228,6 +274,7 @@ TEST_F(CompareInputTest, WrongUsage) {
   EXPECT_EQ(Compare("--set nonsense=1").exit_code, 2);
   EXPECT_EQ(Compare("--pipelines X").exit_code, 2);
   EXPECT_EQ(Compare("--starts 0").exit_code, 2);
+  EXPECT_THAT(Compare("--duration 0").err, HasSubstr("--duration: '0' is not a positive number;"));
   EXPECT_THAT(Compare(Sequence().string()).err, HasSubstr("another sequence has the name 'seq'"));
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }

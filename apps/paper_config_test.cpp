@@ -46,13 +46,15 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
   std::string mesh;
   for (const auto& [key, value] : changed_mesh)
     mesh += key.substr(5) + " ";
-  EXPECT_EQ(mesh,
-            "contradictions.by_triangulation contradictions.by_view faces.max_depth_sigma "
-            "faces.max_grazing_deg faces.max_side_m faces.max_side_per_depth faces.min_angle_deg "
-            "faces.min_elongation faces.min_side_ratio faces.noise_sigmas horizon_s map.enabled "
-            "min_observations plane_rescue.enabled support.enabled voting.max_depth_sigma "
-            "voting.max_grazing_deg voting.max_side_m voting.max_side_per_depth "
-            "voting.min_angle_deg voting.min_elongation voting.min_side_ratio ");
+  EXPECT_EQ(
+      mesh,
+      "border.enabled contradictions.by_triangulation contradictions.by_view faces.max_depth_sigma "
+      "faces.max_grazing_deg faces.max_side_m faces.max_side_per_depth faces.min_angle_deg "
+      "faces.min_elongation faces.min_side_ratio faces.noise_sigmas horizon_s map.enabled "
+      "min_observations plane_rescue.enabled support.enabled unknown_corners "
+      "voting.max_depth_sigma "
+      "voting.max_grazing_deg voting.max_side_m voting.max_side_per_depth "
+      "voting.min_angle_deg voting.min_elongation voting.min_side_ratio ");
 }
 
 TEST(PaperConfigTest, DefaultsAreThoseOfEurocYaml) {

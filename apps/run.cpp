@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "load_options.h"
+#include "number_check.h"
 #include "progress_bar.h"
 #include "run_sequence.h"
 #include <CLI/CLI.hpp>
@@ -212,8 +213,8 @@ void AddOptions(CLI::App& command, RunArguments& a) {
   command.add_option(
       "--imu-calibration", a.imu_calibration, "Kalibr imu.yaml, or EuRoC sensor.yaml");
   command.add_option("--start", a.range.start_s, "seconds after the first stereo pair")
-      ->check(CLI::NonNegativeNumber);
-  command.add_option("--duration", a.range.duration_s, "seconds")->check(CLI::PositiveNumber);
+      ->check(NonNegativeNumber());
+  command.add_option("--duration", a.range.duration_s, "seconds")->check(PositiveNumber());
   command
       .add_option("--threads",
                   a.threads,
@@ -222,12 +223,12 @@ void AddOptions(CLI::App& command, RunArguments& a) {
   command.add_flag("--realtime", a.range.realtime, "recorded speed; drop what arrives while busy");
   command
       .add_option("--imu-history", a.range.imu_history_s, "seconds of IMU before the first pair")
-      ->check(CLI::NonNegativeNumber);
+      ->check(NonNegativeNumber());
   command
       .add_option("--mesh-every",
                   a.mesh_every,
                   "also write meshes/<timestamp_ns>.ply every N keyframes; 0: none")
-      ->check(CLI::NonNegativeNumber);
+      ->check(NonNegativeNumber());
   command
       .add_option("--mesh-format",
                   a.mesh_format,

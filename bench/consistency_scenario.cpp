@@ -5,6 +5,7 @@
 
 #include "facet/sim/euroc_csv.h"
 #include "facet/sim/euroc_rig.h"
+#include "facet/sim/flight.h"
 #include "facet/testing/data_dir.h"
 
 namespace facet {
@@ -37,7 +38,7 @@ std::vector<Scenario> RecordedScenarios(const std::filesystem::path& folder, dou
     const std::vector<NavState> truth =
         LoadGroundTruthCsv(folder / stretch.flight / "groundtruth.csv");
     scenarios.push_back(
-        {stretch.flight, SplineTrajectory::Fit(truth), stretch.start_s, duration_s});
+        {stretch.flight, SplineTrajectory::Fit(truth), stretch.start_s, duration_s, {}});
   }
   return scenarios;
 }
@@ -48,9 +49,25 @@ std::vector<Scenario> MadeUpScenarios(double duration_s) {
   for (const int seed : {1, 2, 3}) {
     const std::vector<NavState> poses = MakeFlight(duration_s + kMargin, seed);
     scenarios.push_back(
-        {"made-up " + std::to_string(seed), SplineTrajectory::Fit(poses), 0, duration_s});
+        {"made-up " + std::to_string(seed), SplineTrajectory::Fit(poses), 0, duration_s, {}});
   }
   return scenarios;
+}
+
+std::vector<Scenario> CorridorScenarios(double duration_s) {
+  constexpr SplineOptions kSpline{0.05, 1e-6};  // made-up poses have no noise to be smoothed
+  CorridorOptions corridor;
+  FlightOptions walk;
+  walk.duration_s = duration_s;
+  walk.lead_s = 1;
+  const double lap_m = 2 * (corridor.length_m + corridor.depth_m);
+  const int laps = 1 + static_cast<int>(1.5 * duration_s / lap_m);  // at most 1.3 m/s
+  const auto poses = MakeFlightPoses(FlightKind::kWalk, CorridorWalk(corridor, laps), walk);
+  const SplineTrajectory trajectory = SplineTrajectory::Fit(poses, kSpline);
+  CorridorOptions panels = corridor;
+  panels.cupboard_depth_m = 0.1;
+  return {{"corridor", trajectory, 0.5, duration_s, corridor},
+          {"corridor_panels", trajectory, 0.5, duration_s, panels}};
 }
 
 std::vector<Scenario> FindScenarios(double duration_s) {
@@ -67,6 +84,7 @@ SimulatedRun Simulate(const Scenario& scenario,
   FeatureSimulatorOptions simulator = options.simulator;
   simulator.start_s = scenario.start_s;
   simulator.duration_s = scenario.duration_s;
+  simulator.corridor = scenario.corridor;
   return SimulateFeatures(scenario.trajectory, EurocRig(), simulator, seed);
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Scenario {
   SplineTrajectory trajectory;
   double start_s = 0;
   double duration_s = 0;
+  std::optional<CorridorOptions> corridor;  ///< otherwise a room around the flight
 };
 
 /// Stretches in motion of three EuRoC flights; `folder` is euroc_flights. Throws
@@ -26,6 +28,10 @@ std::vector<Scenario> RecordedScenarios(const std::filesystem::path& folder, dou
 
 /// Made-up flights, for machines without the recordings.
 std::vector<Scenario> MadeUpScenarios(double duration_s);
+
+/// Walks around a corridor, which is seen again after 26 m: with cupboards, and with panels 10 cm
+/// before the walls.
+std::vector<Scenario> CorridorScenarios(double duration_s);
 
 /// The recorded flights if they are there, otherwise the made-up ones, with a word on stderr.
 std::vector<Scenario> FindScenarios(double duration_s);

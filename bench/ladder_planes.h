@@ -18,7 +18,8 @@ namespace facet {
 struct SearchQuality {
   int num_created = 0;
   int num_joined = 0;
-  int num_wrong = 0;  ///< joined a plane most of whose landmarks lie on another surface
+  int num_wrong = 0;   ///< joined a plane most of whose landmarks lie on another surface
+  int num_events = 0;  ///< WrongReassociation: one if there was an occasion
 };
 
 struct OraclePlaneOptions {
@@ -77,6 +78,34 @@ class SpoiledPlanes {
   std::optional<Timestamp> first_t_;
 };
 
+/// Adds one mistake to what another policy says: the first plane that comes back after some seconds
+/// out of sight, and has a nearly parallel neighbour, is taken for that neighbour for one second.
+/// Its landmarks join the neighbour past the limits that the estimator sets on joining.
+class WrongReassociation {
+ public:
+  static constexpr double kAway_s = 5, kLasts_s = 1;
+
+  /// `quality` must outlive this and is added to.
+  WrongReassociation(PlanePolicy policy, SearchQuality& quality)
+      : policy_(std::move(policy)), quality_(quality) {}
+
+  PlaneAssignments operator()(const FrameObservations& observations, const MapSnapshot& snapshot);
+
+ private:
+  void Begin(const PlaneAssignments& out, const MapSnapshot& snapshot);
+
+  PlanePolicy policy_;
+  SearchQuality& quality_;
+  std::map<PlaneId, Timestamp> last_seen_;
+  std::optional<Timestamp> began_;
+  PlaneId returned_, neighbour_;
+};
+
+enum class Sightings {
+  kDetected,  ///< by the product
+  kTrue       ///< of all true surfaces, with their true planes as seen from the camera
+};
+
 /// The product's own search: mesh, detection, recognition, membership.
 class OwnSearch {
  public:
@@ -84,16 +113,23 @@ class OwnSearch {
   OwnSearch(const SimulatedRun& run,
             const MeshOptions& mesh,
             const RegularityOptions& options,
+            Sightings sightings,
             SearchQuality& quality);
+  OwnSearch(const OwnSearch&) = delete;
+  OwnSearch& operator=(const OwnSearch&) = delete;
 
   PlaneAssignments operator()(const FrameObservations& observations, const MapSnapshot& snapshot);
 
  private:
+  std::vector<PlaneCandidate> SeeTrueSurfaces(const SurfaceFaces& faces,
+                                              std::vector<char> taken) const;
   void Judge(const PlaneAssignments& found);
 
   const SimulatedRun& run_;
+  RegularityOptions options_;
   MeshStage mesh_;
   PlaneTracker tracker_;
+  SE3 T_WG_;  // from the truth's frame, where the newest poses agree
   std::map<PlaneId, std::map<PlaneId, int>> surfaces_of_plane_;
   SearchQuality& quality_;
 };

@@ -4,7 +4,7 @@ set -eu
 cd "$(dirname "$0")/.."
 data=${1:-${FACET_DATA_DIR:-../shared/data}}
 mkdir -p bench-out
-for bench in build/*_bench build/bench/*_bench; do
+for bench in build/bench/*_bench; do
   [ -x "$bench" ] || continue
   echo "== $bench"
   taskset -c 0 "$bench" --benchmark_min_time=0.2 \

@@ -21,14 +21,19 @@ found=""
 set -- "$@" --
 for name in MH_01_easy MH_02_easy MH_03_medium MH_04_difficult MH_05_difficult \
   V1_01_easy V1_02_medium V1_03_difficult V2_01_easy V2_02_medium V2_03_difficult; do
-  # The download puts them directly into the folder or into one folder per place.
-  for candidate in "$folder/$name" "$folder"/*/"$name"; do
+  # The download puts them directly into the folder or into one folder per place; unpacking adds a
+  # folder at times.
+  packed=""
+  for candidate in "$folder/$name" "$folder"/*/"$name" "$folder/$name/$name" "$folder"/*/"$name/$name"; do
     if [ -d "$candidate/mav0" ]; then
       found="$found $name"
+      packed=""
       set -- "$@" "$candidate"
       break
     fi
+    [ ! -d "$candidate" ] || packed=$candidate
   done
+  [ -z "$packed" ] || echo "run_euroc: $packed: no mav0/ in it (not unpacked?), left out" >&2
 done
 if [ -z "$found" ]; then
   echo "run_euroc: $folder: no EuRoC sequence (MH_01_easy/mav0 ...) in it" >&2

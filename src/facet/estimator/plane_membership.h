@@ -40,8 +40,8 @@ int DetachOutliers(const FrameGeometry& geometry,
 /// nothing but those landmarks would determine them.
 void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window);
 
-/// Limits for a plane to count as known: 1-sigma of its offset, and of its normal either as an angle
-/// or, for small planes, as what the angle amounts to where the landmarks are.
+/// Limits for a plane to count as known: 1-sigma of its offset, and of its normal either as an
+/// angle or, for small planes, as what the angle amounts to where the landmarks are.
 struct SettledLimits {
   double sigma_normal_rad = 0;
   double sigma_rim_m = 0;  ///< sigma of the normal times the rms distance of landmarks and anchor

@@ -10,6 +10,7 @@
 
 #include "facet/estimator/initializer.h"
 #include "facet/estimator/landmark_depth.h"
+#include "facet/estimator/outlier_removal.h"
 #include "facet/estimator/plane_anchor.h"
 #include "facet/estimator/plane_budget.h"
 #include "facet/estimator/plane_membership.h"
@@ -40,8 +41,6 @@ constexpr int kMaxInventedIntervals = 1;
 constexpr double kLostVelocitySigma = 5.0;  // m/s
 constexpr double kMaxDeadReckoning_s = 1.0;
 constexpr double kLostSpeed = 100.0;  // m/s
-// A landmark nearer than this is a mismatch.
-constexpr double kMaxInverseDistance = 15.0;
 
 PreintegrationNoise Scaled(const PreintegrationNoise& noise, double scale) {
   return {noise.gyro * scale, noise.accel * scale, noise.integration * scale};
@@ -200,8 +199,12 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     InitializeDepths();
     RelinearizeImu();
     TakeAssignments();
+    before_solve_.Save(window_);
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
-    if (DropWrongMembers()) result.solve = solver_.Solve(window_, kRepairIterations);
+    if (DropWrongMembers()) {
+      before_solve_.Restore(window_);
+      result.solve = solver_.Solve(window_, kRepairIterations);
+    }
     newest_covariance_ = solver_.NewestFrameCovariance(window_);
     JudgePlanes();
     KeepPlaneCovariances();
@@ -397,7 +400,7 @@ void VioEstimator::RelinearizeImu() {
 
 // Landmarks on planes where they do not belong bend the window: when many are found after the
 // solve, it is solved anew without them, before their pull is frozen or good observations look
-// wrong.
+// wrong. From where it was: a few iterations do not lead back from far off.
 bool VioEstimator::DropWrongMembers() {
   const int before = NumPlaneConstraints();
   if (before == 0) return false;
@@ -409,43 +412,9 @@ bool VioEstimator::DropWrongMembers() {
 
 int VioEstimator::RemoveOutliers() {
   geometry_.Update(window_.frames);
-  int removed = 0;
   const RobustOptions robust = options_.robust();
-  std::vector<char> gone(window_.landmarks().size(), 0);
-  const auto is_outlier =
-      [&](const WindowLandmark& landmark, const WindowObservation& o, int camera) {
-        const auto error = WhitenedError(geometry_, landmark, o, camera);
-        const double scale = NoiseScale(landmark, o, camera, robust);
-        return !error || scale * error->norm() > options_.solver.outlier_sigma;
-      };
-  for (std::size_t l = 0; l < window_.landmarks().size(); ++l) {
-    WindowLandmark& landmark = window_.landmarks()[l];
-    if (!IsConstraining(landmark)) continue;
-    if (landmark.inverse_distance > kMaxInverseDistance) {
-      gone[l] = 1;
-      continue;
-    }
-    for (WindowObservation& o : landmark.observations) {
-      if (o.has_right && is_outlier(landmark, o, 1)) {
-        o.has_right = false;
-        ++removed;
-      }
-    }
-    const auto before = landmark.observations.size();
-    std::erase_if(landmark.observations,
-                  [&](const WindowObservation& o) { return is_outlier(landmark, o, 0); });
-    removed += static_cast<int>(before - landmark.observations.size());
-    if (landmark.observations.empty()) {
-      gone[l] = 1;
-      continue;
-    }
-    if (std::none_of(landmark.observations.begin(),
-                     landmark.observations.end(),
-                     [&](const auto& o) { return o.frame == landmark.host; })) {
-      window_.Rehost(landmark, landmark.observations.front().frame);
-    }
-  }
-  window_.RemoveLandmarks(gone);
+  const int removed =
+      RemoveOutlierObservations(geometry_, robust, options_.solver.outlier_sigma, window_);
   // Without those observations vision places some landmarks elsewhere.
   DetachOutliers(geometry_, robust, options_.planes.outlier_sigma, window_);
   RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);

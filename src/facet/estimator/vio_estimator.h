@@ -107,6 +107,7 @@ class VioEstimator {
   BiasWalk bias_walk_;
   SlidingWindow window_;
   WindowSolver solver_;
+  WindowValues before_solve_;
   FrameUpdater updater_;
   FrameGeometry geometry_;
   /// The newest frame when it is not a keyframe: its IMU interval began at the newest keyframe.

@@ -10,35 +10,6 @@ constexpr double kMinLambda = 1e-9;
 constexpr double kMaxLambda = 1e4;
 }  // namespace
 
-void WindowSolver::Save(const SlidingWindow& window) {
-  saved_x_.clear();
-  saved_lin_.clear();
-  saved_delta_.clear();
-  for (const WindowFrame& frame : window.frames) {
-    saved_x_.push_back(frame.x);
-    saved_lin_.push_back(frame.lin);
-    saved_delta_.push_back(frame.delta);
-  }
-  saved_planes_ = window.planes;
-  saved_landmarks_.clear();
-  for (const WindowLandmark& landmark : window.landmarks()) {
-    saved_landmarks_.emplace_back(landmark.bearing_H, landmark.inverse_distance);
-  }
-}
-
-void WindowSolver::Restore(SlidingWindow& window) const {
-  for (std::size_t i = 0; i < window.frames.size(); ++i) {
-    window.frames[i].x = saved_x_[i];
-    window.frames[i].lin = saved_lin_[i];
-    window.frames[i].delta = saved_delta_[i];
-  }
-  window.planes = saved_planes_;
-  for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
-    window.landmarks()[l].bearing_H = saved_landmarks_[l].first;
-    window.landmarks()[l].inverse_distance = saved_landmarks_[l].second;
-  }
-}
-
 SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
   SolveSummary summary;
   lambda_ = kMinLambda;
@@ -55,7 +26,7 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
         continue;
       }
       summary.ok = true;
-      Save(window);
+      before_step_.Save(window);
       system_.ApplyStep(window);
       const double new_cost = system_.Cost(window, robust_);
       if (new_cost <= cost) {
@@ -64,7 +35,7 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
         lambda_ = std::max(lambda_ * 0.1, kMinLambda);
         continue;
       }
-      Restore(window);
+      before_step_.Restore(window);
       // With first-estimate Jacobians the gradient is slightly off: an uphill step this small is
       // the end.
       if (new_cost - cost < options_.min_cost_decrease) {

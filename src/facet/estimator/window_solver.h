@@ -4,6 +4,7 @@
 
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/window_system.h"
+#include "facet/estimator/window_values.h"
 
 namespace facet {
 
@@ -34,19 +35,12 @@ class WindowSolver {
   const WindowSystem& system() const { return system_; }
 
  private:
-  void Save(const SlidingWindow& window);
-  void Restore(SlidingWindow& window) const;
-
   WindowSystem system_;
   SolverOptions options_;
   RobustOptions robust_;
   double factored_lambda_ = 0;  // of the last factorisation
   double lambda_ = 1e-6;
-  // Estimates before a trial step.
-  std::vector<NavState> saved_x_, saved_lin_;
-  std::vector<Vector<15>> saved_delta_;
-  std::vector<WindowPlane> saved_planes_;
-  std::vector<std::pair<Vector3d, double>> saved_landmarks_;
+  WindowValues before_step_;
 };
 
 }  // namespace facet

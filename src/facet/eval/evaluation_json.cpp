@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -235,9 +237,15 @@ Rows RowsOf(const RunEvaluation& e) {
   return rows;
 }
 
-std::string ShortName(const fs::path& result) {
-  const fs::path clean = result.has_filename() ? result : result.parent_path();
-  return clean.filename().string();
+// The last `count` names of a path.
+std::string Tail(const fs::path& path, std::ptrdiff_t count) {
+  const std::ptrdiff_t length = std::distance(path.begin(), path.end());
+  fs::path tail;
+  for (auto it = std::next(path.begin(), std::max<std::ptrdiff_t>(0, length - count));
+       it != path.end();
+       ++it)
+    tail /= *it;
+  return tail.string();
 }
 
 std::string Pad(const std::string& text, std::size_t width, bool right) {
@@ -271,6 +279,25 @@ nlohmann::ordered_json ToJson(const RunEvaluation& e) {
   return json;
 }
 
+std::vector<std::string> ColumnNames(std::span<const RunEvaluation> evaluations) {
+  std::vector<fs::path> paths;
+  std::ptrdiff_t longest = 1;
+  for (const RunEvaluation& evaluation : evaluations) {
+    const fs::path clean = fs::absolute(evaluation.result).lexically_normal();
+    paths.push_back(clean.has_filename() ? clean : clean.parent_path());
+    longest = std::max(longest, std::distance(paths.back().begin(), paths.back().end()));
+  }
+  const std::size_t num_different = std::set(paths.begin(), paths.end()).size();
+  std::vector<std::string> names;
+  for (std::ptrdiff_t count = 1; count <= longest; ++count) {
+    names.clear();
+    for (const fs::path& path : paths)
+      names.push_back(Tail(path, count));
+    if (std::set(names.begin(), names.end()).size() == num_different) break;
+  }
+  return names;
+}
+
 std::string FormatTable(std::span<const RunEvaluation> evaluations) {
   std::vector<std::string> names;  // in order of appearance
   std::vector<std::map<std::string, std::string>> columns;
@@ -283,14 +310,14 @@ std::string FormatTable(std::span<const RunEvaluation> evaluations) {
   }
   constexpr std::size_t kNameWidth = 30;
   std::string table = Pad("", kNameWidth, false);
-  for (const RunEvaluation& evaluation : evaluations) {
-    table += "  " + Pad(ShortName(evaluation.result), 10, true);
-  }
+  const std::vector<std::string> headers = ColumnNames(evaluations);
+  for (const std::string& header : headers)
+    table += "  " + Pad(header, 10, true);
   table += '\n';
   for (const std::string& name : names) {
     table += Pad(name, kNameWidth, false);
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      const std::size_t width = std::max<std::size_t>(10, ShortName(evaluations[c].result).size());
+      const std::size_t width = std::max<std::size_t>(10, headers[c].size());
       const auto text = columns[c].find(name);
       table += "  " + Pad(text == columns[c].end() ? "-" : text->second, width, true);
     }

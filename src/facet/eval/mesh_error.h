@@ -75,7 +75,7 @@ struct MeshError {
   double area_m2 = 0;
   MeshFigures aligned;  ///< as the trajectory's alignment puts it
   IcpFigures icp;
-  std::optional<double> doubled_area;  ///< share of the area, where it was asked for
+  std::optional<double> doubled_area;           ///< share of the area, where it was asked for
   std::optional<PlaneAreaFigures> plane_areas;  ///< as aligned; absent without true planes there
   /// For pictures: every k-th sample and its distance, as aligned.
   std::vector<Vector3d> picture_samples_G;

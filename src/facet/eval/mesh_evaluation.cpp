@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "facet/base/check.h"
@@ -69,7 +70,15 @@ void Append(const TriangleMesh& part, TriangleMesh& whole) {
 }
 
 void RequireArea(const TriangleMesh& mesh, const fs::path& file) {
-  if (TotalArea(mesh) > 0) return;
+  constexpr double kMaxArea_m2 = 1e6;  // hours of flight in large halls have less
+  const double area_m2 = TotalArea(mesh);
+  if (area_m2 > kMaxArea_m2) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.3g", area_m2);
+    throw InputError(file.string() + ": the mesh has an area of " + text +
+                     " m2; vertices must be in metres");
+  }
+  if (area_m2 > 0) return;
   throw InputError(file.string() + ": an empty mesh, " + std::to_string(mesh.vertices.size()) +
                    " vertices and " + std::to_string(mesh.faces.size()) +
                    " faces without area; judge the rest with --parts trajectory");

@@ -41,7 +41,8 @@ std::optional<PlaneAreaFigures> EvaluatePlaneAreas(std::span<const MeshSample> s
   if (figures.num_samples == 0) return std::nullopt;
   const auto count = static_cast<double>(figures.num_samples);
   figures.rmse_m = std::sqrt(sum_of_squares / count);
-  figures.left_out = static_cast<double>(num_left_out) / (count + static_cast<double>(num_left_out));
+  figures.left_out =
+      static_cast<double>(num_left_out) / (count + static_cast<double>(num_left_out));
   return figures;
 }
 

@@ -83,6 +83,38 @@ void EvaluateKeyframes(const fs::path& result,
   }
 }
 
+void RequirePart(bool is_wanted, bool is_there, const fs::path& where, const std::string& what) {
+  if (is_wanted && !is_there)
+    throw InputError(where.string() + ": there is no " + what + ", which was to be judged");
+}
+
+void RequireParts(const fs::path& result,
+                  const GroundTruth& truth,
+                  const EvaluationOptions& options) {
+  RequirePart(options.judge_mesh,
+              truth.surface != nullptr,
+              truth.path,
+              "true surface (truth/mesh.ply or mav0/pointcloud0/data.ply)");
+  RequirePart(options.judge_mesh,
+              fs::is_directory(result) && HasMesh(result),
+              result,
+              "mesh (mesh.ply, map.ply or meshes/)");
+  RequirePart(options.judge_planes,
+              !truth.planes_file.empty(),
+              truth.path,
+              "list of true planes (truth/planes.csv)");
+  RequirePart(
+      options.judge_planes, fs::exists(result / "planes.csv"), result, "planes.csv with planes");
+  RequirePart(options.judge_consistency,
+              !truth.states.empty(),
+              truth.path,
+              "truth with velocities and biases");
+  RequirePart(options.judge_consistency,
+              fs::exists(result / "states.csv"),
+              result,
+              "states.csv with uncertainties");
+}
+
 // Planes, mesh and consistency: each where the result and the truth have it.
 void EvaluateParts(const fs::path& result,
                    const GroundTruth& truth,
@@ -132,6 +164,7 @@ RunEvaluation EvaluateRun(const std::filesystem::path& result,
     throw InputError(result.string() + ": " + problem + " (truth: " + truth.pose_file.string() +
                      ")");
   }
+  if (options.parts_must_exist) RequireParts(result, truth, options);
   evaluation.causal = EvaluateTrajectory(trajectory.poses, truth.poses, options.trajectory);
   evaluation.pairs = Associate(trajectory.poses, truth.poses).pairs;
   EvaluateKeyframes(result, truth, options, evaluation);

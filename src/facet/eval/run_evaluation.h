@@ -22,6 +22,7 @@ struct EvaluationOptions {
   bool align_time = false;  ///< estimate and remove an offset between the clocks
   /// The trajectory is always judged; these only where result and truth have them.
   bool judge_mesh = true, judge_planes = true, judge_consistency = true;
+  bool parts_must_exist = false;  ///< what is to be judged and is missing is an InputError
 };
 
 struct RunEvaluation {

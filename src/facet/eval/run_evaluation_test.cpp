@@ -15,6 +15,7 @@ namespace facet {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
@@ -152,6 +153,18 @@ TEST_F(RunEvaluationTest, TableHasOneColumnPerRun) {
   EXPECT_THAT(table, HasSubstr("ATE rmse [m]"));
   EXPECT_THAT(table, HasSubstr("90.0        90.0"));
   EXPECT_THAT(table, Not(HasSubstr("nan")));
+}
+
+TEST_F(RunEvaluationTest, ColumnsAreNamedByWhatTellsThemApart) {
+  std::vector<RunEvaluation> runs(3);
+  runs[0].result = "study/S/start_0.0";
+  runs[1].result = "study/SPR/start_0.0/";
+  runs[2].result = "other/../study/SP/start_0.1";
+  EXPECT_THAT(ColumnNames(runs), ElementsAre("S/start_0.0", "SPR/start_0.0", "SP/start_0.1"));
+  runs[1].result = "study/S/x.tum";
+  EXPECT_THAT(ColumnNames(runs), ElementsAre("start_0.0", "x.tum", "start_0.1"));
+  runs[1] = runs[2] = runs[0];
+  EXPECT_THAT(ColumnNames(runs), ElementsAre("start_0.0", "start_0.0", "start_0.0"));
 }
 
 TEST_F(RunEvaluationTest, RefusesWhatCannotBeJudged) {

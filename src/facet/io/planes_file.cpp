@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <tuple>
 
 #include "facet/io/csv_reader.h"
@@ -44,12 +45,12 @@ std::pair<Vector3d, double> NormalAndDistance(const CsvReader& row) {
 }
 
 // Whether the first line names the columns of a list of true planes.
-bool HasHeader(const std::filesystem::path& file) {
+bool HasHeader(const std::filesystem::path& file, std::initializer_list<const char*> names) {
   std::ifstream stream(file);
   std::string header;
   std::getline(stream, header);
   std::size_t at = 0;
-  for (const char* name : {",nx", ",ny", ",nz", ",d", ",area", ",seen area"}) {
+  for (const char* name : names) {
     at = header.find(name, at);
     if (at == std::string::npos) return false;
   }
@@ -71,6 +72,11 @@ std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& fil
     plane.area_m2 = Number(row, 13, "area_m2");
     planes.push_back(std::move(plane));
   }
+  if (planes.empty() && !HasHeader(file, {",nx", ",ny", ",nz", ",d"})) {
+    throw InputError(file.string() +
+                     ":1: neither a plane nor a header; columns 'id,nx,ny,nz,d,cx,cy,cz,...' are "
+                     "expected, or no such file at all");
+  }
   return planes;
 }
 
@@ -86,7 +92,7 @@ std::vector<TruePlane> ReadTruePlanes(const std::filesystem::path& file) {
     planes.push_back(std::move(plane));
   }
   // Without a row only the header tells a scene without planes from a file cut short.
-  if (planes.empty() && !HasHeader(file)) {
+  if (planes.empty() && !HasHeader(file, {",nx", ",ny", ",nz", ",d", ",area", ",seen area"})) {
     throw InputError(
         file.string() +
         ":1: the truth holds no plane and no header that says so; columns "

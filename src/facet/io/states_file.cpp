@@ -57,6 +57,13 @@ class StateColumns {
     }
   }
 
+  // A line that was cut short would pass for one whose values are unknown.
+  void RequireAll(const CsvReader& row) const {
+    if (row.fields().size() >= columns_.size()) return;
+    throw InputError(row.Where() + ": " + std::to_string(row.fields().size()) +
+                     " columns, the header has " + std::to_string(columns_.size()));
+  }
+
   double Get(const CsvReader& row, const std::string& name) const {
     const auto column = columns_.find(name);
     return NumberOrNan(row, column == columns_.end() ? row.fields().size() : column->second);
@@ -89,6 +96,7 @@ std::vector<EstimatedState> ReadStates(const std::filesystem::path& file) {
   const StateColumns columns(file);
   std::vector<EstimatedState> states;
   while (row.Next()) {
+    columns.RequireAll(row);
     EstimatedState s;
     s.state.t = StampOf(row);
     s.state.T_WB.p = columns.Get3(row, "p");

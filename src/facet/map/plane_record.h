@@ -21,6 +21,7 @@ struct PlaneRecord {
   int num_landmarks = 0;  ///< that ever lay on it
   double area_m2 = 0;     ///< of the surface seen
   double sigma_normal_rad = 0, sigma_d_m = 0;
+  std::vector<PlaneId> absorbed;    ///< planes that turned out to be this one
   std::vector<Vector3d> outline_W;  ///< convex, counter-clockwise seen from where the normal points
 };
 

@@ -14,7 +14,7 @@ struct FaceLimits {
   /// camera, first of all those between a near and a far surface. (!)
   double min_elongation = 1.2;
   /// Longest side [m].
-  double max_side_m = 2.0;
+  double max_side_m = 3.0;
   /// Longest side over the smallest depth; 0.44 is about 200 px with EuRoC's cameras.
   double max_side_per_depth = 0.5;
   /// Smallest angle [deg].
@@ -131,6 +131,9 @@ struct SurfaceMapOptions {
   double min_weight = 0.02;
   /// Holes with at most this perimeter are closed if their rim is plane [m]; 0: none.
   double max_hole_m = 2.0;
+  /// When the map is this large it grows no more; where it exists it is still improved [MB]. 1000
+  /// m2 need about 60.
+  double max_memory_mb = 2000;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -138,6 +141,7 @@ struct SurfaceMapOptions {
     v.Field("voxel_m", voxel_m, Range{0.01, 1}, "side of a voxel [m]");
     v.Field("truncation_m", truncation_m, Range{0.01, 5}, "surfaces nearer than this merge [m]");
     v.Field("min_weight", min_weight, Range{0, 1e6}, "weight of a voxel that counts");
+    v.Field("max_memory_mb", max_memory_mb, Range{1, 1e6}, "the map grows no more [MB]");
     v.Field("max_hole_m", max_hole_m, Range{0, 100}, "perimeter of plane holes that close [m]");
   }
 };
@@ -147,7 +151,7 @@ struct SupportOptions {
   bool enabled = true;
   /// Side of a cell with at most one support point, if it holds no corner. The cells take turns
   /// over two keyframes. Smaller: more points, more time. (!)
-  int cell_px = 22;
+  int cell_px = 23;
   /// Mean difference between pixels two apart along the rows that a place must have [grey values].
   double min_contrast = 1.5;
   /// A triangle whose corners' inverse depths differ by more is also searched around the nearest
@@ -155,6 +159,9 @@ struct SupportOptions {
   double min_depth_step = 0.06;
   /// Largest 1-sigma of the depth over the depth.
   double max_depth_sigma = 0.05;
+  /// Takes the place of the faces' limit: where points are dense, a large face is a gap in which
+  /// none could be matched.
+  double max_side_per_depth = 0.3;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -166,6 +173,35 @@ struct SupportOptions {
             Range{0, 100},
             "step in inverse depth that widens the search [1/m]");
     v.Field("max_depth_sigma", max_depth_sigma, Range{1e-4, 1}, "1-sigma of depth over depth");
+    v.Field("max_side_per_depth",
+            max_side_per_depth,
+            Range{0.01, 1e3},
+            "longest side of a face over depth, with support points");
+  }
+};
+
+/// Points on the border of the image, continued from the planes beside it (border_points.h). Only
+/// without support points, which reach the border themselves.
+struct BorderOptions {
+  bool enabled = true;
+  /// Points that must lie on one plane. More: fewer places pass, and those more surely.
+  int num_neighbours = 8;
+  /// How far from the place they may be, and how far the nearest must be.
+  double max_distance_px = 250;
+  double min_distance_px = 25;
+  /// Largest deviation of each from the plane, in its 1-sigmas.
+  double max_sigmas = 2;
+  /// Largest 1-sigma of the continued depth over the depth. (!)
+  double max_depth_sigma = 0.03;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "continue planes to the border of the image");
+    v.Field("num_neighbours", num_neighbours, Range{4, 100}, "points that must lie on the plane");
+    v.Field("max_distance_px", max_distance_px, Range{1, 1e4}, "how far away they may be [px]");
+    v.Field("min_distance_px", min_distance_px, Range{0, 1e4}, "no point where another is [px]");
+    v.Field("max_sigmas", max_sigmas, Range{0.1, 100}, "deviation from the plane over its sigma");
+    v.Field("max_depth_sigma", max_depth_sigma, Range{1e-4, 1}, "1-sigma of depth over depth");
   }
 };
 
@@ -176,11 +212,15 @@ struct MeshOptions {
   double horizon_s = 3;
   /// Keyframes' landmarks with fewer observations have no vertex.
   int min_observations = 2;
+  /// Corners that the estimator does not know yet, or refused, are vertices where they were matched
+  /// left to right: they live as long as their keyframe.
+  bool unknown_corners = true;
   FaceLimits faces;
   FaceLimits voting = StrictFaceLimits();
   PlaneRescueOptions plane_rescue;
   ContradictionOptions contradictions;
   SupportOptions support;
+  BorderOptions border;
   SurfaceMapOptions map;
 
   template <class Visitor>
@@ -188,11 +228,16 @@ struct MeshOptions {
     v.Field("enabled", enabled, Range{}, "build the mesh");
     v.Field("horizon_s", horizon_s, Range{0, 1e3}, "faces stay after the estimator forgot them");
     v.Field("min_observations", min_observations, Range{1, 100}, "frames that saw a vertex");
+    v.Field("unknown_corners",
+            unknown_corners,
+            Range{},
+            "matched corners without a landmark are vertices");
     v.Group("faces", faces);
     v.Group("voting", voting);
     v.Group("plane_rescue", plane_rescue);
     v.Group("contradictions", contradictions);
     v.Group("support", support);
+    v.Group("border", border);
     v.Group("map", map);
   }
 };

@@ -78,17 +78,25 @@ const SurfaceMap::Voxel* SurfaceMap::Find(const CubeIndex& corner) const {
   return voxel.weight > 0 ? &voxel : nullptr;
 }
 
-SurfaceMap::Block& SurfaceMap::BlockAt(const CubeIndex& block) {
+// Null where a new block would be more than the map may have.
+SurfaceMap::Block* SurfaceMap::BlockAt(const CubeIndex& block) {
   if (last_block_ < 0 || block != last_index_) {
     const auto [found, is_new] = index_.try_emplace(block, static_cast<int>(blocks_.size()));
     if (is_new) {
+      constexpr double kMegabyte = 1e6;
+      if (static_cast<double>(memory_bytes() + sizeof(Block)) >
+          options_.max_memory_mb * kMegabyte) {
+        index_.erase(found);
+        is_full_ = true;
+        return nullptr;
+      }
       blocks_.emplace_back();
       blocks_.back().index = block;
     }
     last_block_ = found->second;
     last_index_ = block;
   }
-  return blocks_[last_block_];
+  return &blocks_[last_block_];
 }
 
 void SurfaceMap::Merge(const Sample& sample, Voxel& voxel) {
@@ -108,14 +116,15 @@ void SurfaceMap::MergeColumn(const Column& column, Sample sample) {
   while (at < column.end) {
     const CubeIndex corner{c[0], c[1], c[2]};
     const CubeIndex index = BlockOf(corner);
-    Block& block = BlockAt(index);
-    Voxel* voxel = &block.voxels[VoxelOf(corner, index)];
+    Block* block = BlockAt(index);
     const std::int32_t left = kBlockSide - (at & (kBlockSide - 1));
     const std::int32_t count = std::min(left, column.end - at);
-    for (std::int32_t k = 0; k < count; ++k, voxel += kStride[column.axis]) {
+    Voxel* voxel = block == nullptr ? nullptr : &block->voxels[VoxelOf(corner, index)];
+    for (std::int32_t k = 0; voxel != nullptr && k < count; ++k, voxel += kStride[column.axis]) {
       Merge(sample, *voxel);
       sample.distance += column.step;
     }
+    if (block == nullptr) sample.distance += static_cast<float>(count) * column.step;
     at += count;
   }
 }

@@ -55,7 +55,8 @@ class SurfaceMap {
 
   explicit SurfaceMap(const SurfaceMapOptions& options) : options_(options) {}
 
-  /// Merges a face. Faces that are not finite are ignored.
+  /// Merges a face, as far as options().max_memory_mb allows. Faces that are not finite are
+  /// ignored.
   void Add(const LostFace& face);
 
   /// Null where nothing is known.
@@ -66,7 +67,9 @@ class SurfaceMap {
 
   const SurfaceMapOptions& options() const { return options_; }
   const std::vector<Block>& blocks() const { return blocks_; }
-  std::size_t memory_bytes() const { return blocks_.capacity() * sizeof(Block); }
+  std::size_t memory_bytes() const { return blocks_.size() * sizeof(Block); }
+  /// Whether surfaces were left out because the map may not grow.
+  bool is_full() const { return is_full_; }
 
  private:
   /// What one face says about one voxel.
@@ -84,13 +87,14 @@ class SurfaceMap {
   };
   static void Merge(const Sample& sample, Voxel& voxel);
   void MergeColumn(const Column& column, Sample sample);
-  Block& BlockAt(const CubeIndex& block);
+  Block* BlockAt(const CubeIndex& block);
 
   SurfaceMapOptions options_;
   std::vector<Block> blocks_;  // in the order in which they were needed
   std::unordered_map<CubeIndex, int> index_;
   CubeIndex last_index_;  // cache of At
   int last_block_ = -1;
+  bool is_full_ = false;
 };
 
 /// The surface of the map as triangles of about the size of a voxel, with normals, colours and

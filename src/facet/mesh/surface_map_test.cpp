@@ -99,6 +99,25 @@ TEST(SurfaceMap, ReturningWithDriftMakesOneSurfaceAndNoMoreMemory) {
     EXPECT_NEAR(p.z(), 0.02, 0.02);
 }
 
+TEST(SurfaceMap, GrowsNoMoreWhenItIsFullAndIsStillImproved) {
+  Rng rng(5);
+  SurfaceMapOptions options;
+  SurfaceMap large(options);
+  AddFloor(0, 0, rng, large);
+  EXPECT_FALSE(large.is_full());
+  options.max_memory_mb = 0.5 * static_cast<double>(large.memory_bytes()) / 1e6;
+  SurfaceMap small(options);
+  for (int lap = 0; lap < 20; ++lap)
+    AddFloor(lap == 0 ? 0.05 : 0.0, 0, rng, small);
+  EXPECT_TRUE(small.is_full());
+  EXPECT_LE(static_cast<double>(small.memory_bytes()), 1e6 * options.max_memory_mb);
+  const TriangleMesh mesh = ExtractSurface(small);
+  EXPECT_GT(AreaOf(mesh), 1);
+  EXPECT_LT(AreaOf(mesh), 3);
+  for (const Vector3d& p : mesh.vertices)
+    ASSERT_NEAR(p.z(), 0, 0.01);
+}
+
 TEST(SurfaceMap, ParallelSurfacesFarApartStayTwo) {
   Rng rng(4);
   SurfaceMap map{SurfaceMapOptions()};

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "facet/regularities/plane_names.h"
+
 namespace facet {
 
 BackStage::BackStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
@@ -43,6 +45,12 @@ void BackStage::FindRegularities(VioOutput& out, MeshSnapshot& mesh) {
   estimator_.Assign(planes_->Process(mesh, *out.snapshot));
   mesh_.SetFacePlanes(planes_->face_planes());
   mesh.mesh.plane_ids = planes_->face_planes();
+}
+
+std::optional<TriangleMesh> BackStage::Map() const {
+  std::optional<TriangleMesh> map = mesh_.Map();
+  if (map && planes_) UseCurrentPlanes(planes_->Records(), map->plane_ids);
+  return map;
 }
 
 std::vector<PlaneRecord> BackStage::Planes() const {

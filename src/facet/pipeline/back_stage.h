@@ -23,7 +23,8 @@ class BackStage {
 
   std::vector<KeyframePose> WindowKeyframes() const { return estimator_.Snapshot().keyframes; }
 
-  std::optional<TriangleMesh> Map() const { return mesh_.Map(); }
+  /// Of the whole run; its plane ids are those of Planes().
+  std::optional<TriangleMesh> Map() const;
 
   /// Every plane that was ever a variable, in the order of their ids.
   std::vector<PlaneRecord> Planes() const;

@@ -57,6 +57,7 @@ void FrontStage::FillMeshPacket(const StereoFrame& frame, FrontPacket& packet) {
   mesh.intensities.reserve(features.size());
   for (const FeatureObservation& feature : features)
     mesh.intensities.push_back(GreyValueAt(frame.left, feature.px_left));
+  mesh.inverse_depths = packet.frontend.inverse_depths;
   if (!mesh_options_.support.enabled) return;
   const std::vector<DepthQuery>& places =
       support_places_.Choose(frame.left, features, packet.frontend.inverse_depths);

@@ -23,7 +23,9 @@ struct Feedback {
 /// What the mesh needs from the images of a keyframe.
 struct MeshPacket {
   std::vector<std::uint8_t> intensities;  ///< of the left image at the observations
-  std::vector<DepthPoint> support;        ///< points between them
+  /// [1/m] along z of the left camera, of the observations; 0 where not matched.
+  std::vector<double> inverse_depths;
+  std::vector<DepthPoint> support;  ///< points between them
   std::vector<std::uint8_t> support_intensities;
 };
 

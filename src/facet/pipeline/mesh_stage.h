@@ -9,6 +9,7 @@
 #include "facet/camera/stereo_rig.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/observation.h"
+#include "facet/mesh/border_points.h"
 #include "facet/mesh/horizon_mesh.h"
 #include "facet/mesh/mesh_snapshot.h"
 #include "facet/mesh/surface_map.h"
@@ -40,11 +41,19 @@ class MeshStage {
   void FillView(const FrameObservations& observations,
                 const MeshPacket& images,
                 const MapSnapshot& snapshot);
+  void AddUnknownCorner(const FeatureObservation& feature,
+                        double inverse_depth,
+                        std::uint8_t intensity);
   void AddSupport(const MeshPacket& images);
+  void AddBorder();
 
   MeshOptions options_;
   CameraModel camera_;
   SE3 T_BC_;
+  double baseline_focal_px_;
+  std::vector<Vector2d> border_xy_;  // places on the image's border, undistorted
+  BorderPoints border_;
+  std::vector<MeshPoint> found_;  // buffer of AddBorder
   HorizonMesh horizon_;
   SurfaceMap map_;
   MeshView view_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 
 namespace facet {
 namespace {
@@ -12,18 +13,11 @@ constexpr int kBorder_px = 10;
 constexpr int kStep_px = 4;   // between the places that are tried
 constexpr int kReach_px = 4;  // half the side of the window whose contrast counts
 
-/// Mean difference between pixels two apart along the rows, in a window.
-int Contrast(const cv::Mat& image, int x, int y) {
-  int sum = 0;
-  for (int dy = -kReach_px; dy <= kReach_px; dy += 2) {
-    const std::uint8_t* row = image.ptr<std::uint8_t>(y + dy) + x;
-    for (int dx = -kReach_px; dx <= kReach_px; dx += 2)
-      sum += std::abs(row[dx + 1] - row[dx - 1]);
-  }
-  return sum;
-}
-
-constexpr int kNumDifferences = 25;
+// The window is sampled at every second pixel of every second row.
+constexpr int kSampling_px = 2;
+constexpr int kWindow = 2 * kReach_px / kSampling_px + 1;  // samples along its side
+static_assert(kStep_px == 2 * kSampling_px);
+constexpr int kNumDifferences = kWindow * kWindow;
 
 }  // namespace
 
@@ -38,27 +32,47 @@ void SupportPlaces::MarkOccupied(std::span<const FeatureObservation> features) {
   }
 }
 
+// Sums of differences between pixels two apart along the rows, in windows around places kStep_px
+// apart: first over the rows of each window, then over its columns.
+Vector2d SupportPlaces::StrongestPlace(const cv::Mat& left, const cv::Rect& cell) {
+  const int columns = (cell.width - kStep_px / 2 + kStep_px - 1) / kStep_px;
+  const int rows = (cell.height - kStep_px / 2 + kStep_px - 1) / kStep_px;
+  Vector2d strongest(-1, -1);
+  if (columns <= 0 || rows <= 0) return strongest;
+  const int width = 2 * (columns - 1) + kWindow;
+  const int x0 = cell.x + kStep_px / 2, y0 = cell.y + kStep_px / 2;
+  int best = static_cast<int>(options_.min_contrast * kNumDifferences);
+  column_sums_.resize(static_cast<std::size_t>(width));
+  for (int j = 0; j < rows; ++j) {
+    std::fill(column_sums_.begin(), column_sums_.end(), 0);
+    for (int k = 0; k < kWindow; ++k) {
+      const std::uint8_t* row =
+          left.ptr<std::uint8_t>(y0 + j * kStep_px - kReach_px + k * kSampling_px) + x0 - kReach_px;
+      for (int i = 0; i < width; ++i)
+        column_sums_[i] += std::abs(row[kSampling_px * i + 1] - row[kSampling_px * i - 1]);
+    }
+    for (int i = 0; i < columns; ++i) {
+      const int* window = column_sums_.data() + 2 * i;
+      const int contrast = std::accumulate(window, window + kWindow, 0);
+      if (contrast <= best) continue;
+      best = contrast;
+      strongest = Vector2d(x0 + i * kStep_px, y0 + j * kStep_px);
+    }
+  }
+  return strongest;
+}
+
 void SupportPlaces::FindPlaces(const cv::Mat& left) {
   queries_.clear();
   turn_ = 1 - turn_;
   place_.assign(is_occupied_.size(), -1);
-  const int cell = options_.cell_px;
+  const int side = options_.cell_px;
+  const cv::Rect inside(
+      kBorder_px, kBorder_px, left.cols - 2 * kBorder_px, left.rows - 2 * kBorder_px);
   for (int i = 0; i < columns_ * rows_; ++i) {
     if (is_occupied_[i] != 0 || (i % columns_ + i / columns_ + turn_) % 2 != 0) continue;
-    const int x0 = std::max(i % columns_ * cell, kBorder_px);
-    const int y0 = std::max(i / columns_ * cell, kBorder_px);
-    const int x1 = std::min(i % columns_ * cell + cell, left.cols - kBorder_px);
-    const int y1 = std::min(i / columns_ * cell + cell, left.rows - kBorder_px);
-    int best = static_cast<int>(options_.min_contrast * kNumDifferences);
-    Vector2d px(-1, -1);
-    for (int y = y0 + kStep_px / 2; y < y1; y += kStep_px) {
-      for (int x = x0 + kStep_px / 2; x < x1; x += kStep_px) {
-        const int contrast = Contrast(left, x, y);
-        if (contrast <= best) continue;
-        best = contrast;
-        px = Vector2d(x, y);
-      }
-    }
+    const cv::Rect cell(i % columns_ * side, i / columns_ * side, side, side);
+    const Vector2d px = StrongestPlace(left, cell & inside);
     if (px.x() < 0) continue;
     place_[i] = static_cast<int>(queries_.size());
     queries_.push_back({px, {}, 0});
@@ -98,23 +112,41 @@ void SupportPlaces::PredictInside(const std::array<Vector2d, 3>& px,
   }
 }
 
+// Corners keep away from the border of the image. What lies outside their hull is expected to be as
+// far away as one of the three that are nearest to it.
+void SupportPlaces::PredictOutside() {
+  if (known_.size() < 3) return;
+  for (DepthQuery& query : queries_) {
+    if (query.num_depths > 0) continue;
+    const auto is_nearer = [&](const KnownDepth& a, const KnownDepth& b) {
+      return (a.px - query.px).squaredNorm() < (b.px - query.px).squaredNorm();
+    };
+    std::array<KnownDepth, 3> nearest;
+    std::partial_sort_copy(known_.begin(), known_.end(), nearest.begin(), nearest.end(), is_nearer);
+    const auto& [a, b, c] = nearest;
+    query.inverse_depths = {a.inverse_depth, b.inverse_depth, c.inverse_depth};
+    const auto [low, high] = std::minmax({a.inverse_depth, b.inverse_depth, c.inverse_depth});
+    query.num_depths = high - low > options_.min_depth_step ? 3 : 1;
+  }
+}
+
 void SupportPlaces::PredictDepths(std::span<const FeatureObservation> features,
                                   std::span<const double> inverse_depths) {
   constexpr double kGridPerPixel = 16;
-  grid_.clear();
   known_.clear();
+  grid_.clear();
   for (std::size_t i = 0; i < std::min(features.size(), inverse_depths.size()); ++i) {
     if (!(inverse_depths[i] > 0)) continue;
-    known_.push_back(static_cast<int>(i));
+    known_.push_back({features[i].px_left, inverse_depths[i]});
     const Vector2d place = features[i].px_left * kGridPerPixel;
     grid_.push_back({static_cast<std::int32_t>(std::lround(place.x())),
                      static_cast<std::int32_t>(std::lround(place.y()))});
   }
   for (const auto& [a, b, c] : delaunay_.Triangulate(grid_)) {
-    const int i = known_[a], j = known_[b], k = known_[c];
-    PredictInside({features[i].px_left, features[j].px_left, features[k].px_left},
-                  {inverse_depths[i], inverse_depths[j], inverse_depths[k]});
+    const KnownDepth &i = known_[a], &j = known_[b], &k = known_[c];
+    PredictInside({i.px, j.px, k.px}, {i.inverse_depth, j.inverse_depth, k.inverse_depth});
   }
+  PredictOutside();
 }
 
 const std::vector<DepthQuery>& SupportPlaces::Choose(const cv::Mat& left,

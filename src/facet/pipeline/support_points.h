@@ -31,9 +31,17 @@ class SupportPlaces {
  private:
   void MarkOccupied(std::span<const FeatureObservation> features);
   void FindPlaces(const cv::Mat& left);
+  Vector2d StrongestPlace(const cv::Mat& left, const cv::Rect& cell);
   void PredictDepths(std::span<const FeatureObservation> features,
                      std::span<const double> inverse_depths);
+  void PredictOutside();
   void PredictInside(const std::array<Vector2d, 3>& px, const std::array<double, 3>& depths);
+
+  /// A place in the left image whose inverse depth [1/m] is known.
+  struct KnownDepth {
+    Vector2d px = Vector2d::Zero();
+    double inverse_depth = 0;
+  };
 
   SupportOptions options_;
   int columns_ = 0, rows_ = 0;
@@ -41,9 +49,10 @@ class SupportPlaces {
   std::vector<char> is_occupied_;  // by cell
   std::vector<int> place_;         // by cell; index into queries_ or -1
   std::vector<DepthQuery> queries_;
+  std::vector<int> column_sums_;  // buffer of StrongestPlace
   Delaunay delaunay_;
   std::vector<GridPoint> grid_;
-  std::vector<int> known_;  // features with a depth
+  std::vector<KnownDepth> known_;
 };
 
 }  // namespace facet

@@ -68,6 +68,22 @@ TEST(SupportPlaces, CellsTakeTurnsAndThoseWithFeaturesHaveNone) {
   EXPECT_EQ(cells.size(), 16u * 12u - 4u);
 }
 
+TEST(SupportPlaces, OutsideTheHullTheNearestFeaturesSayHowFar) {
+  SupportPlaces places{SupportOptions()};
+  Corners corners;  // a square in the middle of the image, near on its left side
+  for (FeatureObservation& feature : corners.features)
+    feature.px_left = Vector2d(160, 120) + 0.3 * (feature.px_left - Vector2d(160, 120));
+  const auto& queries = places.Choose(Noise(320, 240), corners.features, corners.inverse_depths);
+  int num_outside = 0;
+  for (const DepthQuery& query : queries) {
+    if ((query.px - Vector2d(160, 120)).cwiseAbs().maxCoeff() < 60) continue;
+    ++num_outside;
+    ASSERT_EQ(query.num_depths, 3);
+    EXPECT_NEAR(query.inverse_depths[0], query.px.x() < 160 ? 0.201 : 0.518, 1e-9);
+  }
+  EXPECT_GT(num_outside, 40);
+}
+
 TEST(SupportPlaces, NothingWithoutContrastOrDepth) {
   SupportPlaces places{SupportOptions()};
   const Corners corners;

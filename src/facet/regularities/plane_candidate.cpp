@@ -257,11 +257,10 @@ std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
                               double max_distance_m) {
   const double band_m = std::min(kMinBand_m, max_distance_m);
   const auto is_near = [&](int corner) {
-    const SurfacePoint& point = faces.points[corner];
+    const FacePoint& point = faces.points[corner];
     const double distance = std::abs(plane_W.SignedDistance(point.p_W));
     if (distance <= band_m) return true;
-    return distance <= max_distance_m &&
-           distance * distance <= 9 * point.VarianceAlong(plane_W.n);
+    return distance <= max_distance_m && distance * distance <= 9 * point.VarianceAlong(plane_W.n);
   };
   std::vector<int> out;
   for (const int f : pool) {

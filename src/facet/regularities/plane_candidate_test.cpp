@@ -63,7 +63,7 @@ TEST(PlaneCandidateTest, CovarianceAgreesWithMonteCarlo) {
     view.sigma_depth_m = 0.02;
     view.seed = rng.Next();
     SurfaceFaces faces = MakeFaces(DisturbedWall(rng), view);
-    for (SurfacePoint& point : faces.points)
+    for (FacePoint& point : faces.points)
       point.p_W.x() += 0.005 * rng.Normal();
     const auto found = Fit(faces, truth);
     ASSERT_EQ(found.size(), 1u);
@@ -103,7 +103,7 @@ TEST(PlaneCandidateTest, TooSmallTooFewTooNarrowTooThickIsNone) {
   // Rougher than the surface of a plane and than what the points claim.
   SurfaceFaces rough = MakeFaces({MakeWall({3, 0, 1}, 0, 3, 2)}, view);
   Rng rng(2);
-  for (SurfacePoint& point : rough.points) {
+  for (FacePoint& point : rough.points) {
     point.sigma_along_m = 0.015;
     point.p_W.x() = 3 + (rng.Uniform() < 0.5 ? -0.035 : 0.035);
   }

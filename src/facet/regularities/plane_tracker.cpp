@@ -43,7 +43,9 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   std::transform(plane_of_face_.begin(), plane_of_face_.end(), taken.begin(), [](int plane) {
     return plane >= 0 ? 1 : 0;
   });
-  for (const PlaneCandidate& candidate : detector_.Detect(faces_, taken))
+  const std::vector<PlaneCandidate> seen =
+      sightings_ ? sightings_(faces_, taken) : detector_.Detect(faces_, taken);
+  for (const PlaneCandidate& candidate : seen)
     Recognise(map, candidate);
   Promote(out);
   JoinLandmarks(map, out);
@@ -105,7 +107,7 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
       const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
       double worst = 0;
       for (const int corner : face.corners) {
-        const SurfacePoint& point = faces_.points[corner];
+        const FacePoint& point = faces_.points[corner];
         const double sigma = point.SigmaAlong(plane.n);
         const double gate = std::clamp(
             3 * std::sqrt(sigma * sigma + variance), limits.min_gate_m, limits.max_gate_m);
@@ -187,8 +189,8 @@ void PlaneTracker::Recognise(const MapSnapshot& map, const PlaneCandidate& candi
     plane_of_face_[f] = plane;
 }
 
-// Enough of them, and spread so that they determine the normal: once a plane is a variable it should
-// be known, not follow whatever comes first.
+// Enough of them, and spread so that they determine the normal: once a plane is a variable it
+// should be known, not follow whatever comes first.
 bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   const PlaneTrackingOptions& limits = options_.tracking;
   const Vector3d& n_W = planes_[plane].estimate.plane_W.n;
@@ -309,6 +311,7 @@ PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {
   record.first_seen = plane.first_seen;
   record.last_seen = plane.last_seen;
   record.num_landmarks = plane.num_landmarks;
+  record.absorbed = plane.absorbed;
   record.area_m2 = plane.support.area_m2();
   record.outline_W = plane.support.Outline(record.plane_W);
   const Matrix<10, 10>& covariance = plane.estimate.covariance;

@@ -4,6 +4,8 @@
 // the estimator as data, before its next keyframe.
 #pragma once
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "facet/map/plane_assignments.h"
@@ -15,11 +17,20 @@
 
 namespace facet {
 
+/// Sightings of planes among the faces that are not `taken` (one flag per face); faces of one are
+/// in no other.
+using PlaneSightings = std::function<std::vector<PlaneCandidate>(const SurfaceFaces& faces,
+                                                                 const std::vector<char>& taken)>;
+
 /// Not thread-safe. Never throws for any content of the mesh.
 class PlaneTracker {
  public:
-  explicit PlaneTracker(const RegularityOptions& options)
-      : options_(options), detector_(options.detection), relations_(options.relations) {}
+  /// `sightings` replaces the detector, for studies of what follows it.
+  explicit PlaneTracker(const RegularityOptions& options, PlaneSightings sightings = nullptr)
+      : options_(options),
+        detector_(options.detection),
+        sightings_(std::move(sightings)),
+        relations_(options.relations) {}
 
   /// After a keyframe: the mesh and what the estimator knows. Both must be of the same keyframe.
   PlaneAssignments Process(const MeshSnapshot& mesh, const MapSnapshot& map);
@@ -52,6 +63,7 @@ class PlaneTracker {
 
   RegularityOptions options_;
   PlaneDetector detector_;
+  PlaneSightings sightings_;  // empty: the detector's
   PlaneRelations relations_;
   std::vector<KnownPlane> planes_;
   std::vector<PlaneRecord> gone_;  // planes that the estimator no longer has

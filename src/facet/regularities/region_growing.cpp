@@ -86,7 +86,7 @@ class GrowingPlane {
     const Plane plane = ToPlane();
     if (std::abs(plane.n.dot(face.n_W)) < kMinCosine) return false;
     return std::all_of(face.corners.begin(), face.corners.end(), [&](int corner) {
-      const SurfacePoint& point = faces.points[corner];
+      const FacePoint& point = faces.points[corner];
       const double distance = std::abs(plane.SignedDistance(point.p_W));
       if (distance <= kMinBand_m) return true;
       return distance <= kMaxBand_m && distance <= 3 * point.SigmaAlong(plane.n);

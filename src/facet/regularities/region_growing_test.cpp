@@ -51,7 +51,7 @@ TEST(RegionGrowingTest, OnlyFacesThatShareASideAreNeighbours) {
                         Vector3d(1, 1, 0),
                         Vector3d(-1, 0, 0),
                         Vector3d(-1, -1, 0)}) {
-    SurfacePoint point;
+    FacePoint point;
     point.p_W = p;
     fan.points.push_back(point);
   }
@@ -73,7 +73,7 @@ TEST(RegionGrowingTest, ThreeFacesOnOneSideAreAllNeighbours) {
                         Vector3d(0, 1, 0),
                         Vector3d(1, -1, 0),
                         Vector3d(0.5, 0.8, 0)}) {
-    SurfacePoint point;
+    FacePoint point;
     point.p_W = p;
     fan.points.push_back(point);
   }

@@ -8,8 +8,8 @@ namespace {
 constexpr double kSigmaDirection = 1.5e-3;
 }  // namespace
 
-SurfacePoint MakeSurfacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W) {
-  SurfacePoint point;
+FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W) {
+  FacePoint point;
   point.p_W = p_W;
   const Vector3d ray = p_W - camera_W;
   const double distance = ray.norm();
@@ -38,7 +38,7 @@ void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
   out.points.clear();
   out.faces.clear();
   for (std::size_t i = 0; i < source.vertices.size(); ++i) {
-    out.points.push_back(MakeSurfacePoint(source.vertices[i], mesh.sigma_depth_m[i], out.camera_W));
+    out.points.push_back(MakeFacePoint(source.vertices[i], mesh.sigma_depth_m[i], out.camera_W));
   }
   for (std::size_t f = 0; f < source.faces.size(); ++f) {
     SurfaceFace face;

@@ -10,7 +10,7 @@
 namespace facet {
 
 /// A vertex of the mesh with what is known of its distance from the camera.
-struct SurfacePoint {
+struct FacePoint {
   Vector3d p_W = Vector3d::Zero();
   Vector3d ray_W = Vector3d::UnitZ();  ///< unit, from the newest camera
   double sigma_along_m = 0;            ///< 1-sigma along the ray
@@ -24,7 +24,7 @@ struct SurfacePoint {
   double SigmaAlong(const Vector3d& n_W) const { return std::sqrt(VarianceAlong(n_W)); }
 };
 
-SurfacePoint MakeSurfacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W);
+FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W);
 
 struct SurfaceFace {
   std::array<int, 3> corners{};  ///< into SurfaceFaces::points
@@ -37,7 +37,7 @@ struct SurfaceFace {
 
 /// Indices as in the snapshot's mesh.
 struct SurfaceFaces {
-  std::vector<SurfacePoint> points;
+  std::vector<FacePoint> points;
   std::vector<SurfaceFace> faces;
   Vector3d camera_W = Vector3d::Zero();
 };

@@ -6,6 +6,7 @@
 
 #include "facet/eval/paired_comparison.h"
 #include "facet/report/paper_tables.h"
+#include "facet/report/relative_error_tables.h"
 
 namespace facet {
 namespace {
@@ -77,6 +78,12 @@ ordered_json CombinationToJson(const ComparedCombination& combination) {
     }
     if (!values.empty()) json[figure.name] = Summarize(values).median;
   }
+  std::vector<ordered_json> evaluations;
+  for (const ComparedRun& run : combination.runs) {
+    if (run.has_result) evaluations.push_back(run.evaluation);
+  }
+  ordered_json rpe = MedianRelativeErrors(evaluations);
+  if (!rpe.empty()) json["rpe"] = std::move(rpe);
   for (const ComparedRun& run : combination.runs)
     json["runs"].push_back(RunToJson(run));
   return json;
@@ -372,6 +379,7 @@ nlohmann::ordered_json CompareToJson(const std::vector<ComparedSequence>& sequen
     ordered_json entry = {{"name", sequence.name}};
     for (const ComparedCombination& combination : sequence.combinations)
       entry["combinations"].push_back(CombinationToJson(combination));
+    entry["rpe_gains"] = RelativeErrorGains(entry["combinations"]);
     const CommonFrames frames(sequence);
     entry["common_frames"] = frames.num_frames();
     entry["paired"] = ordered_json::array();
@@ -403,8 +411,11 @@ nlohmann::ordered_json CompareToJson(const std::vector<ComparedSequence>& sequen
 std::vector<Table> ComparisonTables(const nlohmann::ordered_json& comparison) {
   std::vector<Table> tables = {TableOne(comparison)};
   if (AnyInPaper(comparison)) tables.push_back(TableTwo(comparison));
-  for (Table& table : std::vector<Table>{PairedTable(comparison),
-                                         OtherFigures(comparison),
+  if (Table paired = PairedTable(comparison); !paired.rows.empty())
+    tables.push_back(std::move(paired));
+  for (Table& table : RelativeErrorTables(comparison))
+    tables.push_back(std::move(table));
+  for (Table& table : std::vector<Table>{OtherFigures(comparison),
                                          ComplaintTable(comparison, false),
                                          ComplaintTable(comparison, true)}) {
     if (!table.rows.empty()) tables.push_back(std::move(table));

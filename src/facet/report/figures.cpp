@@ -150,7 +150,7 @@ ReportFigure RelativeErrorBoxes(std::span<const ReportRun> runs, bool is_transla
   return {is_translation ? "rpe_translation" : "rpe_rotation",
           is_translation ? "Relative error: translation (Fig. 3 of the paper)"
                          : "Relative error: rotation (Fig. 3 of the paper)",
-          "Error of the motion over stretches of each length, every start counted. Box: quartiles "
+          "Error of the motion over stretches of each length, from every pose on. Box: quartiles "
           "with the median; whiskers: 5th and 95th percentile.",
           plot.ToString()};
 }
@@ -230,6 +230,7 @@ struct KeyframeFigure {
   const char* title;
   const char* y_label;
   const char* caption;
+  bool counts;  // whole numbers
 };
 
 // Absent (empty svg) when no run has anything but zeros.
@@ -241,6 +242,7 @@ ReportFigure OverKeyframes(std::span<const ReportRun> runs, const KeyframeFigure
   PlotLayout layout;
   layout.x_label = "keyframe";
   layout.y_label = kind.y_label;
+  layout.y_counts = kind.counts;
   layout.height = 260;
   layout.x = Cover(Coordinates(lines, 0), 0.01);
   layout.y = {0, Cover(Coordinates(lines, 1)).high};
@@ -294,17 +296,20 @@ constexpr KeyframeFigure kKeyframeFigures[] = {
      "optimize_time",
      "Optimisation time per keyframe (Fig. 5 of the paper)",
      "optimisation [ms]",
-     "Thread CPU time of the optimisation of each keyframe."},
+     "Thread CPU time of the optimisation of each keyframe.",
+     false},
     {"planes",
      "planes",
      "Planes over time (Fig. 5 of the paper)",
      "planes in the estimator",
-     "Number of planes in the estimator at each keyframe."},
+     "Number of planes in the estimator at each keyframe.",
+     true},
     {"constraints",
      "constraints",
      "Regularity constraints over time",
      "constraints",
-     "Number of regularity constraints in force at each keyframe."},
+     "Number of regularity constraints in force at each keyframe.",
+     true},
 };
 
 std::string FileStem(std::string name) {
@@ -342,7 +347,7 @@ ReportFigure MakeComparisonFigure(const nlohmann::ordered_json& comparison) {
   }
   const std::vector<double> values = Coordinates(points, 1);
   if (values.empty()) return {};
-  layout.y = {0, 1.25 * *std::ranges::max_element(values)};
+  layout.y = {0, 1.06 * *std::ranges::max_element(values)};
   SvgPlot plot(layout);
   for (std::size_t c = 0; c < num_combinations; ++c) {
     if (points[c].empty()) continue;

@@ -27,7 +27,8 @@ h1{font-size:26px;margin:0 0 4px}h2{font-size:21px;border-bottom:2px solid #1f6f
 h3{font-size:16px;margin:26px 0 6px}.wide{overflow-x:auto}
 table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}
 th,td{padding:3px 10px;border-bottom:1px solid #e3e3e3;text-align:right;white-space:nowrap}
-th{background:#f2f5f8;position:sticky;top:0}td:first-child,th:first-child,td.text{text-align:left}
+th{background:#f2f5f8;position:sticky;top:0;white-space:normal;vertical-align:bottom}
+th:first-child{white-space:nowrap}td:first-child,th:first-child,td.text{text-align:left}
 figure{margin:22px 0}figure svg{max-width:100%;height:auto;border:1px solid #e3e3e3}
 figcaption,.note{color:#555;font-size:13px;max-width:760px;margin:4px 0}
 .figures{display:grid;grid-template-columns:repeat(auto-fill,minmax(540px,1fr));gap:0 24px}

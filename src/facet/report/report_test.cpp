@@ -283,6 +283,26 @@ TEST(SvgPlotTest, ValuesThatAreNotFiniteAreLeftOut) {
   EXPECT_NE(DistanceColour(0), DistanceColour(1));
 }
 
+TEST(SvgPlotTest, LegendStaysAboveTheFrameInAsManyRowsAsItNeeds) {
+  SvgPlot one(PlotLayout{});
+  one.AddLegend("S", "#000000");
+  EXPECT_THAT(one.ToString(), HasSubstr("viewBox=\"0 0"));
+  SvgPlot many(PlotLayout{});
+  for (int i = 0; i < 9; ++i)
+    many.AddLegend("a configuration with a long name", "#000000");
+  EXPECT_THAT(many.ToString(), HasSubstr("viewBox=\"0 -"));
+  EXPECT_THAT(many.ToString(), Not(HasSubstr("viewBox=\"0 -0")));
+}
+
+TEST(SvgPlotTest, CountsHaveWholeTicks) {
+  PlotLayout layout;
+  layout.y_label = "planes";
+  EXPECT_THAT(SvgPlot(layout).ToString(), HasSubstr(">0.4<"));
+  layout.y_counts = true;
+  layout.x_categories = {"a"};
+  EXPECT_THAT(SvgPlot(layout).ToString(), Not(HasSubstr(">0.4<")));
+}
+
 TEST(TableTest, CsvAndMarkdownQuote) {
   Table table;
   table.header = {"a,b", "c|d"};

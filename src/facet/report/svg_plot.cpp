@@ -13,7 +13,7 @@
 namespace facet {
 namespace {
 
-constexpr double kLeft = 66, kRight = 16, kTop = 14, kBottom = 46;  // margins [px]
+constexpr double kLeft = 66, kRight = 16, kTop = 14, kBottom = 46, kLegend = 14;  // margins [px]
 constexpr double kColourBarWidth = 78;
 constexpr int kWantedTicks = 6;
 
@@ -113,7 +113,7 @@ SvgPlot::SvgPlot(const PlotLayout& layout)
     : layout_(layout),
       left_(kLeft),
       right_(layout.width - (layout.has_colour_bar ? kColourBarWidth : kRight)),
-      top_(kTop),
+      top_(layout.has_colour_bar ? kTop : kTop + kLegend),
       bottom_(layout.height - kBottom) {
   layout_.x = NonEmpty(layout_.x);
   layout_.y = NonEmpty(layout_.y);
@@ -140,7 +140,8 @@ double SvgPlot::Y(double y) const {
 
 void SvgPlot::DrawTicks(bool is_x) {
   const Interval& range = is_x ? layout_.x : layout_.y;
-  const double step = RoundStep(range.high - range.low);
+  double step = RoundStep(range.high - range.low);
+  if (!is_x && layout_.y_counts) step = std::max(1.0, step);
   const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
   for (double k = std::ceil(range.low / step); k * step <= range.high; ++k) {
     char text[32];
@@ -246,25 +247,47 @@ void SvgPlot::AddColourBar(double from, double to, const std::string& label) {
   body_ += TextAt(layout_.width - 4, top_ + 12, label, "end");
 }
 
-std::string SvgPlot::ToString() const {
-  const std::string size = std::to_string(layout_.width) + " " + std::to_string(layout_.height);
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + size +
-                    "\" width=\"" + std::to_string(layout_.width) + "\" height=\"" +
-                    std::to_string(layout_.height) +
-                    "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" "
-                    "font-size=\"11\" fill=\"#222\">\n"
-                    "<style>.grid{stroke:#ddd;stroke-width:.7}.frame{fill:none;stroke:#888}"
-                    "</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-  svg += axes_ + body_;
-  double y = top_ + 16;
-  for (const auto& [text, colour] : legend_) {
-    svg += LineFromTo(
-        left_ + 10, y - 4, left_ + 30, y - 4, "stroke=\"" + colour + "\" stroke-width=\"4\"");
-    svg += TextAt(
-        left_ + 36, y, text, "start", " stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\"");
-    y += 15;
+// In rows above the frame, where it hides no data; later rows lie above the picture's own height.
+std::string SvgPlot::LegendSvg(double* extra_height) const {
+  constexpr double kRow = 15, kLine = 20, kCharacter = 6.6, kBetween = 22;  // px
+  std::vector<std::vector<std::size_t>> rows(1);
+  std::vector<double> widths;
+  double x = left_;
+  for (std::size_t i = 0; i < legend_.size(); ++i) {
+    widths.push_back(kLine + 6 + kCharacter * static_cast<double>(legend_[i].first.size()));
+    if (x + widths[i] > layout_.width && !rows.back().empty()) {
+      rows.emplace_back();
+      x = left_;
+    }
+    rows.back().push_back(i);
+    x += widths[i] + kBetween;
   }
-  return svg + "</svg>\n";
+  *extra_height = kRow * static_cast<double>(rows.size() - 1);
+  std::string svg;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const double y = top_ - 8 - kRow * static_cast<double>(rows.size() - 1 - r);
+    x = left_;
+    for (const std::size_t i : rows[r]) {
+      const auto& [text, colour] = legend_[i];
+      svg += LineFromTo(x, y - 4, x + kLine, y - 4, "stroke=\"" + colour + "\" stroke-width=\"4\"");
+      svg += TextAt(x + kLine + 6, y, text, "start");
+      x += widths[i] + kBetween;
+    }
+  }
+  return svg;
+}
+
+std::string SvgPlot::ToString() const {
+  double extra = 0;
+  const std::string legend = LegendSvg(&extra);
+  const std::string width = std::to_string(layout_.width), height = Px(layout_.height + extra);
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 " + Px(0 - extra) + " " + width +
+         " " + height + "\" width=\"" + width + "\" height=\"" + height +
+         "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" font-size=\"11\" "
+         "fill=\"#222\">\n<style>.grid{stroke:#ddd;stroke-width:.7}.frame{fill:none;stroke:#888}"
+         "</style>\n<rect y=\"" +
+         Px(0 - extra) + "\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" + axes_ + body_ +
+         legend + "</svg>\n";
 }
 
 }  // namespace facet

@@ -35,6 +35,7 @@ struct PlotLayout {
   std::string x_label, y_label;
   Interval x, y;
   bool has_colour_bar = false;  ///< leaves room for AddColourBar at the right
+  bool y_counts = false;        ///< whole numbers only
   bool equal_scales = false;    ///< widens one of the intervals until a metre is a metre in both
   std::vector<std::string> x_categories;  ///< names at x = 0, 1, 2 ... instead of numbers
 };
@@ -65,6 +66,7 @@ class SvgPlot {
   double Y(double y) const;
   void DrawAxes();
   void DrawTicks(bool is_x);
+  std::string LegendSvg(double* extra_height) const;
 
   PlotLayout layout_;
   double left_, right_, top_, bottom_;  // of the plot area [px]

@@ -258,7 +258,9 @@ SimulatedRun SimulateFeatures(const SplineTrajectory& trajectory,
   // Independent streams: changing one part of the simulation leaves the others as they are.
   Rng rng(seed);
   Rng room_rng(rng.Next()), imu_rng(rng.Next()), track_rng(rng.Next());
-  const RoomScene scene(PathOf(trajectory, begin, end), options.room, room_rng);
+  const RoomScene scene = options.corridor
+                              ? RoomScene(MakeCorridor(*options.corridor, room_rng))
+                              : RoomScene(PathOf(trajectory, begin, end), options.room, room_rng);
   const SimulatedImu imu = SimulateImu(trajectory,
                                        imu_begin,
                                        end + FromSeconds(2 / options.imu.noise.rate_hz),

@@ -5,11 +5,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
 #include "facet/camera/stereo_rig.h"
 #include "facet/map/observation.h"
+#include "facet/sim/corridor_scene.h"
 #include "facet/sim/room_scene.h"
 #include "facet/sim/spline_trajectory.h"
 
@@ -42,6 +44,7 @@ struct FeatureSimulatorOptions {
   double imu_lead_s = 0.05;  ///< ... and this; IMU samples begin before it
   double duration_s = 0;     ///< of the frames; 0: to the end of the trajectory
   RoomOptions room;
+  std::optional<CorridorOptions> corridor;  ///< instead of the room
   ImuSimulatorOptions imu;
 };
 

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "facet/base/random.h"
@@ -45,7 +46,11 @@ class RoomScene {
   /// which no free place is found are left out.
   RoomScene(std::span<const Vector3d> path_W, const RoomOptions& options, Rng& rng);
 
-  /// surfaces()[i].id == PlaneId{i}; the first six are floor, ceiling and walls.
+  /// Surfaces made elsewhere; surfaces[i].id must be PlaneId{i}.
+  explicit RoomScene(std::vector<Surface> surfaces) : surfaces_(std::move(surfaces)) {}
+
+  /// surfaces()[i].id == PlaneId{i}; in a room made here the first six are floor, ceiling and
+  /// walls.
   const std::vector<Surface>& surfaces() const { return surfaces_; }
 
   /// Nearest surface along a ray; empty only outside the room.
