@@ -10,6 +10,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -31,7 +32,8 @@ struct SimulateArguments {
   SimulationRequest request;
   std::string out;
   std::vector<std::string> overrides;
-  bool noise_free = false, clean_images = false, clean_imu = false;
+  int num_noise_seeds = 1;
+  bool noise_free = false, clean_images = false, clean_imu = false, calibration_error = false;
   bool list = false, quiet = false;
   std::string command_line;
 };
@@ -65,26 +67,48 @@ void ApplyOptions(SimulateArguments& a) {
   SimulatorOptions& options = a.request.options;
   if (a.noise_free || a.clean_images) CleanImages(options);
   if (a.noise_free || a.clean_imu) CleanImu(options);
+  options.calibration.enabled = a.calibration_error;
   ApplyOverrides(a.overrides, ListFields(options));
+  if (a.num_noise_seeds > 1 && !options.sensor.add_noise && !options.imu.add_noise) {
+    throw ConfigError("--noise-seeds " + std::to_string(a.num_noise_seeds) +
+                      ": without noise all sequences are the same");
+  }
+}
+
+/// One folder for each noise realisation: OUT, or OUT-1, OUT-2, ...
+std::vector<std::string> ListOutputs(const SimulateArguments& a) {
+  if (a.out.empty()) throw ConfigError("--out DIR is required: where the sequence is written");
+  if (a.num_noise_seeds == 1) return {a.out};
+  std::string stem = a.out;
+  while (stem.size() > 1 && stem.back() == '/')
+    stem.pop_back();
+  std::vector<std::string> outputs;
+  for (int i = 1; i <= a.num_noise_seeds; ++i)
+    outputs.push_back(stem + "-" + std::to_string(i));
+  return outputs;
 }
 
 void CheckOut(const std::string& out) {
   std::error_code error;
-  if (out.empty()) throw ConfigError("--out DIR is required: where the sequence is written");
   if (!std::filesystem::exists(out, error)) return;
   if (std::filesystem::is_directory(out, error) && std::filesystem::is_empty(out, error)) return;
   throw ConfigError("--out " + out + ": exists already; delete it or choose another name");
 }
 
 /// The text file that says where a sequence comes from and how to make it again.
-std::string Describe(SimulateArguments& a) {
+std::string Describe(SimulateArguments& a, std::size_t index) {
+  const std::string realisation = a.num_noise_seeds > 1
+                                      ? "Noise realisation " + std::to_string(index + 1) + " of " +
+                                            std::to_string(a.num_noise_seeds) + ".\n\n"
+                                      : "";
   return "Simulated by Facet " FACET_VERSION
          ". The same program on the same kind of machine makes the same files with\n\n  " +
-         a.command_line + "\n\nOptions in force (--set changes them):\n\n" +
+         a.command_line + "\n\n" + realisation + "Options in force (--set changes them):\n\n" +
          FormatConfig(ListFields(a.request.options));
 }
 
-void PrintOutcome(const SimulationReport& report, const std::string& folder) {
+void PrintOutcome(const SimulationReport& report,
+                  const std::vector<std::unique_ptr<ResultFolder>>& folders) {
   std::printf("%d stereo pairs, %.1f s, %.1f m of path, up to %.2f m/s, nearest surface %.2f m\n",
               report.num_pairs,
               report.duration_s,
@@ -102,8 +126,13 @@ void PrintOutcome(const SimulationReport& report, const std::string& folder) {
                 1e3 * report.smoothing->position_max_m,
                 report.smoothing->rotation_rms_deg,
                 report.smoothing->rotation_max_deg);
+    if (report.smoothing->tilt_deg > 0) {
+      std::printf("then all of it was turned by %.3f deg, to the vertical that the IMU feels\n",
+                  report.smoothing->tilt_deg);
+    }
   }
-  std::printf("written: %s\n", folder.c_str());
+  for (const auto& folder : folders)
+    std::printf("written: %s\n", folder->target().c_str());
 }
 
 void RunSimulation(SimulateArguments& a) {
@@ -114,13 +143,20 @@ void RunSimulation(SimulateArguments& a) {
                 FormatConfig(ListFields(defaults)).c_str());
     return;
   }
-  CheckOut(a.out);
+  const std::vector<std::string> outputs = ListOutputs(a);
+  for (const std::string& out : outputs)
+    CheckOut(out);
   ApplyOptions(a);
-  ResultFolder folder(a.out);
-  WriteTextFile(folder.staging() / "simulation.txt", Describe(a));
+  std::vector<std::unique_ptr<ResultFolder>> folders;
+  std::vector<std::filesystem::path> stagings;
+  for (const std::string& out : outputs) {
+    folders.push_back(std::make_unique<ResultFolder>(out));
+    stagings.push_back(folders.back()->staging());
+    WriteTextFile(stagings.back() / "simulation.txt", Describe(a, stagings.size() - 1));
+  }
   CatchInterrupts();
   ProgressBar bar(!a.quiet);
-  const SimulationReport report = Simulate(a.request, folder.staging(), [&](int done, int total) {
+  const SimulationReport report = Simulate(a.request, stagings, [&](int done, int total) {
     bar.Update(done, total, "stereo pairs");
     return interrupted == 0;
   });
@@ -128,8 +164,9 @@ void RunSimulation(SimulateArguments& a) {
   if (!report.is_complete) {
     throw RunEndedError(128 + SIGINT, "interrupted; nothing was written");
   }
-  folder.Commit();
-  if (!a.quiet) PrintOutcome(report, folder.target().string());
+  for (const auto& folder : folders)
+    folder->Commit();
+  if (!a.quiet) PrintOutcome(report, folders);
 }
 
 void AddOptions(CLI::App& command, SimulateArguments& a) {
@@ -143,6 +180,12 @@ void AddOptions(CLI::App& command, SimulateArguments& a) {
   command.add_option("--calibration", r.calibration, "as for facet run; default: EuRoC's vehicle");
   command.add_option("--textures", r.textures, "folder with images for pictures and prints");
   command.add_option("--seed", r.seed, "another scene, flight and noise")->capture_default_str();
+  command
+      .add_option("--noise-seeds",
+                  a.num_noise_seeds,
+                  "this many sequences OUT-1, OUT-2, ... that differ in noise only; rendered once")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
   command.add_option("--start", r.start_s, "seconds into a recorded trajectory")
       ->check(CLI::NonNegativeNumber);
   command.add_option("--duration", r.duration_s, "seconds (20; recorded: all)")
@@ -157,6 +200,9 @@ void AddOptions(CLI::App& command, SimulateArguments& a) {
                    a.clean_images,
                    "no noise, no motion blur, one exposure, 16 rays per pixel");
   command.add_flag("--clean-imu", a.clean_imu, "no noise, no vibration, no bias");
+  command.add_flag("--calibration-error",
+                   a.calibration_error,
+                   "the written calibration has errors like a real one; truth/ has the exact one");
   command.add_flag("--list", a.list, "print known scenes, flights and options");
   command.add_flag("--quiet", a.quiet, "no progress bar, no summary");
 }

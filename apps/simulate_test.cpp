@@ -73,6 +73,24 @@ TEST_F(SimulateTest, WrongUsage) {
   Expect(run, 2, "--out DIR is required");
 }
 
+TEST_F(SimulateTest, NoiseSeeds) {
+  ExpectFailure(2, "--noise-seeds", "--noise-seeds 0");
+  ExpectFailure(2, "without noise all sequences are the same", "--noise-seeds 2 --noise-free");
+  const ProgramRun run = RunShell(Command("--noise-seeds 2 --duration 0.1"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  for (const char* name : {"sequence-1", "sequence-2"}) {
+    EXPECT_THAT(ReadText(out_ / name / "simulation.txt"),
+                HasSubstr(std::string("Noise realisation ") + name[9] + " of 2."));
+    EXPECT_TRUE(std::filesystem::exists(out_ / name / "mav0" / "imu0" / "data.csv"));
+  }
+  const auto entries = std::filesystem::directory_iterator(out_.path());
+  EXPECT_EQ(std::distance(begin(entries), end(entries)), 2);
+  const ProgramRun again = RunShell(Command("--noise-seeds 3 --duration 0.1"));
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("sequence-1: exists already"));
+  EXPECT_FALSE(std::filesystem::exists(out_ / "sequence-3"));
+}
+
 TEST_F(SimulateTest, ExistingOutputIsNotTouched) {
   WriteText(in_ / "seq" / "precious.txt", "mine");
   const ProgramRun run =
@@ -123,6 +141,22 @@ TEST_F(SimulateTest, SceneFileWithUnusableSizesImagesAndMeshes) {
       3, "a made-up flight needs a 'route'", Scene("objects:\n  - {type: chair, at: [0,0,0]}\n"));
 }
 
+TEST_F(SimulateTest, DamagedSceneFilesAndMeshes) {
+  const std::string objects = "objects:\n  - {type: chair, at: [0,2,0]}\n";
+  ExpectFailure(3,
+                "'objects' must be a list of at least one object",
+                Scene("route: [[0,0,1], [3,0,1]]\nobjects: []\n"));
+  ExpectFailure(3, "at least two points [x, y, z]", Scene("route: [[0,0,1]]\n" + objects));
+  ExpectFailure(3, "scene.yaml:", Scene("objects: [\n"));
+  const std::string mesh =
+      "route: [[0,0,1], [3,0,1]]\nobjects:\n  - {type: mesh, at: [0,2,0], file: a.obj}\n";
+  ExpectFailure(3, "a.obj: cannot be opened", Scene(mesh));
+  WriteText(in_ / "a.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n");
+  ExpectFailure(3, "a.obj:3: unknown corner", Scene(mesh));
+  WriteText(in_ / "a.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n");
+  ExpectFailure(3, "a.obj:3: a face needs three corners", Scene(mesh));
+}
+
 TEST_F(SimulateTest, PathThroughSurfacesOrOutOfTheScene) {
   ExpectFailure(3,
                 "comes within",
@@ -146,6 +180,34 @@ TEST_F(SimulateTest, DamagedRecordedTrajectory) {
     rows += std::to_string(1000000000LL + 5000000LL * i) + ",0,0,1,1,0,0,0\n";
   WriteText(in_ / "truth.csv", rows);
   ExpectFailure(3, "need more than the", "--trajectory " + (in_ / "truth.csv").string());
+}
+
+TEST_F(SimulateTest, DamagedImuAndCalibration) {
+  std::string rows;
+  for (int i = 0; i < 1000; ++i)
+    rows += std::to_string(1000000000LL + 5000000LL * i) + ",0,0,1,1,0,0,0\n";
+  WriteText(in_ / "truth.csv", rows);
+  WriteText(in_ / "imu.csv", "#t,gyro,accel\n1000000000,0,0\n");
+  const std::string flight = "--trajectory " + (in_ / "truth.csv").string();
+  ExpectFailure(3, "imu.csv:2: too few columns", flight + " --imu " + (in_ / "imu.csv").string());
+  ExpectFailure(3, "nowhere.csv", flight + " --imu " + (in_ / "nowhere.csv").string());
+  ExpectFailure(3, "nowhere", "--calibration " + (in_ / "nowhere").string());
+}
+
+TEST_F(SimulateTest, InterruptedLeavesNothing) {
+  const ProgramRun run =
+      RunShell("timeout --preserve-status -s INT 2 " + Command("--duration 20 --trajectory hover"));
+  Expect(run, 130, "interrupted; nothing was written");
+}
+
+TEST_F(SimulateTest, DiskFullWithTheFirstImage) {
+  const std::string scene = Scene(
+      "route: [[-2,0,1], [2,0,1]]\nobjects:\n"
+      "  - {type: mat, at: [0,0,0], size: [12,12]}\n"
+      "  - {type: box, at: [0,3,0], size: [1,1,1]}\n");
+  const ProgramRun run = RunShell(
+      "(ulimit -f 60; " + Command(scene + " --duration 0.1 --set truth.max_points=100") + ")");
+  Expect(run, 1, ".png: cannot be written");
 }
 
 TEST_F(SimulateTest, FullDisk) {

@@ -50,8 +50,7 @@ bool IsMisfit(const MapSnapshot& map, const KnownPlane& known) {
   for (const LandmarkEstimate& landmark : map.landmarks) {
     if (!landmark.IsOn(known.id)) continue;
     const double distance = plane.SignedDistance(landmark.p_W);
-    const FacePoint point =
-        MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, map.latest.T_WB.p);
+    const FacePoint point = MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, map.latest.T_WB.p);
     const double sigma = point.SigmaAlong(plane.n);
     square += distance * distance;
     expected += sigma * sigma + kFlatness_m * kFlatness_m;

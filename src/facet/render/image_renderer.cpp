@@ -75,8 +75,13 @@ float TexelsPerMetre(const SceneMesh& mesh, std::size_t triangle, const Texture&
 ImageRenderer::ImageRenderer(const SceneMesh& mesh,
                              const MaterialLibrary& materials,
                              const RayScene& rays,
-                             const Lighting& lighting)
-    : mesh_(mesh), rays_(rays), lighting_(lighting), looks_(mesh.triangles.size()) {
+                             const Lighting& lighting,
+                             bool with_highlights)
+    : mesh_(mesh),
+      rays_(rays),
+      lighting_(lighting),
+      with_highlights_(with_highlights),
+      looks_(mesh.triangles.size()) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const SceneTriangle& triangle = mesh.triangles[i];
     const SceneVertex &a = mesh.vertices[triangle.vertices[0]],
@@ -171,7 +176,8 @@ float ImageRenderer::Shade(const RayPacket& packet,
                           ? mesh_.parts[static_cast<std::size_t>(look.grid)].light.At(u, v)
                           : look.light + w1 * look.light_1 + w2 * look.light_2;
   float radiance = material.texture.Sample(u, v, level) * light;
-  if (material.gloss > 0) radiance += Gloss(packet, lane, static_cast<float>(material.gloss));
+  if (material.gloss > 0 && with_highlights_)
+    radiance += Gloss(packet, lane, static_cast<float>(material.gloss));
   if (material.glow > 0) radiance += static_cast<float>(material.glow);
   return radiance;
 }

@@ -18,11 +18,13 @@ namespace facet {
 /// Thread-safe (immutable): one image per call, any number of calls at a time.
 class ImageRenderer {
  public:
-  /// Keeps references to all of them. The mesh has its light.
+  /// Keeps references to all of them. The mesh has its light. Without highlights every surface
+  /// looks the same from all sides.
   ImageRenderer(const SceneMesh& mesh,
                 const MaterialLibrary& materials,
                 const RayScene& rays,
-                const Lighting& lighting);
+                const Lighting& lighting,
+                bool with_highlights = true);
 
   /// Radiance of each pixel: the mean over one ray for each pose of the camera during the exposure.
   /// The rays of a pixel are spread like a lens' point spread function of `blur_px` (1-sigma).
@@ -78,6 +80,7 @@ class ImageRenderer {
   const SceneMesh& mesh_;
   const RayScene& rays_;
   const Lighting& lighting_;
+  bool with_highlights_;
   std::vector<TriangleLook> looks_;
 };
 

@@ -53,6 +53,34 @@ Smoothing CompareWithRecord(const SplineTrajectory& trajectory,
   return s;
 }
 
+/// The turn that makes the record's vertical the one that the accelerometer feels: the mean over
+/// the whole record of what the measured force lacks to explain the path.
+Quaterniond LevelingTurn(const SplineTrajectory& trajectory,
+                         const std::vector<NavState>& recorded,
+                         const std::vector<ImuSample>& imu) {
+  Vector3d sum = Vector3d::Zero();
+  double count = 0;
+  std::size_t next = 0;
+  for (const ImuSample& sample : imu) {
+    if (sample.t < trajectory.begin() || sample.t > trajectory.end()) continue;
+    while (next + 1 < recorded.size() && recorded[next + 1].t <= sample.t)
+      ++next;
+    const TrajectoryPoint point = trajectory.At(sample.t);
+    sum += point.a_W - point.state.T_WB.q * (sample.accel - recorded[next].bias.b_a);
+    ++count;
+  }
+  if (count == 0) return Quaterniond::Identity();
+  return Quaterniond::FromTwoVectors(sum, GravityInWorld());
+}
+
+/// Turned about its middle, so that it stays where it was.
+SplineTrajectory Level(const SplineTrajectory& trajectory, const Quaterniond& turn) {
+  const Timestamp middle =
+      trajectory.begin() + FromSeconds(0.5 * ToSeconds(trajectory.end() - trajectory.begin()));
+  const Vector3d p_W = trajectory.At(middle).state.T_WB.p;
+  return trajectory.MovedBy(SE3(turn, p_W - turn * p_W));
+}
+
 /// The states from `begin` to `end`, one more at each side.
 std::vector<NavState> Cut(const std::vector<NavState>& states, Timestamp begin, Timestamp end) {
   const auto before = [](const NavState& s, Timestamp t) { return s.t < t; };
@@ -109,8 +137,14 @@ Motion LoadMotion(const std::filesystem::path& truth_csv,
   // Half a second of poses on both sides, so that the ends of the spline lie outside.
   motion.recorded =
       Cut(states, motion.imu_begin - FromSeconds(0.5), motion.imu_end + FromSeconds(0.5));
-  motion.trajectory = SplineTrajectory::Fit(motion.recorded);
+  motion.trajectory = imu.empty() ? SplineTrajectory::Fit(motion.recorded)
+                                  : SplineTrajectory::FitWithImu(states, imu);
   motion.smoothing = CompareWithRecord(motion.trajectory, motion.recorded);
+  if (!imu.empty()) {
+    const Quaterniond turn = LevelingTurn(motion.trajectory, states, imu);
+    motion.trajectory = Level(motion.trajectory, turn);
+    motion.smoothing->tilt_deg = LogSO3(turn).norm() * 180 / std::numbers::pi;
+  }
   for (const ImuSample& sample : imu) {
     if (sample.t >= motion.imu_begin && sample.t <= motion.imu_end)
       motion.real_imu.push_back(sample);

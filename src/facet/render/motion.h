@@ -16,6 +16,9 @@ namespace facet {
 struct Smoothing {
   double position_rms_m = 0, position_max_m = 0;
   double rotation_rms_deg = 0, rotation_max_deg = 0;
+  /// With a real IMU: what the record's vertical was off from the measured one; the path is turned
+  /// by it.
+  double tilt_deg = 0;
 };
 
 struct Motion {

@@ -41,9 +41,18 @@ const NamedScene* FindScene(const std::string& name) {
 Seeds::Seeds(std::uint64_t seed) {
   Rng rng(seed);
   for (std::uint64_t* part :
-       {&textures, &scene, &flight, &light, &exposure, &noise, &imu, &truth}) {
+       {&textures, &scene, &flight, &light, &exposure, &noise, &imu, &truth, &calibration}) {
     *part = rng.Next();
   }
+}
+
+Seeds Seeds::WithNoise(int realisation) const {
+  Seeds other = *this;
+  if (realisation == 0) return other;
+  Rng rng(static_cast<std::uint64_t>(realisation));
+  other.noise += rng.Next();
+  other.imu += rng.Next();
+  return other;
 }
 
 Motion MakeMotion(const SimulationRequest& request, const Seeds& seeds) {

@@ -11,7 +11,9 @@ namespace facet {
 /// Seeds of the independent parts of a simulation: changing one leaves the others as they are.
 struct Seeds {
   explicit Seeds(std::uint64_t seed);
-  std::uint64_t textures, scene, flight, light, exposure, noise, imu, truth;
+  /// The same scene, flight and exposures with other noise of cameras and IMU. 0: no change.
+  Seeds WithNoise(int realisation) const;
+  std::uint64_t textures, scene, flight, light, exposure, noise, imu, truth, calibration;
 };
 
 /// Throws ConfigError for an unknown name and InputError for unusable files.

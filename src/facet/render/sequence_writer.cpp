@@ -162,7 +162,8 @@ void WriteMesh(const fs::path& file, const SceneMesh& mesh, const PlaneTable& ta
 }  // namespace
 
 void WriteCalibration(const fs::path& sequence,
-                      const StereoRig& rig,
+                      const StereoRig& measured,
+                      const StereoRig& exact,
                       const ImuNoise& noise,
                       double frame_rate_hz) {
   const fs::path mav0 = sequence / "mav0";
@@ -172,16 +173,21 @@ void WriteCalibration(const fs::path& sequence,
                              "mav0/imu0",
                              "mav0/state_groundtruth_estimate0",
                              "mav0/pointcloud0",
-                             "truth"}) {
+                             "truth/cam0",
+                             "truth/cam1",
+                             "truth/imu0"}) {
     fs::create_directories(sequence / folder, error);
     if (error) throw OutputError((sequence / folder).string() + ": " + error.message());
   }
   WriteTextFile(mav0 / "body.yaml", "%YAML:1.0\ncomment: simulated by facet simulate\n");
-  for (std::size_t c = 0; c < 2; ++c) {
-    WriteTextFile(mav0 / ("cam" + std::to_string(c)) / "sensor.yaml",
-                  FormatCamera(rig.cameras[c], rig.T_BC[c], frame_rate_hz));
+  for (const auto& [root, rig] :
+       {std::pair(mav0, &measured), std::pair(sequence / "truth", &exact)}) {
+    for (std::size_t c = 0; c < 2; ++c) {
+      WriteTextFile(root / ("cam" + std::to_string(c)) / "sensor.yaml",
+                    FormatCamera(rig->cameras[c], rig->T_BC[c], frame_rate_hz));
+    }
+    WriteTextFile(root / "imu0" / "sensor.yaml", FormatImu(noise));
   }
-  WriteTextFile(mav0 / "imu0" / "sensor.yaml", FormatImu(noise));
   WriteTextFile(mav0 / "state_groundtruth_estimate0" / "sensor.yaml",
                 "%YAML:1.0\nsensor_type: visual-inertial\ncomment: exact, from facet simulate\n\n" +
                     FormatTransform(SE3()));

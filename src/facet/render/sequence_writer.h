@@ -13,9 +13,11 @@
 
 namespace facet {
 
-/// Creates the folders below `sequence` and writes the calibration files.
+/// Creates the folders below `sequence` and writes the calibration files, and those of the exact
+/// rig as truth/cam0, cam1 and imu0.
 void WriteCalibration(const std::filesystem::path& sequence,
-                      const StereoRig& rig,
+                      const StereoRig& measured,
+                      const StereoRig& exact,
                       const ImuNoise& noise,
                       double frame_rate_hz);
 

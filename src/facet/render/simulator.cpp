@@ -7,6 +7,7 @@
 #include <cmath>
 #include <mutex>
 #include <set>
+#include <span>
 
 #include "facet/io/calibration_file.h"
 #include "facet/io/errors.h"
@@ -118,13 +119,28 @@ std::vector<SE3> SamplePoses(const SplineTrajectory& trajectory,
   return poses;
 }
 
+/// Writes one image of a camera into each folder, each with its own noise. `index` is unique among
+/// the images of a sequence.
+void WriteNoisyImages(const cv::Mat1f& radiance,
+                      const CameraRays& camera,
+                      double gain,
+                      const ImageSensorOptions& options,
+                      const Seeds& seeds,
+                      std::uint64_t index,
+                      std::span<const std::filesystem::path> files) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Rng rng(seeds.WithNoise(static_cast<int>(i)).noise + index);
+    WritePng(files[i], ExposeSensor(radiance, camera, gain, options, rng));
+  }
+}
+
 /// Renders and writes all stereo pairs; false if the observer stopped it.
 bool WriteImages(const SimulationRequest& request,
                  const Motion& motion,
                  const StereoRig& rig,
                  const ImageRenderer& renderer,
                  const Seeds& seeds,
-                 const std::filesystem::path& folder,
+                 std::span<const std::filesystem::path> folders,
                  const SimulationObserver& observer) {
   const SimulatorOptions& options = request.options;
   const std::array<CameraRays, 2> cameras = {CameraRays(rig.cameras[0]),
@@ -150,14 +166,17 @@ bool WriteImages(const SimulationRequest& request,
                                                  exposures[k].seconds,
                                                  options.image);
       const cv::Mat1f radiance = renderer.Render(cameras[c], poses, options.image.blur_px);
-      const cv::Mat1b image = ExposeSensor(
-          radiance, cameras[c], exposures[k].gain[c], options.sensor, Rng(seeds.noise + 2 * k + c));
-      WritePng(ImageFile(folder, static_cast<int>(c), motion.frames[k]), image);
+      std::vector<std::filesystem::path> files;
+      for (const auto& folder : folders)
+        files.push_back(ImageFile(folder, static_cast<int>(c), motion.frames[k]));
+      WriteNoisyImages(
+          radiance, cameras[c], exposures[k].gain[c], options.sensor, seeds, 2 * k + c, files);
     }
     const std::lock_guard lock(observer_mutex);
     if (!observer(++num_done, num_pairs)) is_stopped = true;
   });
-  WriteImageLists(folder, motion.frames);
+  for (const auto& folder : folders)
+    WriteImageLists(folder, motion.frames);
   return !is_stopped;
 }
 
@@ -184,7 +203,7 @@ void DescribePath(const Motion& motion, SimulationReport& report) {
 }  // namespace
 
 SimulationReport Simulate(const SimulationRequest& request,
-                          const std::filesystem::path& folder,
+                          std::span<const std::filesystem::path> folders,
                           const SimulationObserver& observer) {
   const Seeds seeds(request.seed);
   const Sensors sensors = ChooseSensors(request);
@@ -203,12 +222,19 @@ SimulationReport Simulate(const SimulationRequest& request,
     throw InputError("--scene " + request.scene + ", --trajectory " + request.trajectory + ": " +
                      clearance.problem + "; take another scene, flight or --seed");
   }
+  SimulationReport report;
+  DescribePath(motion, report);
+  report.min_clearance_m = clearance.min_distance_m;
+  report.num_triangles = scene.mesh.triangles.size();
+  // Between the stages before the first image, each of which takes seconds.
+  const auto is_wanted = [&] { return observer(0, report.num_pairs); };
+  if (!is_wanted()) return report;
   materials.Paint(UsedMaterials(scene.mesh), request.num_threads);
   BakeLight(rays, scene.lighting, seeds.light, request.num_threads, scene.mesh);
-  const ImageRenderer renderer(scene.mesh, materials, rays, scene.lighting);
+  const ImageRenderer renderer(
+      scene.mesh, materials, rays, scene.lighting, request.options.image.highlights);
 
-  WriteCalibration(folder, sensors.rig, sensors.noise, request.options.image.rate_hz);
-  WriteInertialData(request, motion, sensors.noise, seeds.imu, folder);
+  if (!is_wanted()) return report;
   const SurfaceTruth truth = FindSeenSurfaces(scene.mesh,
                                               rays,
                                               sensors.rig,
@@ -217,19 +243,25 @@ SimulationReport Simulate(const SimulationRequest& request,
                                               request.options.truth,
                                               seeds.truth,
                                               request.num_threads);
-  WriteSurfaces(folder, scene.mesh, truth);
+  const StereoRig measured =
+      MeasureRig(sensors.rig, request.options.calibration, seeds.calibration);
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    WriteCalibration(
+        folders[i], measured, sensors.rig, sensors.noise, request.options.image.rate_hz);
+    const std::uint64_t imu_seed = seeds.WithNoise(static_cast<int>(i)).imu;
+    WriteInertialData(request, motion, sensors.noise, imu_seed, folders[i]);
+    WriteSurfaces(folders[i], scene.mesh, truth);
+  }
 
-  SimulationReport report;
-  DescribePath(motion, report);
-  report.min_clearance_m = clearance.min_distance_m;
-  report.num_triangles = scene.mesh.triangles.size();
   report.num_points = truth.points_W.size();
   report.num_planes = static_cast<std::size_t>(
       std::count_if(scene.mesh.parts.begin(), scene.mesh.parts.end(), [](const ScenePart& part) {
         return part.is_planar;
       }));
+  if (!is_wanted()) return report;
   const auto begin = std::chrono::steady_clock::now();
-  report.is_complete = WriteImages(request, motion, sensors.rig, renderer, seeds, folder, observer);
+  report.is_complete =
+      WriteImages(request, motion, sensors.rig, renderer, seeds, folders, observer);
   report.render_wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return report;

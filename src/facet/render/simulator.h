@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 
 #include "facet/render/motion.h"
@@ -39,11 +40,13 @@ struct SimulationReport {
 /// the simulation.
 using SimulationObserver = std::function<bool(int done, int total)>;
 
-/// Writes the sequence into the existing folder. The files depend on the request only, not on the
-/// number of threads. Throws ConfigError for unknown names, InputError for unusable files and for a
-/// path that leaves the scene or comes too near to a surface, OutputError.
+/// Writes the sequence into the existing folders: into each with other noise of images and IMU, all
+/// else being equal and rendered once. The first folder's files are those of a request for one. The
+/// files depend on the request only, not on the number of threads. Throws ConfigError for unknown
+/// names, InputError for unusable files and for a path that leaves the scene or comes too near to a
+/// surface, OutputError.
 SimulationReport Simulate(const SimulationRequest& request,
-                          const std::filesystem::path& folder,
+                          std::span<const std::filesystem::path> folders,
                           const SimulationObserver& observer);
 
 }  // namespace facet

@@ -2,6 +2,7 @@
 // Every knob of the simulator that `facet simulate --set` reaches.
 #pragma once
 
+#include "facet/render/calibration_error.h"
 #include "facet/render/image_sensor.h"
 #include "facet/sim/imu_sensor.h"
 
@@ -21,6 +22,7 @@ struct ImageOptions {
   bool auto_exposure = true;      ///< follows the brightness, with a drift
   double mean_level = 105;        ///< grey level that the exposure aims at
   double right_gain = 0.1;        ///< right camera brighter or darker by up to this share
+  bool highlights = true;         ///< lamps that mirror in glossy surfaces
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -34,6 +36,7 @@ struct ImageOptions {
     v.Field("mean_level", mean_level, Range{10, 250}, "grey level that the exposure aims at");
     v.Field(
         "right_gain", right_gain, Range{0, 0.5}, "largest brightness difference of the cameras");
+    v.Field("highlights", highlights, "lamps that mirror in glossy surfaces");
   }
 };
 
@@ -53,6 +56,7 @@ struct SimulatorOptions {
   ImageOptions image;
   ImageSensorOptions sensor;
   ImuSensorOptions imu;
+  CalibrationErrorOptions calibration;
   TruthOptions truth;
   double min_clearance_m = 0.3;  ///< between the body's path and every surface
 
@@ -61,6 +65,7 @@ struct SimulatorOptions {
     v.Group("image", image);
     v.Group("sensor", sensor);
     v.Group("imu", imu);
+    v.Group("calibration", calibration);
     v.Group("truth", truth);
     v.Field("min_clearance_m", min_clearance_m, Range{0, 10}, "between path and surfaces");
   }

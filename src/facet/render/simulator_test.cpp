@@ -30,10 +30,17 @@ class SimulatorTest : public testing::Test {
     request_.options.truth.max_points = 20000;
   }
 
-  fs::path Simulate(const std::string& name) {
-    fs::create_directory(folder_ / name);
-    report_ = facet::Simulate(request_, folder_ / name, [](int, int) { return true; });
-    return folder_ / name;
+  fs::path Simulate(const std::string& name) { return SimulateAll({name}).front(); }
+
+  /// One noise realisation for each name.
+  std::vector<fs::path> SimulateAll(const std::vector<std::string>& names) {
+    std::vector<fs::path> folders;
+    for (const std::string& name : names) {
+      folders.push_back(folder_ / name);
+      fs::create_directory(folders.back());
+    }
+    report_ = facet::Simulate(request_, folders, [](int, int) { return true; });
+    return folders;
   }
 
   TempFolder folder_;
@@ -69,6 +76,24 @@ TEST_F(SimulatorTest, AnotherSeedIsAnotherFlight) {
   const auto b = ReadAll(Simulate("b"));
   EXPECT_NE(a.at("truth/mesh.ply"), b.at("truth/mesh.ply"));
   EXPECT_NE(a.at("mav0/imu0/data.csv"), b.at("mav0/imu0/data.csv"));
+}
+
+TEST_F(SimulatorTest, NoiseRealisationsDifferInNoiseOnly) {
+  const auto alone = ReadAll(Simulate("alone"));
+  const auto folders = SimulateAll({"first", "second", "third"});
+  const auto first = ReadAll(folders[0]), second = ReadAll(folders[1]), third = ReadAll(folders[2]);
+  EXPECT_EQ(alone, first);
+  ASSERT_EQ(first.size(), second.size());
+  for (const auto& [name, bytes] : first) {
+    const bool is_noisy = name.ends_with(".png") || name == "mav0/imu0/data.csv" ||
+                          name == "mav0/state_groundtruth_estimate0/data.csv";  // for the biases
+    EXPECT_EQ(bytes == second.at(name), !is_noisy) << name;
+    EXPECT_EQ(bytes == third.at(name), !is_noisy) << name;
+    EXPECT_EQ(second.at(name) == third.at(name), !is_noisy) << name;
+  }
+  const Trajectory truth = ReadTrajectory(FindTruth(folders[0])),
+                   other = ReadTrajectory(FindTruth(folders[1]));
+  EXPECT_EQ(truth.poses.back().T_WB.p, other.poses.back().T_WB.p);
 }
 
 TEST_F(SimulatorTest, WritesASequenceThatTheReadersAccept) {
@@ -121,9 +146,9 @@ TEST_F(SimulatorTest, NothingComesNearerThanAllowedInAnyScene) {
 TEST_F(SimulatorTest, StoppedByTheObserver) {
   request_.num_threads = 1;
   int calls = 0;
-  fs::create_directory(folder_ / "stopped");
-  const auto report =
-      facet::Simulate(request_, folder_ / "stopped", [&](int, int) { return ++calls < 1; });
+  const std::vector<fs::path> folders = {folder_ / "stopped"};
+  fs::create_directory(folders.front());
+  const auto report = facet::Simulate(request_, folders, [&](int, int) { return ++calls < 1; });
   EXPECT_FALSE(report.is_complete);
   EXPECT_EQ(calls, 1);
 }

@@ -19,6 +19,14 @@ struct SplineOptions {
   double smoothing = 1e-4;  ///< weight of third differences; bridges holes in the recording
 };
 
+/// How far a path that is fitted to a recorded flight and its IMU trusts the IMU. Recorded poses
+/// are right in the long run and wander in between; the IMU is the other way round.
+struct ImuFitOptions {
+  SplineOptions spline{0.05, 1e-6};
+  double rotation_time_s = 10;   ///< the rotation follows the gyroscope on shorter times than this
+  double position_time_s = 0.5;  ///< the position follows the accelerometer on shorter ones
+};
+
 /// Everything about the motion at one moment.
 struct TrajectoryPoint {
   NavState state;                   ///< biases are zero
@@ -33,6 +41,16 @@ class SplineTrajectory {
   /// used). CHECKs that there are at least two of them, one second or more apart.
   static SplineTrajectory Fit(std::span<const NavState> states, const SplineOptions& options = {});
 
+  /// Least squares through the poses and, for the derivatives, through the samples, from which the
+  /// biases of `states` are taken off: on short times the path does what the IMU measured. CHECKs
+  /// like Fit. Samples outside the time of the poses are not used.
+  static SplineTrajectory FitWithImu(std::span<const NavState> states,
+                                     std::span<const ImuSample> imu,
+                                     const ImuFitOptions& options = {});
+
+  /// The same motion in another world: T_NW times each pose.
+  SplineTrajectory MovedBy(const SE3& T_NW) const;
+
   Timestamp begin() const { return begin_; }
   Timestamp end() const { return end_; }
 
@@ -45,6 +63,7 @@ class SplineTrajectory {
  private:
   static constexpr int kDegree = 5;
   using Coefficients = Vector<7>;  // position, quaternion x y z w (not normalised)
+  class LeastSquares;
 
   /// Value, first and second derivative of the seven components.
   std::array<Coefficients, 3> Evaluate(double seconds) const;

@@ -68,11 +68,87 @@ TEST(SplineTrajectoryTest, IntegratedImuReproducesAMadeUpFlight) {
   }
 }
 
+/// Largest errors of rotation [rad] and velocity [m/s] gained over one second.
+Vector2d ErrorOverASecond(const SplineTrajectory& path, const SplineTrajectory& truth) {
+  Vector2d largest = Vector2d::Zero();
+  for (double s = 3; s < 26; s += 0.1) {
+    const Timestamp a = truth.begin() + FromSeconds(s), b = a + FromSeconds(1);
+    const NavState pa = path.At(a).state, pb = path.At(b).state, ta = truth.At(a).state,
+                   tb = truth.At(b).state;
+    const Quaterniond turned = pa.T_WB.q.conjugate() * pb.T_WB.q;
+    const Quaterniond turned_truly = ta.T_WB.q.conjugate() * tb.T_WB.q;
+    const double rotation = LogSO3(turned.conjugate() * turned_truly).norm();
+    const double velocity = (pb.v_WB - pa.v_WB - tb.v_WB + ta.v_WB).norm();
+    largest = largest.cwiseMax(Vector2d(rotation, velocity));
+  }
+  return largest;
+}
+
+TEST(SplineTrajectoryTest, FollowsTheImuWhereRecordedPosesWander) {
+  const SplineTrajectory truth = SplineTrajectory::Fit(MakeFlight(30, 1), {0.05, 1e-6});
+  const ImuBias bias{Vector3d(0.01, -0.02, 0.03), Vector3d(0.1, 0.2, -0.1)};
+  std::vector<NavState> recorded;
+  std::vector<ImuSample> imu;
+  for (Timestamp t = truth.begin(); t <= truth.end(); t = t + k200Hz) {
+    const double s = ToSeconds(t - truth.begin());
+    NavState state = truth.At(t).state;
+    state.bias = bias;
+    state.T_WB.q =
+        state.T_WB.q * ExpSO3(3e-3 * Vector3d(std::sin(2 * s), std::cos(3 * s), std::sin(4 * s)));
+    state.T_WB.p += 2e-3 * Vector3d(std::sin(9 * s), std::cos(12 * s), std::sin(15 * s));
+    recorded.push_back(state);
+    ImuSample sample = truth.IdealImuAt(t);
+    sample.gyro += bias.b_g;
+    sample.accel += bias.b_a;
+    imu.push_back(sample);
+  }
+  const Vector2d poses_only = ErrorOverASecond(SplineTrajectory::Fit(recorded), truth);
+  const SplineTrajectory fitted = SplineTrajectory::FitWithImu(recorded, imu);
+  const Vector2d with_imu = ErrorOverASecond(fitted, truth);
+  EXPECT_LT(with_imu(0), 0.1 * poses_only(0));
+  EXPECT_LT(with_imu(1), 0.3 * poses_only(1));
+  for (const NavState& state : recorded)
+    EXPECT_LT((fitted.At(state.t).state.T_WB.p - state.T_WB.p).norm(), 0.01);
+}
+
+TEST(SplineTrajectoryTest, MovedToAnotherWorld) {
+  const SplineTrajectory path = SplineTrajectory::Fit(MakeFlight(5, 1));
+  const SE3 T_NW(ExpSO3(Vector3d(0.1, 0.2, 0.3)), Vector3d(1, 2, 3));
+  const SplineTrajectory moved = path.MovedBy(T_NW);
+  const Timestamp t = path.begin() + FromSeconds(2.345);
+  const TrajectoryPoint a = path.At(t), b = moved.At(t);
+  EXPECT_LT((b.state.T_WB.p - T_NW * a.state.T_WB.p).norm(), 1e-12);
+  EXPECT_LT(LogSO3(b.state.T_WB.q.conjugate() * T_NW.q * a.state.T_WB.q).norm(), 1e-12);
+  EXPECT_LT((b.a_W - T_NW.q * a.a_W).norm(), 1e-10);
+  EXPECT_LT((b.w_B - a.w_B).norm(), 1e-12);
+}
+
 class RealFlightTest : public ::testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Euroc,
                          RealFlightTest,
                          ::testing::Values("V1_01_easy", "V1_02_medium", "MH_05_difficult"));
+
+/// Root mean square angle between what the gyroscope and the path turned in 5 s, over the record.
+double GyroMisfit(const SplineTrajectory& path,
+                  const std::vector<NavState>& truth,
+                  const std::vector<ImuSample>& imu) {
+  double squares = 0;
+  int count = 0;
+  std::size_t state = 0;
+  for (std::size_t i = 0; i + 1001 < imu.size(); i += 1000) {
+    const Timestamp a = imu[i].t, b = imu[i + 1000].t;
+    if (a < path.begin() || b > path.end()) continue;
+    while (state + 1 < truth.size() && truth[state + 1].t <= a)
+      ++state;
+    ImuPreintegration turned(truth[state].bias, PreintegrationNoise());
+    turned.Integrate(std::span(imu).subspan(i, 1001));
+    const Quaterniond of_path = path.At(a).state.T_WB.q.conjugate() * path.At(b).state.T_WB.q;
+    squares += LogSO3(of_path.conjugate() * turned.dR()).squaredNorm();
+    ++count;
+  }
+  return std::sqrt(squares / count);
+}
 
 TEST_P(RealFlightTest, SplineIsCloseToTheTruthAndToTheRealImu) {
   const std::string name = std::string("euroc_flights/") + GetParam();
@@ -104,6 +180,12 @@ TEST_P(RealFlightTest, SplineIsCloseToTheTruthAndToTheRealImu) {
   error = (error / num_means).cwiseSqrt();
   EXPECT_LT(error.head<3>().maxCoeff(), 0.05) << "rad/s";
   EXPECT_LT(error.tail<3>().maxCoeff(), 0.6) << "m/s^2";
+
+  // What the gyroscope turned in 5 s, against both paths.
+  const SplineTrajectory with_imu = SplineTrajectory::FitWithImu(truth, imu);
+  const double misfit = GyroMisfit(with_imu, truth, imu);
+  EXPECT_LT(misfit, 1.5e-3) << "rad";
+  EXPECT_LT(misfit, 0.6 * GyroMisfit(trajectory, truth, imu));
 
   for (double start : {1.0, 20.0, 50.0}) {
     EXPECT_LT(IntegrationError(trajectory, start, k1kHz)(1), 3e-4) << "from " << start << " s";

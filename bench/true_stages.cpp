@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// true_stages SEQUENCE [--left exact] [--right exact] [--set key=value]...
+// Runs pipeline S over a simulated sequence with tracked pixels replaced by the truth, to see which
+// stage an error comes from, and tells the errors of the tracked pixels by what they lie on. The
+// point of a track is where the ray of its first left pixel meets the true mesh.
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "track_residuals.h"
+#include "true_scene.h"
+#include <CLI/CLI.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include "facet/base/random.h"
+#include "facet/eval/trajectory_error.h"
+#include "facet/io/asl_dataset.h"
+#include "facet/io/calibration_file.h"
+#include "facet/io/config_file.h"
+#include "facet/io/errors.h"
+#include "facet/io/trajectory_file.h"
+#include "facet/pipeline/back_stage.h"
+#include "facet/pipeline/front_stage.h"
+
+namespace facet {
+namespace {
+
+struct TrueTrack {
+  ScenePoint point;
+  int age = 0;
+};
+
+struct Errors {
+  std::vector<double> left, right;
+};
+
+struct Replacement {
+  bool left = false, right = false;
+  double noise_px = 0;
+  std::vector<std::string> exact_on;  ///< names of Grounds; empty: all
+  std::vector<std::string> only;      ///< others are dropped; empty: none is
+};
+
+bool IsAmong(const std::vector<std::string>& names, Ground ground) {
+  const char* name = kGroundNames[static_cast<std::size_t>(ground)];
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Errors of the tracked pixels, and the observations with true ones instead.
+class PixelJudge {
+ public:
+  PixelJudge(const StereoRig& rig, const TrueScene& scene, const Replacement& replacement)
+      : rig_(rig), scene_(scene), replacement_(replacement) {}
+
+  void Replace(const SE3& T_WB, FrameObservations& frame, std::ostream* dump) {
+    std::vector<FeatureObservation> kept;
+    for (FeatureObservation o : frame.features) {
+      auto track = tracks_.find(o.landmark);
+      if (track == tracks_.end()) {
+        const auto found = scene_.Find(rig_, T_WB, o.px_left);
+        if (!found) continue;
+        track = tracks_.emplace(o.landmark, TrueTrack{*found, 0}).first;
+      }
+      ++track->second.age;
+      const ScenePoint& point = track->second.point;
+      const auto left = ProjectInto(0, T_WB, point.p_W), right = ProjectInto(1, T_WB, point.p_W);
+      if (!left) continue;
+      Count(track->second, *left, right, o);
+      if (dump) {
+        const Vector2d error = *left - o.px_left;
+        *dump << frame.frame.value << ',' << o.landmark.value << ',' << track->second.age << ','
+              << kGroundNames[static_cast<std::size_t>(point.ground)] << ',' << point.plane << ','
+              << o.px_left.x() << ',' << o.px_left.y() << ',' << error.x() << ',' << error.y()
+              << '\n';
+      }
+      if (!IsAmong(replacement_.only, point.ground)) continue;
+      const bool is_exact = IsAmong(replacement_.exact_on, point.ground);
+      if (replacement_.left && is_exact) o.px_left = *left + Noise();
+      if (replacement_.right && is_exact && o.px_right) {
+        o.px_right.reset();
+        if (right) o.px_right = *right + Noise();
+      }
+      kept.push_back(o);
+    }
+    frame.features = kept;
+  }
+
+  void Print() const {
+    std::printf("left error by ground     count     mean  rob.sig  rms(<2)  >2px,%%\n");
+    for (const auto& [ground, errors] : by_ground_)
+      PrintRow(kGroundNames[static_cast<std::size_t>(ground)], errors.left);
+    std::printf("left error by age on flat ground\n");
+    for (const auto& [age, errors] : by_age_)
+      PrintRow(("age < " + std::to_string(1 << age)).c_str(), errors);
+    std::printf("right error by ground\n");
+    for (const auto& [ground, errors] : by_ground_)
+      PrintRow(kGroundNames[static_cast<std::size_t>(ground)], errors.right);
+  }
+
+ private:
+  std::optional<Vector2d> ProjectInto(std::size_t camera,
+                                      const SE3& T_WB,
+                                      const Vector3d& p_W) const {
+    return rig_.cameras[camera].Project((T_WB * rig_.T_BC[camera]).Inverse() * p_W);
+  }
+
+  Vector2d Noise() { return replacement_.noise_px * Vector2d(rng_.Normal(), rng_.Normal()); }
+
+  void Count(const TrueTrack& track,
+             const Vector2d& left,
+             const std::optional<Vector2d>& right,
+             const FeatureObservation& o) {
+    Errors& errors = by_ground_[track.point.ground];
+    if (track.age > 1) {
+      const int bin = static_cast<int>(std::bit_width(static_cast<unsigned>(track.age)));
+      for (int k = 0; k < 2; ++k) {
+        errors.left.push_back(left(k) - o.px_left(k));
+        if (track.point.ground == Ground::kFlat) by_age_[bin].push_back(left(k) - o.px_left(k));
+      }
+    }
+    for (int k = 0; k < 2 && right && o.px_right; ++k)
+      errors.right.push_back((*right)(k) - (*o.px_right)(k));
+  }
+
+  static void PrintRow(const char* name, const std::vector<double>& errors) {
+    const Spread s = ComputeSpread(errors, 2);
+    std::printf("  %-22s %7zu %8.3f %8.3f %8.3f %8.2f\n",
+                name,
+                s.count,
+                s.mean,
+                s.robust_sigma,
+                s.rms,
+                100 * s.outliers);
+  }
+
+  const StereoRig& rig_;
+  const TrueScene& scene_;
+  Replacement replacement_;
+  Rng rng_{1};
+  std::unordered_map<LandmarkId, TrueTrack> tracks_;
+  std::map<Ground, Errors> by_ground_;
+  std::map<int, std::vector<double>> by_age_;
+};
+
+/// The true pose at a stamp that is in the file, or between two that are.
+SE3 TruthAt(const Trajectory& truth, Timestamp t) {
+  const StampedPose wanted{t, SE3()};
+  const Association found = Associate(std::span(&wanted, 1), truth.poses);
+  if (found.pairs.empty()) throw InputError("the ground truth does not cover the images");
+  return found.pairs.front().T_GB;
+}
+
+void Process(const std::string& sequence,
+             const VioOptions& options,
+             const Replacement& what,
+             const std::string& dump_file) {
+  std::ofstream dump(dump_file);
+  if (!dump_file.empty()) dump << "frame,landmark,age,ground,plane,x,y,error_x,error_y\n";
+  AslDataset dataset(sequence);
+  const std::filesystem::path exact = std::filesystem::path(sequence) / "truth";
+  const StereoRig exact_rig = std::filesystem::exists(exact / "cam0")
+                                  ? FindCalibration({}, {exact.string(), {}}).rig
+                                  : dataset.rig();
+  const Trajectory truth = ReadTrajectory(FindTruth(sequence));
+  const TrueScene scene(sequence);
+  PixelJudge judge(exact_rig, scene, what);
+  FrontStage front(dataset.rig(), options);
+  BackStage back(dataset.rig(), dataset.imu_noise(), options);
+  std::vector<StampedPose> estimate;
+  std::size_t next_imu = 0;
+  for (std::size_t i = 0; i < dataset.frames().size(); ++i) {
+    const Timestamp t = dataset.frames()[i].t;
+    const auto& imu = dataset.imu();
+    while (next_imu < imu.size() && (next_imu == 0 || imu[next_imu - 1].t <= t))
+      front.AddImu(imu[next_imu++]);
+    StereoFrame frame{t, {}, {}};
+    dataset.ReadPair(i, frame.left, frame.right);
+    FrontPacket packet = front.Process(frame);
+    judge.Replace(
+        TruthAt(truth, t), packet.frontend.observations, dump_file.empty() ? nullptr : &dump);
+    const VioOutput out = back.Process(packet);
+    if (back.feedback()) front.AddFeedback(*back.feedback());
+    if (out.has_pose) estimate.push_back({t, out.state.T_WB});
+  }
+  const TrajectoryError error = EvaluateTrajectory(estimate, truth.poses);
+  std::printf("left %s, right %s: ATE rmse %.3f mm, %zu of %zu poses\n",
+              what.left ? "exact" : "tracked",
+              what.right ? "exact" : "tracked",
+              1e3 * error.ate_m.rmse,
+              estimate.size(),
+              dataset.frames().size());
+  judge.Print();
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Pipeline S with tracked pixels replaced by the truth of a simulated sequence");
+  std::string sequence, dump, left = "tracked", right = "tracked";
+  std::vector<std::string> overrides;
+  Replacement what;
+  app.add_option("sequence", sequence, "made by facet simulate")->required();
+  app.add_option("--left", left)->check(CLI::IsMember({"tracked", "exact"}));
+  app.add_option("--right", right)->check(CLI::IsMember({"tracked", "exact"}));
+  app.add_option("--noise", what.noise_px, "1-sigma, added to exact pixels");
+  app.add_option("--only", what.only, "flat, curved, crease, 'depth edge': drop other tracks");
+  app.add_option("--exact-on", what.exact_on, "the same: exact pixels on these only");
+  app.add_option("--dump", dump, "file for the left errors (csv)");
+  app.add_option("--set", overrides, "option of the pipeline, key=value");
+  CLI11_PARSE(app, argc, argv);
+  cv::setNumThreads(1);
+  what.left = left == "exact";
+  what.right = right == "exact";
+  VioOptions options;
+  options.pipeline = "S";
+  options.mesh.enabled = false;
+  ApplyOverrides(overrides, ListFields(options));
+  Process(sequence, options, what, dump);
+  return 0;
+}
+
+}  // namespace
+}  // namespace facet
+
+int main(int argc, char** argv) {
+  try {
+    return facet::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "true_stages: " << error.what() << '\n';
+    return 1;
+  }
+}
