@@ -256,6 +256,14 @@ class CompareInputTest : public testing::Test {
     return RunFacet("compare " + Sequence().string() + " --out " + (folder_ / "out").string() +
                     " --starts 2 " + more);
   }
+  void MakeImagesGrey() const {
+    const std::string grey = "P5\n160 120\n255\n" + std::string(160 * 120, 'x');
+    for (const char* camera : {"cam0", "cam1"}) {
+      for (const auto& image : fs::directory_iterator(Sequence() / "mav0" / camera / "data"))
+        WriteText(image, grey);
+    }
+  }
+
   TempFolder folder_;
 };
 
@@ -281,16 +289,38 @@ TEST_F(CompareInputTest, WrongUsage) {
 
 TEST_F(CompareInputTest, RunsWithoutResultAreListedWithTheirReason) {
   // Nothing to see in grey images: no run can start, and the study says so instead of stopping.
-  const std::string grey = "P5\n160 120\n255\n" + std::string(160 * 120, 'x');
-  for (const char* camera : {"cam0", "cam1"}) {
-    for (const auto& image : fs::directory_iterator(Sequence() / "mav0" / camera / "data"))
-      WriteText(image, grey);
-  }
+  MakeImagesGrey();
   const ProgramRun run = Compare("--pipelines S");
   EXPECT_EQ(run.exit_code, 4) << run.err;
   EXPECT_THAT(run.out, HasSubstr("Runs without a result"));
   for (const char* file : {"comparison.json", "comparison.csv", "comparison.md", "comparison.html"})
     EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
+}
+
+// A folder like a download of EuRoC: places with sequences, one of them not unpacked yet, names
+// with blanks around them.
+TEST_F(CompareInputTest, TablesOfThePaperForADownload) {
+  MakeImagesGrey();
+  const fs::path euroc = folder_ / "my EuRoC";
+  fs::create_directories(euroc / "vicon_room1" / "V1_02_medium");
+  fs::create_directories(euroc / "machine_hall" / "MH_01_easy");
+  fs::create_directories(euroc / "V1_01_easy" / "V1_01_easy");
+  fs::create_directory_symlink(Sequence() / "mav0", euroc / "machine_hall/MH_01_easy/mav0");
+  fs::create_directory_symlink(Sequence() / "mav0", euroc / "V1_01_easy/V1_01_easy/mav0");
+  const std::string script = "FACET=" + std::string(FACET_PROGRAM) + " sh " + FACET_SOURCE_DIR +
+                             "/scripts/run_euroc.sh '" + euroc.string() + "' --out '" +
+                             (euroc / "study").string() + "' --starts 1 --pipelines S,SPR";
+  const ProgramRun run = RunShell(script);
+  EXPECT_EQ(run.exit_code, 4) << run.err;  // grey
+  EXPECT_THAT(run.out, HasSubstr("sequences: MH_01_easy V1_01_easy\n"));
+  EXPECT_THAT(run.err, HasSubstr("V1_02_medium: no mav0/ in it (not unpacked?), left out"));
+  const std::string table = ReadText(euroc / "study" / "comparison.md");
+  EXPECT_THAT(table, HasSubstr("| 13.7 | 15.0 | 12.4 | 15.0 | 10.7 | 14.5 |"));
+  EXPECT_THAT(table, HasSubstr("| V1_01_easy | 9 | 34 | 10 | 7 | 7 | 6 |"));
+  EXPECT_EQ(RunShell("FACET=" + std::string(FACET_PROGRAM) + " sh " + FACET_SOURCE_DIR +
+                     "/scripts/run_euroc.sh " + (folder_ / "nowhere").string())
+                .exit_code,
+            3);
 }
 
 }  // namespace

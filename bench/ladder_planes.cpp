@@ -9,6 +9,22 @@
 
 namespace facet {
 
+namespace {
+
+// [1/m] along z of the left camera, from the two pixels; 0 without a right one.
+double StereoInverseDepth(const StereoRig& rig, const FeatureObservation& feature) {
+  if (!feature.px_right) return 0;
+  const auto left = rig.cameras[0].Undistort(feature.px_left);
+  const auto right = rig.cameras[1].Undistort(*feature.px_right);
+  if (!left || !right) return 0;
+  const SE3 T_C1C0 = rig.T_BC[1].Inverse() * rig.T_BC[0];
+  const Vector3d ray = T_C1C0.q * Vector3d(left->xy.x(), left->xy.y(), 1);
+  const double x = right->xy.x();
+  return -(ray.x() - x * ray.z()) / (T_C1C0.p.x() - x * T_C1C0.p.z());
+}
+
+}  // namespace
+
 void OraclePlanes::EndOld(Timestamp now, PlaneAssignments& out) {
   if (options_.max_age_s <= 0) return;
   std::erase_if(known_, [&](const auto& entry) {
@@ -199,6 +215,8 @@ PlaneAssignments OwnSearch::operator()(const FrameObservations& observations,
   });
   MeshPacket images;
   images.intensities.assign(sorted.features.size(), 128);
+  for (const FeatureObservation& feature : sorted.features)
+    images.inverse_depths.push_back(StereoInverseDepth(run_.rig, feature));
   const auto mesh = mesh_.Process(sorted, images, snapshot);
   const auto frame = static_cast<std::size_t>(observations.frame.value);
   T_WG_ = snapshot.latest.T_WB * run_.truth[frame].T_WB.Inverse();
