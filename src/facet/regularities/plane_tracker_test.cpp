@@ -79,6 +79,9 @@ TEST_F(PlaneTrackerTest, APlaneIsHandedOverAfterEnoughSightings) {
 }
 
 TEST_F(PlaneTrackerTest, APlaneWaitsUntilItsLandmarksDetermineItsNormal) {
+  RegularityOptions options;
+  options.tracking.max_normal_sigma_deg = 1.5;
+  UseOptions(options);
   Patch board = MakeWall({3, 0, 1.4}, 0, 0.8, 0.8);
   board.step_m = 0.2;  // 25 landmarks, spread by 0.25 m
   view_.sigma_depth_m = 0.05;

@@ -68,7 +68,7 @@ struct PlaneTrackingOptions {
   int min_landmarks = 10;
   double min_landmark_extent_m = 0.12;
   /// 1-sigma of its normal as these landmarks determine it [deg]. (!)
-  double max_normal_sigma_deg = 1.5;
+  double max_normal_sigma_deg = 3;
   /// A plane unseen for longer is dormant: only a whole new sighting brings it back [s].
   double active_s = 1.5;
   /// A face is on a plane when its corners are within three sigmas of it, but between these [m].
