@@ -35,6 +35,21 @@ Quat<T> Exp(const Vec3<T>& theta) {
   return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
 }
 
+// rho of ceres is twice ours and a function of the square.
+class GemanMcClure : public ceres::LossFunction {
+ public:
+  explicit GemanMcClure(double c) : c2_(c * c) {}
+  void Evaluate(double s2, double rho[3]) const override {
+    const double w = 1 / (1 + s2 / c2_);
+    rho[0] = s2 * w;
+    rho[1] = w * w;
+    rho[2] = -2 * w * w * w / c2_;
+  }
+
+ private:
+  double c2_;
+};
+
 // q Exp(theta) on x y z w.
 struct RightRotation {
   template <class T>
@@ -389,7 +404,7 @@ class CeresWindow {
 
   ceres::LossFunction* NewLoss(const WindowLandmark& landmark) const {
     if (landmark.is_projection) return new ceres::TukeyLoss(options_.robust.projection.tukey_sigma);
-    return new ceres::HuberLoss(options_.robust.huber_sigma);
+    return new GemanMcClure(options_.robust.reprojection_width);
   }
 
   void AddLandmarks() {

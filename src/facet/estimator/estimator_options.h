@@ -82,8 +82,9 @@ struct WindowOptions {
 struct SolverOptions {
   int keyframe_iterations = 2;  ///< (!) Levenberg-Marquardt iterations on keyframes, at most
   int frame_iterations = 2;     ///< iterations on the frames in between, at most
-  double huber_sigma = 2.0;     ///< residuals beyond this many sigma grow linearly
-  double outlier_sigma = 5.0;   ///< observations beyond this many sigma are removed after the solve
+  /// Reprojections beyond this many times the usual (median) error count ever less. (!)
+  double loss_width = 5.0;
+  double outlier_sigma = 5.0;  ///< observations beyond this many sigma are removed after the solve
   double pixel_sigma_scale = 1.0;  ///< times the front end's pixel sigmas
   /// Stop when an iteration lowers the cost (half of chi-square) by less than this: the whole state
   /// then moved by sqrt(2 x) sigma, and the next step is a fraction of it.
@@ -92,9 +93,10 @@ struct SolverOptions {
   double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many sigma grow linearly
 
   /// Weights of reprojections and planes; the rest has its defaults (see EstimatorOptions).
-  RobustOptions robust() const {
+  /// `usual_error_sigma`: see UsualError.
+  RobustOptions robust(double usual_error_sigma = 1.0) const {
     RobustOptions out;
-    out.huber_sigma = huber_sigma;
+    out.reprojection_width = loss_width * usual_error_sigma;
     out.plane_sigma_m = plane_sigma_m;
     out.plane_huber_sigma = plane_huber_sigma;
     return out;
@@ -110,10 +112,10 @@ struct SolverOptions {
             frame_iterations,
             Range{1, 100},
             "iterations on the frames in between, at most");
-    v.Field("huber_sigma",
-            huber_sigma,
-            Range{0.1, 100},
-            "residuals beyond this many sigma grow linearly");
+    v.Field("loss_width",
+            loss_width,
+            Range{0.1, 1e6},
+            "reprojections beyond this many times the usual error count ever less");
     v.Field("outlier_sigma",
             outlier_sigma,
             Range{1, 1000},
@@ -282,9 +284,9 @@ struct EstimatorOptions {
   ProjectionOptions projection;
 
   /// Weights of all rows.
-  RobustOptions robust() const {
+  RobustOptions robust(double usual_error_sigma = 1.0) const {
     constexpr double kDegree = std::numbers::pi / 180;
-    RobustOptions out = solver.robust();
+    RobustOptions out = solver.robust(usual_error_sigma);
     out.relations = {planes.relations.sigma_deg * kDegree,
                      planes.relations.gravity_sigma_deg * kDegree,
                      planes.relations.coplanar_sigma_m,

@@ -7,6 +7,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "facet/base/median.h"
+#include "facet/estimator/robust_loss.h"
+
 namespace facet {
 
 namespace {
@@ -63,9 +66,27 @@ void FrameUpdater::SetReference(const SlidingWindow& window, const Matrix<15, 15
   }
 }
 
+double FrameUpdater::MedianError(const std::vector<Match>& matches,
+                                 const WindowFrame& reference,
+                                 const WindowFrame& frame) const {
+  const SE3 T_HB = reference_.x.T_WB * (reference.x.T_WB.Inverse() * frame.x.T_WB);
+  const Matrix3d R_CW = geometry_.R_CB[0] * T_HB.R().transpose();
+  const Vector3d p_WC = T_HB * geometry_.p_BC[0];
+  std::vector<double> errors;
+  errors.reserve(matches.size());
+  for (const auto& [landmark, observation] : matches) {
+    const Vector3d h = R_CW * (landmark->d_W + landmark->rho * (landmark->p_WH - p_WC));
+    if (h.z() < kMinDepth) continue;
+    errors.push_back(
+        (observation->sqrt_info[0] * (h.head<2>() / h.z() - observation->xy[0])).norm());
+  }
+  return Median(errors).value_or(0.0);
+}
+
 void FrameUpdater::AddVision(const std::vector<Match>& matches,
                              const WindowFrame& reference,
                              const WindowFrame& frame,
+                             double width,
                              System& system) const {
   // The landmarks are held to the reference: they see the frame from where it was first estimated.
   const SE3 T_HB = reference_.x.T_WB * (reference.x.T_WB.Inverse() * frame.x.T_WB);
@@ -96,9 +117,9 @@ void FrameUpdater::AddVision(const std::vector<Match>& matches,
       const Matrix2d S = Matrix2d::Identity() + Jl * landmark->covariance * Jl.transpose();
       const Matrix2d S_inv = S.inverse();
       const double s = std::sqrt(r.dot(S_inv * r));
-      if (s > options_.outlier_sigma) continue;
-      const double weight = s <= options_.huber_sigma ? 1.0 : options_.huber_sigma / s;
-      const Matrix<6, 2> JtS = weight * Jp.transpose() * S_inv;
+      if (s > std::max(options_.outlier_sigma, width)) continue;
+      const double root_weight = GemanMcClureLoss(s, width).root_weight;
+      const Matrix<6, 2> JtS = (root_weight * root_weight) * Jp.transpose() * S_inv;
       H.noalias() += JtS * Jp;
       b.noalias() += JtS * r;
     }
@@ -147,7 +168,10 @@ FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& o
     H.topLeftCorner<15, 15>() = reference_information_;
     b.head<15>() = reference_information_ * reference_step;
     AddImu(reference, frame, system);
-    AddVision(matches, reference, frame, system);
+    // After a poor prediction everything would look like an outlier.
+    const double width = std::max(robust_.reprojection_width,
+                                  options_.loss_width * MedianError(matches, reference, frame));
+    AddVision(matches, reference, frame, width, system);
     factor.compute(H);
     if (factor.info() != Eigen::Success) return result;
     const Vector<30> step = -factor.solve(b);

@@ -42,6 +42,8 @@ class FrameUpdater {
   FrameUpdateResult Update(const std::vector<PreparedObservation>& observations,
                            WindowFrame& frame) const;
 
+  void set_robust(const RobustOptions& robust) { robust_ = robust; }
+
   const WindowFrame& reference() const { return reference_; }
 
  private:
@@ -60,9 +62,14 @@ class FrameUpdater {
   };
   using System = std::pair<Matrix<30, 30>, Vector<30>>;
 
+  /// Median of the norms of the whitened left errors.
+  double MedianError(const std::vector<Match>& matches,
+                     const WindowFrame& reference,
+                     const WindowFrame& frame) const;
   void AddVision(const std::vector<Match>& matches,
                  const WindowFrame& reference,
                  const WindowFrame& frame,
+                 double width,
                  System& system) const;
   void AddImu(const WindowFrame& reference, const WindowFrame& frame, System& system) const;
 

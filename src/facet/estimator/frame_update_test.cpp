@@ -31,7 +31,7 @@ struct Case {
 SolverOptions Options() {
   SolverOptions options;
   options.frame_iterations = 5;
-  options.huber_sigma =
+  options.loss_width =
       1e6;  // the light update weights with the landmark's uncertainty: compare without
   options.outlier_sigma = 1e6;
   options.min_cost_decrease = 1e-9;

@@ -25,7 +25,7 @@ namespace {
 using testing::GaugeDirections;
 using testing::WindowDirections;
 
-constexpr double kHuber = 2.0;
+constexpr double kWidth = 10.0;
 constexpr int kStartKeyframes = 10;
 constexpr double kAnchorDistance = 0.3;  // [m]; small, so that anchors move often
 constexpr std::size_t kReplaceEvery = 25;
@@ -73,7 +73,7 @@ class KeyframeSmoother {
       if (plan.IsEmpty()) return;
       if (planes_ == Planes::kRelated && i % kReplaceEvery == 0) ReplaceAPlane(i, plan);
       num_relations_used_ += static_cast<int>(window_.relations.size());
-      Marginalize(plan, run_.rig, RobustOptions{kHuber}, window_);
+      Marginalize(plan, run_.rig, RobustOptions{kWidth}, window_);
       num_relations_used_ -= static_cast<int>(window_.relations.size());
       ++num_marginalizations_;
     }
@@ -285,7 +285,7 @@ GaugeHistory RunSmoother(const SimulatedRun& run,
     if (i % 20 == 0) {
       SlidingWindow without_prior = window;
       without_prior.prior = MarginalPrior();
-      const MatrixXd H = testing::Assemble(without_prior, run.rig, kHuber).H;
+      const MatrixXd H = testing::Assemble(without_prior, run.rig, kWidth).H;
       history.largest_window_energy = std::max(
           history.largest_window_energy, Energy(H, WindowDirections(window, pivot_W)).maxCoeff());
     }

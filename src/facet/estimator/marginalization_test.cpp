@@ -13,7 +13,7 @@
 namespace facet {
 namespace {
 
-constexpr double kHuber = 2.0;
+constexpr double kWidth = 2.0;
 
 using testing::TestWindow;
 
@@ -120,11 +120,11 @@ void ExpectPositiveSemidefinite(const MarginalPrior& prior) {
 // Carries out the plan and compares information, gradient and step with the batch problem.
 void ExpectMarginalizesLikeBatch(const MarginalizationPlan& plan, TestWindow& test) {
   const SlidingWindow batch_window = WithoutLostObservations(test.window, plan);
-  const testing::DenseSystem batch = testing::Assemble(batch_window, test.rig, kHuber);
-  Marginalize(plan, test.rig, RobustOptions{kHuber}, test.window);
+  const testing::DenseSystem batch = testing::Assemble(batch_window, test.rig, kWidth);
+  Marginalize(plan, test.rig, RobustOptions{kWidth}, test.window);
   const std::vector<int> common = CommonColumns(batch_window, test.window);
   const testing::DenseSystem expected = testing::ReduceTo(batch, common);
-  const testing::DenseSystem actual = testing::Assemble(test.window, test.rig, kHuber);
+  const testing::DenseSystem actual = testing::Assemble(test.window, test.rig, kWidth);
   ASSERT_EQ(actual.b.size(), expected.b.size());
   EXPECT_LT(ScaledDifference(actual.H, expected.H), 1e-8);
   const VectorXd s = expected.H.diagonal().cwiseSqrt().cwiseInverse();
@@ -228,7 +228,7 @@ TEST(MarginalizationTest, ADroppedPlaneEqualsBatchOnceItsLandmarksAreGone) {
   frame.drop_frame[0] = 1;
   for (std::size_t l = 0; l < test.window.landmarks().size(); ++l)
     frame.drop_landmark[l] = test.window.landmarks()[l].planes.Contains(0);
-  Marginalize(frame, test.rig, RobustOptions{kHuber}, test.window);
+  Marginalize(frame, test.rig, RobustOptions{kWidth}, test.window);
   ASSERT_TRUE(test.window.planes[0].frozen);
   MarginalizationPlan plane(test.window);
   plane.drop_plane[0] = 1;
@@ -248,7 +248,7 @@ TEST(MarginalizationTest, ADroppedPlaneWithRelationsEqualsBatch) {
     frame.drop_frame[0] = 1;
     for (std::size_t l = 0; l < test.window.landmarks().size(); ++l)
       frame.drop_landmark[l] = test.window.landmarks()[l].planes.Contains(0);
-    Marginalize(frame, test.rig, RobustOptions{kHuber}, test.window);
+    Marginalize(frame, test.rig, RobustOptions{kWidth}, test.window);
     ASSERT_TRUE(test.window.planes[0].frozen);
     const PlaneId a{0}, b{1}, c{2};
     for (const PlaneRelation& relation : {PlaneRelation{kCoplanar, a, b},
@@ -281,18 +281,18 @@ TEST(MarginalizationTest, OneByOneEqualsAllAtOnce) {
   both.drop_frame[0] = both.drop_frame[1] = 1;
   DropSomeLandmarks(at_once.window, 0, 1, both);
   DropSomeLandmarks(at_once.window, 1, 1, both);
-  Marginalize(both, at_once.rig, RobustOptions{kHuber}, at_once.window);
+  Marginalize(both, at_once.rig, RobustOptions{kWidth}, at_once.window);
   // The landmarks of both frames go first: else those of the second would lose a row in between.
   MarginalizationPlan landmarks(one_by_one.window);
   landmarks.drop_landmark = both.drop_landmark;
-  Marginalize(landmarks, one_by_one.rig, RobustOptions{kHuber}, one_by_one.window);
+  Marginalize(landmarks, one_by_one.rig, RobustOptions{kWidth}, one_by_one.window);
   for (int k = 0; k < 2; ++k) {
     MarginalizationPlan plan(one_by_one.window);
     plan.drop_frame[0] = 1;
-    Marginalize(plan, one_by_one.rig, RobustOptions{kHuber}, one_by_one.window);
+    Marginalize(plan, one_by_one.rig, RobustOptions{kWidth}, one_by_one.window);
   }
-  const auto a = testing::Assemble(at_once.window, at_once.rig, kHuber);
-  const auto b = testing::Assemble(one_by_one.window, one_by_one.rig, kHuber);
+  const auto a = testing::Assemble(at_once.window, at_once.rig, kWidth);
+  const auto b = testing::Assemble(one_by_one.window, one_by_one.rig, kWidth);
   EXPECT_LT(ScaledDifference(a.H, b.H), 1e-9);
   EXPECT_LT((StepOf(a) - StepOf(b)).norm(), 1e-7 * StepOf(b).norm());
 }
@@ -303,7 +303,7 @@ TEST(MarginalizationTest, EveryObservationIsUsedOrLostOnce) {
   MarginalizationPlan plan(before);
   plan.drop_frame[0] = 1;
   DropSomeLandmarks(before, 0, 2, plan);
-  Marginalize(plan, test.rig, RobustOptions{kHuber}, test.window);
+  Marginalize(plan, test.rig, RobustOptions{kWidth}, test.window);
   for (std::size_t l = 0; l < before.landmarks().size(); ++l) {
     const WindowLandmark& old = before.landmarks()[l];
     const WindowLandmark* now = test.window.Find(old.id);
@@ -328,7 +328,7 @@ TEST(MarginalizationTest, FreezesExactlyWhatThePriorTouches) {
     plan.drop_landmark[l] = test.window.landmarks()[l].observations.back().frame <= 1;
   }
   const std::vector<WindowFrame> before = test.window.frames;
-  Marginalize(plan, test.rig, RobustOptions{kHuber}, test.window);
+  Marginalize(plan, test.rig, RobustOptions{kWidth}, test.window);
   EXPECT_EQ(test.window.prior.blocks.size(), 2u);
   EXPECT_EQ(test.window.prior.dim(), 15);
   EXPECT_TRUE(test.window.frames[0].pose_frozen && test.window.frames[0].motion_frozen);
@@ -341,12 +341,12 @@ TEST(MarginalizationTest, FreezesExactlyWhatThePriorTouches) {
 
 TEST(MarginalizationTest, AnEmptyPlanChangesNothing) {
   TestWindow test = MakeWindow(39);
-  const testing::DenseSystem before = testing::Assemble(test.window, test.rig, kHuber);
+  const testing::DenseSystem before = testing::Assemble(test.window, test.rig, kWidth);
   MarginalizationPlan plan(test.window);
   EXPECT_TRUE(plan.IsEmpty());
-  Marginalize(plan, test.rig, RobustOptions{kHuber}, test.window);
+  Marginalize(plan, test.rig, RobustOptions{kWidth}, test.window);
   EXPECT_TRUE(test.window.start_prior.active);
-  EXPECT_EQ(testing::Assemble(test.window, test.rig, kHuber).H, before.H);
+  EXPECT_EQ(testing::Assemble(test.window, test.rig, kWidth).H, before.H);
   plan.drop_motion[2] = 1;
   EXPECT_FALSE(plan.IsEmpty());
 }

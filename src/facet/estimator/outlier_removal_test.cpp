@@ -2,10 +2,12 @@
 #include "facet/estimator/outlier_removal.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "facet/estimator/test_window.h"
+#include "facet/estimator/usual_error.h"
 
 namespace facet {
 namespace {
@@ -36,11 +38,14 @@ class OutlierRemovalTest : public ::testing::Test {
   int Remove() {
     FrameGeometry geometry(test_.rig);
     geometry.Update(window().frames);
-    return RemoveOutlierObservations(geometry, kRobust, kMaxSigma, window());
+    const OutlierRemoval removal = OutlierRemover().Remove(geometry, kRobust, kMaxSigma, window());
+    median_sigma_ = removal.median_sigma;
+    return removal.num_removed;
   }
 
   testing::TestWindow test_;
   LandmarkId victim_;
+  std::optional<double> median_sigma_;
 };
 
 TEST_F(OutlierRemovalTest, WhatFitsStays) {
@@ -83,6 +88,40 @@ TEST_F(OutlierRemovalTest, LandmarksWithoutAnyObservationLeftGo) {
     o.xy[0].y() += o.frame % 2 == 0 ? 0.2 : -0.2;
   EXPECT_GE(Remove(), 3);
   EXPECT_EQ(window().Find(victim_), nullptr);
+}
+
+TEST_F(OutlierRemovalTest, TheMedianHardlyNoticesTheOutliers) {
+  for (WindowLandmark& landmark : window().landmarks()) {
+    for (WindowObservation& o : landmark.observations)
+      o.xy[0] += o.sqrt_info[0].inverse() * Vector2d(0.3, 0.4);
+  }
+  Remove();
+  ASSERT_TRUE(median_sigma_);
+  EXPECT_NEAR(*median_sigma_, 0.5, 1e-6);
+  for (std::size_t l = 0; l < window().landmarks().size(); l += 10)
+    window().landmarks()[l].observations.back().xy[0].x() += 0.05;
+  EXPECT_GE(Remove(), 1);
+  EXPECT_NEAR(*median_sigma_, 0.5, 1e-6);
+}
+
+TEST_F(OutlierRemovalTest, WithoutLandmarksThereIsNoMedian) {
+  window().RemoveLandmarks(std::vector<char>(window().landmarks().size(), 1));
+  EXPECT_EQ(Remove(), 0);
+  EXPECT_FALSE(median_sigma_);
+}
+
+TEST(UsualErrorTest, FollowsWithinAFewKeyframesAndStaysUseful) {
+  UsualError usual;
+  EXPECT_EQ(usual.sigma(), 1.0);
+  for (int i = 0; i < 10; ++i)
+    usual.Add(0.4);
+  EXPECT_NEAR(usual.sigma(), 0.4, 0.1);
+  for (int i = 0; i < 100; ++i)
+    usual.Add(0.0);
+  EXPECT_NEAR(usual.sigma(), 0.2, 1e-6);
+  for (int i = 0; i < 100; ++i)
+    usual.Add(std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(usual.sigma(), 2.0, 1e-6);
 }
 
 TEST_F(OutlierRemovalTest, LandmarksBeforeTheLensGo) {

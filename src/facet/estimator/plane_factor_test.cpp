@@ -10,7 +10,7 @@ namespace {
 
 using testing::Derivative;
 using testing::GeometryOf;
-using testing::kHuber;
+using testing::kWidth;
 using testing::Problem;
 using testing::RelativeError;
 using testing::WorldPoint;
@@ -35,7 +35,7 @@ TEST(PlaneFactorTest, BlocksAreTheGaussNewtonBlocksOfPlaneAndLandmark) {
   for (const double distance : {0.004, 0.2}) {  // within Huber's limit, and beyond
     for (int run = 0; run < 10; ++run) {
       Problem problem = testing::MakeProblem({false, true, 1.0}, rng);
-      const RobustOptions robust{kHuber, 0.01, 2.0};
+      const RobustOptions robust{kWidth, 0.01, 2.0};
       const WindowPlane plane = PlaneNear(problem, distance, rng);
       LandmarkBlock without, with;
       LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, robust, without);
@@ -72,7 +72,7 @@ TEST(PlaneFactorTest, AFrozenPlaneKeepsItsJacobianAndUsesTheCurrentResidual) {
   Rng rng(4);
   Problem problem = testing::MakeProblem({false, true, 0.5}, rng);
   problem.landmark.planes.Add(0);
-  const RobustOptions robust{kHuber, 0.01, 1e9};
+  const RobustOptions robust{kWidth, 0.01, 1e9};
   WindowPlane plane = PlaneNear(problem, 0.003, rng);
   LandmarkBlock before, after;
   LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, robust, before);
@@ -109,7 +109,7 @@ TEST(PlaneFactorTest, APointNearInfinityIsNotTiedToAnything) {
   problem.landmark.planes.Add(0);
   const WindowPlane plane(PlaneId{0}, Plane{Vector3d::UnitZ(), 0}, Vector3d::Zero());
   LandmarkBlock block;
-  LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, RobustOptions{kHuber}, block);
+  LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, RobustOptions{kWidth}, block);
   EXPECT_EQ(block.num_plane_views, 0);
   EXPECT_TRUE(block.V.allFinite());
 }

@@ -16,7 +16,7 @@ using testing::Problem;
 using testing::WorldPoint;
 
 constexpr double kPixelSigma = 0.5;  // of the measurements of MakeProblem
-const RobustOptions kRobust{testing::kHuber};
+const RobustOptions kRobust{testing::kWidth};
 
 // The paper's cost of the landmark, written once more.
 double Cost(const Problem& problem, const std::vector<SE3>& poses, const WorldPoint& point) {
@@ -38,7 +38,12 @@ TEST(RobustLossTest, WeightIsTheDerivativeOfTheCost) {
     const double huber = (HuberLoss(s + h, 2.0).cost - HuberLoss(s - h, 2.0).cost) / (2 * h);
     EXPECT_NEAR(std::pow(TukeyLoss(s, 4.685).root_weight, 2) * s, tukey, 1e-8);
     EXPECT_NEAR(std::pow(HuberLoss(s, 2.0).root_weight, 2) * s, huber, 1e-8);
+    const double geman =
+        (GemanMcClureLoss(s + h, 2.0).cost - GemanMcClureLoss(s - h, 2.0).cost) / (2 * h);
+    EXPECT_NEAR(std::pow(GemanMcClureLoss(s, 2.0).root_weight, 2) * s, geman, 1e-8);
   }
+  EXPECT_NEAR(GemanMcClureLoss(1e-3, 2.0).cost, 0.5e-6, 1e-12);
+  EXPECT_NEAR(GemanMcClureLoss(1e6, 2.0).cost, 2.0, 1e-6);
   EXPECT_EQ(TukeyLoss(5.0, 4.685).root_weight, 0);
   EXPECT_NEAR(TukeyLoss(5.0, 4.685).cost, TukeyLoss(4.685, 4.685).cost, 1e-12);
   EXPECT_NEAR(TukeyLoss(1e-3, 4.685).cost, 0.5e-6, 1e-12);

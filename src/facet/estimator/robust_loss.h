@@ -18,6 +18,12 @@ inline RobustLoss HuberLoss(double s, double k) {
   return {k * (s - 0.5 * k), std::sqrt(k / s)};
 }
 
+/// Nearly constant beyond a few c (Geman-McClure): what is far off hardly pulls any more.
+inline RobustLoss GemanMcClureLoss(double s, double c) {
+  const double root_weight = 1 / (1 + (s / c) * (s / c));
+  return {0.5 * s * s * root_weight, root_weight};
+}
+
 /// Constant beyond c.
 inline RobustLoss TukeyLoss(double s, double c) {
   if (s >= c) return {c * c / 6, 0.0};

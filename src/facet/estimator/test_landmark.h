@@ -11,7 +11,7 @@
 
 namespace facet::testing {
 
-inline constexpr double kHuber = 2.0;
+inline constexpr double kWidth = 2.0;
 
 // A point of the world in homogeneous coordinates: X = y / rho.
 struct WorldPoint {
@@ -53,14 +53,14 @@ struct Problem {
   double Cost(const std::vector<SE3>& moved, const WorldPoint& point) const {
     double cost = 0;
     for (const Measurement& m : measurements) {
-      const double s = Residual(m, moved[m.frame], point).norm();
-      cost += s <= kHuber ? 0.5 * s * s : kHuber * (s - 0.5 * kHuber);
+      const double s2 = Residual(m, moved[m.frame], point).squaredNorm();
+      cost += 0.5 * s2 * kWidth * kWidth / (kWidth * kWidth + s2);
     }
     return cost;
   }
   double RootWeight(const Measurement& m) const {
-    const double s = Residual(m, poses[m.frame], FromHost(host(), Vector3d::Zero())).norm();
-    return std::sqrt(std::min(1.0, kHuber / s));
+    const double s2 = Residual(m, poses[m.frame], FromHost(host(), Vector3d::Zero())).squaredNorm();
+    return kWidth * kWidth / (kWidth * kWidth + s2);
   }
 };
 
@@ -115,7 +115,7 @@ inline FrameGeometry GeometryOf(const Problem& problem) {
 
 inline LandmarkBlock Linearized(const Problem& problem) {
   LandmarkBlock block;
-  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, RobustOptions{kHuber}, block);
+  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, RobustOptions{kWidth}, block);
   return block;
 }
 

@@ -217,7 +217,7 @@ void SetMeasurement(const Vector3d& h,
   observation.sigma_px[camera] = pixel_sigma;
 }
 
-DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double huber_sigma) {
+DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double reprojection_width) {
   DenseSystem out{MakeLayout(window), {}, {}};
   out.H = MatrixXd::Zero(out.layout.dim, out.layout.dim);
   out.b = VectorXd::Zero(out.layout.dim);
@@ -234,7 +234,7 @@ DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double h
   LandmarkBlock block;
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!IsConstraining(landmark)) continue;
-    LinearizeLandmark(geometry, window.planes, landmark, RobustOptions{huber_sigma}, block);
+    LinearizeLandmark(geometry, window.planes, landmark, RobustOptions{reprojection_width}, block);
     Eliminate(0.0, block);
     AddDiagonal(block, out.layout, lower, out.b);
     SubtractSchur(block, out.layout, lower, out.b);

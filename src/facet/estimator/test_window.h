@@ -86,7 +86,7 @@ struct DenseSystem {
   MatrixXd H;
   VectorXd b;
 };
-DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double huber_sigma);
+DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double reprojection_width);
 
 /// Schur complement of the columns `keep`.
 DenseSystem ReduceTo(const DenseSystem& system, const std::vector<int>& keep);

@@ -77,8 +77,9 @@ VioEstimator::VioEstimator(const StereoRig& rig,
                  1e-8},
       bias_walk_{noise.gyro_walk * options.imu.gyro_walk_scale,
                  noise.accel_walk * options.imu.accel_walk_scale},
-      solver_(rig, options.solver, options.robust()),
-      updater_(rig, options.solver, options.robust()),
+      robust_(options.robust()),
+      solver_(rig, options.solver, robust_),
+      updater_(rig, options.solver, robust_),
       geometry_(rig) {
   window_.T_BC0 = rig.T_BC[0];
 }
@@ -239,7 +240,7 @@ void VioEstimator::KeepPlaneCovariances() {
 void VioEstimator::TakeAssignments() {
   ApplyAssignments(assignments_,
                    {options_.planes.join_sigma_m, options_.planes.join_distance_m},
-                   options_.robust(),
+                   robust_,
                    geometry_,
                    window_);
   ApplyProjections(assignments_, options_.projection.convert_back, window_);
@@ -255,7 +256,7 @@ void VioEstimator::JudgePlanes() {
       information,
       {planes.settled_normal_deg * kDegree, planes.settled_rim_m, planes.settled_offset_m},
       window_);
-  DropViolatedRelations(options_.robust().relations, planes.relations.outlier_sigma, window_);
+  DropViolatedRelations(robust_.relations, planes.relations.outlier_sigma, window_);
   for (const PlaneId id : ExcessPlanes(window_, information, planes.max_planes))
     ended_planes_.push_back(id);
 }
@@ -405,20 +406,26 @@ bool VioEstimator::DropWrongMembers() {
   const int before = NumPlaneConstraints();
   if (before == 0) return false;
   geometry_.Update(window_.frames);
-  const int dropped =
-      DetachOutliers(geometry_, options_.robust(), options_.planes.outlier_sigma, window_);
+  const int dropped = DetachOutliers(geometry_, robust_, options_.planes.outlier_sigma, window_);
   return dropped > std::max(kFewWrongMembers, before / 10);
 }
 
-int VioEstimator::RemoveOutliers() {
+void VioEstimator::RemoveOutliers() {
   geometry_.Update(window_.frames);
-  const RobustOptions robust = options_.robust();
-  const int removed =
-      RemoveOutlierObservations(geometry_, robust, options_.solver.outlier_sigma, window_);
+  const OutlierRemoval removal =
+      outlier_remover_.Remove(geometry_, robust_, options_.solver.outlier_sigma, window_);
   // Without those observations vision places some landmarks elsewhere.
-  DetachOutliers(geometry_, robust, options_.planes.outlier_sigma, window_);
+  DetachOutliers(geometry_, robust_, options_.planes.outlier_sigma, window_);
   RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
-  return removed;
+  if (!removal.median_sigma) return;
+  usual_error_.Add(*removal.median_sigma);
+  UseRobust(options_.robust(usual_error_.sigma()));
+}
+
+void VioEstimator::UseRobust(const RobustOptions& robust) {
+  robust_ = robust;
+  solver_.set_robust(robust);
+  updater_.set_robust(robust);
 }
 
 void VioEstimator::FinishAllKeyframes(std::vector<KeyframePose>& finished) const {
@@ -460,7 +467,6 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     RelinearizeImu();
     solver_.Solve(window_, kStartIterations);
   }
-  const RobustOptions robust = options_.robust();
   while (true) {
     MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
     EndPlanes(plan);
@@ -472,7 +478,7 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
       if (plan.drop_frame[i] && frame.is_reported)
         finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
     }
-    Marginalize(plan, rig_, robust, window_);
+    Marginalize(plan, rig_, robust_, window_);
   }
 }
 
@@ -568,6 +574,8 @@ void VioEstimator::Reset() {
   passing_.reset();
   initialised_ = start_is_over_ = false;
   newest_covariance_.setZero();
+  usual_error_ = {};
+  UseRobust(options_.robust());
 }
 
 int VioEstimator::NumPlaneConstraints() const {

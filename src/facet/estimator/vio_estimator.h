@@ -12,6 +12,8 @@
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/frame_update.h"
 #include "facet/estimator/marginalization.h"
+#include "facet/estimator/outlier_removal.h"
+#include "facet/estimator/usual_error.h"
 #include "facet/estimator/window_snapshot.h"
 #include "facet/estimator/window_solver.h"
 #include "facet/imu/imu_buffer.h"
@@ -81,7 +83,9 @@ class VioEstimator {
   void TakeAssignments();
   /// After the solve: which planes are settled or too many, which relations do not hold.
   void JudgePlanes();
-  int RemoveOutliers();
+  void RemoveOutliers();
+  /// The weights of all rows change.
+  void UseRobust(const RobustOptions& robust);
   bool DropWrongMembers();
   void Shrink(std::vector<KeyframePose>& finished);
   /// Of the planes that were ended, those that the prior does not know go at once ...
@@ -105,11 +109,14 @@ class VioEstimator {
   EstimatorOptions options_;
   PreintegrationNoise imu_noise_;
   BiasWalk bias_walk_;
+  RobustOptions robust_;
+  UsualError usual_error_;
   SlidingWindow window_;
   WindowSolver solver_;
   WindowValues before_solve_;
   FrameUpdater updater_;
   FrameGeometry geometry_;
+  OutlierRemover outlier_remover_;
   /// The newest frame when it is not a keyframe: its IMU interval began at the newest keyframe.
   std::optional<WindowFrame> passing_;
   PlaneAssignments assignments_;  ///< to come into force with the next keyframe

@@ -23,7 +23,7 @@ constexpr double kNoInformationPivot = 1e100;
 
 RobustLoss ReprojectionLoss(const WindowLandmark& landmark, double s, const RobustOptions& robust) {
   return landmark.is_projection ? TukeyLoss(s, robust.projection.tukey_sigma)
-                                : HuberLoss(s, robust.huber_sigma);
+                                : GemanMcClureLoss(s, robust.reprojection_width);
 }
 
 // A landmark as a homogeneous point of the world: direction from its host, inverse distance.

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/estimator/robust_loss.h"
 #include "facet/estimator/test_landmark.h"
 
 namespace facet {
@@ -12,7 +13,7 @@ namespace {
 
 using testing::Derivative;
 using testing::GeometryOf;
-using testing::kHuber;
+using testing::kWidth;
 using testing::Linearized;
 using testing::MakeProblem;
 using testing::Measurement;
@@ -71,7 +72,7 @@ TEST(VisionFactorTest, GradientIsThatOfTheRobustCost) {
     const WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
     EXPECT_NEAR(block.cost, problem.Cost(problem.poses, point), 1e-9 * (1 + block.cost));
     EXPECT_DOUBLE_EQ(
-        block.cost, LandmarkCost(GeometryOf(problem), {}, problem.landmark, RobustOptions{kHuber}));
+        block.cost, LandmarkCost(GeometryOf(problem), {}, problem.landmark, RobustOptions{kWidth}));
     // A small step: the second derivative of Huber's cost jumps.
     constexpr double kStep = 1e-7;
     for (int k = 0; k < 3; ++k) {
@@ -115,12 +116,12 @@ TEST(VisionFactorTest, APointBehindACameraHasNoRowsAndABoundedCost) {
   const LandmarkBlock::View& view = block.views[block.num_views - 1];
   EXPECT_EQ(view.H.norm() + view.b.norm() + view.W.norm(), 0);
   EXPECT_TRUE(std::isfinite(block.cost));
-  EXPECT_DOUBLE_EQ(block.cost, LandmarkCost(geometry, {}, problem.landmark, RobustOptions{kHuber}));
+  EXPECT_DOUBLE_EQ(block.cost, LandmarkCost(geometry, {}, problem.landmark, RobustOptions{kWidth}));
   WindowLandmark without = problem.landmark;
   without.observations.pop_back();
-  // 30 sigma under Huber's loss.
-  EXPECT_NEAR(block.cost - LandmarkCost(geometry, {}, without, RobustOptions{kHuber}),
-              kHuber * (30 - 1),
+  // 30 sigma under the robust loss.
+  EXPECT_NEAR(block.cost - LandmarkCost(geometry, {}, without, RobustOptions{kWidth}),
+              GemanMcClureLoss(30, kWidth).cost,
               1e-9);
 }
 

@@ -10,11 +10,21 @@ constexpr double kMinLambda = 1e-9;
 constexpr double kMaxLambda = 1e4;
 }  // namespace
 
+// As long as the newest frame is far from where it belongs (a poor prediction, the first estimate
+// of a start) everything that it sees would look like an outlier.
+RobustOptions WindowSolver::RobustNow(const SlidingWindow& window) {
+  RobustOptions robust = robust_;
+  robust.reprojection_width =
+      std::max(robust.reprojection_width, options_.loss_width * system_.NewestError(window));
+  return robust;
+}
+
 SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
   SolveSummary summary;
   lambda_ = kMinLambda;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    system_.Linearize(window, robust_);
+    const RobustOptions robust = RobustNow(window);
+    system_.Linearize(window, robust);
     const double cost = system_.cost();
     if (iteration == 0) summary.initial_cost = summary.final_cost = cost;
 
@@ -28,7 +38,7 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
       summary.ok = true;
       before_step_.Save(window);
       system_.ApplyStep(window);
-      const double new_cost = system_.Cost(window, robust_);
+      const double new_cost = system_.Cost(window, robust);
       if (new_cost <= cost) {
         accepted = true;
         summary.final_cost = new_cost;

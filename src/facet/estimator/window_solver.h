@@ -24,6 +24,8 @@ class WindowSolver {
   WindowSolver(const StereoRig& rig, const SolverOptions& options, const RobustOptions& robust)
       : system_(rig), options_(options), robust_(robust) {}
 
+  void set_robust(const RobustOptions& robust) { robust_ = robust; }
+
   /// Minimises the window's cost in at most `max_iterations` steps. Moves frames and landmarks.
   SolveSummary Solve(SlidingWindow& window, int max_iterations);
 
@@ -35,6 +37,8 @@ class WindowSolver {
   const WindowSystem& system() const { return system_; }
 
  private:
+  RobustOptions RobustNow(const SlidingWindow& window);
+
   WindowSystem system_;
   SolverOptions options_;
   RobustOptions robust_;

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "facet/base/check.h"
+#include "facet/base/median.h"
 #include "facet/estimator/relation_factor.h"
 #include "facet/estimator/robust_loss.h"
 #include "facet/estimator/schur_kernel.h"
@@ -250,6 +251,21 @@ void WindowSystem::Linearize(const SlidingWindow& window, const RobustOptions& r
   for (const WindowRelation& relation : window.relations)
     cost_ += AddPlaneRelation(window, layout_, relation, robust.relations, &H_, &b_);
   LinearizeVision(window, robust);
+}
+
+double WindowSystem::NewestError(const SlidingWindow& window) {
+  geometry_.Update(window.frames);
+  const int newest = static_cast<int>(window.frames.size()) - 1;
+  errors_.clear();
+  for (const WindowLandmark& landmark : window.landmarks()) {
+    // With a single observation the point lies where that says.
+    if (!IsConstraining(landmark) || landmark.observations.size() < 2) continue;
+    const WindowObservation& o = landmark.observations.back();
+    if (o.frame != newest) continue;
+    if (const auto error = WhitenedError(geometry_, landmark, o, 0))
+      errors_.push_back(error->norm());
+  }
+  return Median(errors_).value_or(0.0);
 }
 
 double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robust) {

@@ -52,6 +52,10 @@ class WindowSystem {
   /// Cost at the window's current estimate, without linearising.
   double Cost(const SlidingWindow& window, const RobustOptions& robust);
 
+  /// Median of the norms of the whitened left errors in the newest frame at the window's current
+  /// estimate; 0 if it sees nothing that constrains.
+  double NewestError(const SlidingWindow& window);
+
   /// Reduces with damping lambda and solves; false if the matrix is not positive definite.
   bool Solve(const SlidingWindow& window, double lambda);
 
@@ -84,6 +88,7 @@ class WindowSystem {
   int num_blocks_ = 0;
   MatrixXd H_;  // everything but the eliminated landmarks
   VectorXd b_;
+  std::vector<double> errors_;
   MatrixXd reduced_H_;  // lower triangle
   VectorXd reduced_b_;
   MotionElimination motions_;
