@@ -2,11 +2,13 @@
 // The map of the whole run: the surfaces that left the horizon, at the places where the poses of
 // their keyframes put them when these became final. Faces are merged into a grid of signed
 // distances (Curless & Levoy, SIGGRAPH 1996) that exists near surfaces only: where the camera
-// returns, new and old faces become one surface, and memory is bounded by the mapped area.
+// returns, new and old faces become one surface, and memory is bounded by the mapped area. What
+// stands between a face and the camera that saw it is carved away.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -36,6 +38,12 @@ struct std::hash<facet::CubeIndex> {
 
 namespace facet {
 
+/// What a map takes up.
+struct MapMemory {
+  double used_mb = 0;
+  bool is_full = false;  ///< surfaces were left out because the map may not grow
+};
+
 /// Not thread-safe. The same faces in the same order give the same map.
 class SurfaceMap {
  public:
@@ -55,8 +63,8 @@ class SurfaceMap {
 
   explicit SurfaceMap(const SurfaceMapOptions& options) : options_(options) {}
 
-  /// Merges a face, as far as options().max_memory_mb allows. Faces that are not finite are
-  /// ignored.
+  /// Merges a face, as far as options().max_memory_mb allows, and weakens what its camera has seen
+  /// it through. Faces that are not finite are ignored.
   void Add(const LostFace& face);
 
   /// Null where nothing is known.
@@ -67,9 +75,7 @@ class SurfaceMap {
 
   const SurfaceMapOptions& options() const { return options_; }
   const std::vector<Block>& blocks() const { return blocks_; }
-  std::size_t memory_bytes() const { return blocks_.size() * sizeof(Block); }
-  /// Whether surfaces were left out because the map may not grow.
-  bool is_full() const { return is_full_; }
+  MapMemory memory() const { return {MegabytesOf(blocks_.size()), is_full_}; }
 
  private:
   /// What one face says about one voxel.
@@ -87,7 +93,13 @@ class SurfaceMap {
   };
   static void Merge(const Sample& sample, Voxel& voxel);
   void MergeColumn(const Column& column, Sample sample);
+  std::optional<int> FindBlock(const CubeIndex& block) const;
+  static double MegabytesOf(std::size_t blocks) {
+    return 1e-6 * static_cast<double>(blocks * sizeof(Block));
+  }
   Block* BlockAt(const CubeIndex& block);
+  void CarveTowards(const Vector3d& eye_W, const std::array<Vector3d, 3>& p_W, const Vector3d& n_W);
+  void CarveSight(const Vector3d& from_W, const Vector3d& to_W, double begin_m);
 
   SurfaceMapOptions options_;
   std::vector<Block> blocks_;  // in the order in which they were needed
