@@ -16,7 +16,7 @@ constexpr double kBorderVoxels = 0.75;
 constexpr double kMaxCoordinate_m = 1e5;
 
 // Between the sight lines to one face, and between the places that are looked at along them.
-constexpr double kSightStepVoxels = 2;
+constexpr double kSightDistanceVoxels = 4, kSightStepVoxels = 2;
 // Sight lines to a face along its longest side, and the part of them that is followed.
 constexpr int kMaxSightsPerSide = 30;
 constexpr double kMinSight_m = 0.1, kMaxSight_m = 20;
@@ -94,37 +94,31 @@ struct FlatFace {
 
 }  // namespace
 
-std::optional<int> SurfaceMap::FindBlock(const CubeIndex& block) const {
-  const auto found = index_.find(block);
-  if (found == index_.end()) return std::nullopt;
-  return found->second;
-}
-
 const SurfaceMap::Voxel* SurfaceMap::Find(const CubeIndex& corner) const {
-  const CubeIndex block = BlockOf(corner);
-  const std::optional<int> found = FindBlock(block);
-  if (!found) return nullptr;
-  const Voxel& voxel = blocks_[*found].voxels[VoxelOf(corner, block)];
+  const CubeIndex index = BlockOf(corner);
+  const int block = index_.Find(index);
+  if (block == CubeMap::kNone) return nullptr;
+  const Voxel& voxel = blocks_[block].voxels[VoxelOf(corner, index)];
   return voxel.weight > 0 ? &voxel : nullptr;
 }
 
 // Null where a new block would be more than the map may have.
-SurfaceMap::Block* SurfaceMap::BlockAt(const CubeIndex& block) {
-  if (last_block_ < 0 || block != last_index_) {
-    const auto [found, is_new] = index_.try_emplace(block, static_cast<int>(blocks_.size()));
-    if (is_new) {
-      if (MegabytesOf(blocks_.size() + 1) > options_.max_memory_mb) {
-        index_.erase(found);
-        is_full_ = true;
-        return nullptr;
-      }
-      blocks_.emplace_back();
-      blocks_.back().index = block;
+SurfaceMap::Block* SurfaceMap::BlockAt(const CubeIndex& index) {
+  if (last_block_ != CubeMap::kNone && index == last_index_) return &blocks_[last_block_];
+  int block = index_.Find(index);
+  if (block == CubeMap::kNone) {
+    if (MegabytesOf(blocks_.size() + 1) > options_.max_memory_mb) {
+      is_full_ = true;
+      return nullptr;
     }
-    last_block_ = found->second;
-    last_index_ = block;
+    block = static_cast<int>(blocks_.size());
+    index_.Add(index, block);
+    blocks_.emplace_back();
+    blocks_.back().index = index;
   }
-  return &blocks_[last_block_];
+  last_block_ = block;
+  last_index_ = index;
+  return &blocks_[block];
 }
 
 void SurfaceMap::Merge(const Sample& sample, Voxel& voxel) {
@@ -166,19 +160,19 @@ void SurfaceMap::CarveSight(const Vector3d& from_W, const Vector3d& to_W, double
   const Vector3d from = from_W / options_.voxel_m + Vector3d::Constant(0.5);
   const Vector3d direction = (to_W - from_W) / length_m;
   CubeIndex index;
-  std::optional<int> block;
+  int block = CubeMap::kNone;
   for (double t = begin_m / options_.voxel_m; t < end; t += kSightStepVoxels) {
     const Vector3d p = from + t * direction;
     const CubeIndex corner{FloorOf(p.x()), FloorOf(p.y()), FloorOf(p.z())};
-    if (!block || BlockOf(corner) != index) {
+    if (block == CubeMap::kNone || BlockOf(corner) != index) {
       index = BlockOf(corner);
-      block = FindBlock(index);
+      block = index_.Find(index);
     }
-    if (!block) {
+    if (block == CubeMap::kNone) {
       t += std::max(0.0, WayThroughBlock(p, direction, index) - kSightStepVoxels);
       continue;
     }
-    Voxel& voxel = blocks_[*block].voxels[VoxelOf(corner, index)];
+    Voxel& voxel = blocks_[block].voxels[VoxelOf(corner, index)];
     voxel.weight -= static_cast<float>(options_.carving_weight);
     if (voxel.weight <= 0) voxel = Voxel();
   }
@@ -191,7 +185,7 @@ void SurfaceMap::CarveTowards(const Vector3d& eye_W,
   const Vector3d &a = p_W[0], u = p_W[1] - a, v = p_W[2] - a;
   const double longest =
       std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (u - v).squaredNorm()}));
-  const double step_m = kSightStepVoxels * options_.voxel_m;
+  const double step_m = kSightDistanceVoxels * options_.voxel_m;
   const int parts = 1 + static_cast<int>(std::min<double>(longest / step_m, kMaxSightsPerSide - 1));
   for (int i = 0; i < parts; ++i) {
     for (int j = 0; i + j < parts; ++j) {

@@ -8,33 +8,12 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
-#include <unordered_map>
 #include <vector>
 
+#include "facet/mesh/cube_map.h"
 #include "facet/mesh/horizon_mesh.h"
 #include "facet/mesh/mesh_options.h"
 #include "facet/mesh/triangle_mesh.h"
-
-namespace facet {
-
-/// Place in a grid of cubes.
-struct CubeIndex {
-  std::int32_t x = 0, y = 0, z = 0;
-  auto operator<=>(const CubeIndex&) const = default;
-};
-
-}  // namespace facet
-
-template <>
-struct std::hash<facet::CubeIndex> {
-  std::size_t operator()(const facet::CubeIndex& c) const noexcept {
-    std::uint64_t h = static_cast<std::uint32_t>(c.x) * 0x9E3779B97F4A7C15ULL;
-    h = (h ^ static_cast<std::uint32_t>(c.y)) * 0xBF58476D1CE4E5B9ULL;
-    h = (h ^ (h >> 29) ^ static_cast<std::uint32_t>(c.z)) * 0x94D049BB133111EBULL;
-    return h ^ (h >> 32);
-  }
-};
 
 namespace facet {
 
@@ -93,19 +72,18 @@ class SurfaceMap {
   };
   static void Merge(const Sample& sample, Voxel& voxel);
   void MergeColumn(const Column& column, Sample sample);
-  std::optional<int> FindBlock(const CubeIndex& block) const;
   static double MegabytesOf(std::size_t blocks) {
     return 1e-6 * static_cast<double>(blocks * sizeof(Block));
   }
-  Block* BlockAt(const CubeIndex& block);
+  Block* BlockAt(const CubeIndex& index);
   void CarveTowards(const Vector3d& eye_W, const std::array<Vector3d, 3>& p_W, const Vector3d& n_W);
   void CarveSight(const Vector3d& from_W, const Vector3d& to_W, double begin_m);
 
   SurfaceMapOptions options_;
   std::vector<Block> blocks_;  // in the order in which they were needed
-  std::unordered_map<CubeIndex, int> index_;
-  CubeIndex last_index_;  // cache of At
-  int last_block_ = -1;
+  CubeMap index_;              // of blocks_
+  CubeIndex last_index_;       // cache of BlockAt
+  int last_block_ = CubeMap::kNone;
   bool is_full_ = false;
 };
 
