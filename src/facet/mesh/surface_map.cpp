@@ -41,15 +41,22 @@ std::size_t VoxelOf(const CubeIndex& c, const CubeIndex& block) {
 }
 
 /// How far it is from p, in the block, to where the line leaves the block; all in voxels.
-double WayThroughBlock(const Vector3d& p, const Vector3d& direction, const CubeIndex& block) {
+/// `inverse`: of the direction, by coordinate; 0 where that is 0.
+double WayThroughBlock(const Vector3d& p, const Vector3d& inverse, const CubeIndex& block) {
   constexpr int n = SurfaceMap::kBlockSide;
   const Vector3d low = n * Vector3d(block.x, block.y, block.z);
   double way = 2 * n;
   for (int axis = 0; axis < 3; ++axis) {
-    const double border = direction[axis] > 0 ? low[axis] + n : low[axis];
-    if (direction[axis] != 0) way = std::min(way, (border - p[axis]) / direction[axis]);
+    const double border = inverse[axis] > 0 ? low[axis] + n : low[axis];
+    if (inverse[axis] != 0) way = std::min(way, (border - p[axis]) * inverse[axis]);
   }
   return way;
+}
+
+/// Of the 2 x 2 x 2 voxels in a block that hold this corner: its bit.
+int BitOf(const CubeIndex& c) {
+  constexpr int kMask = SurfaceMap::kBlockSide - 1;
+  return (c.z & kMask) / 2 * 16 + (c.y & kMask) / 2 * 4 + (c.x & kMask) / 2;
 }
 
 /// A face as a plane with a border, seen along the axis of the grid that its normal is nearest to.
@@ -78,10 +85,11 @@ struct FlatFace {
   /// barycentric coordinates then, clamped to the face.
   bool Contains(const Vector2d& column, double border, std::array<double, 3>& share) const {
     for (std::size_t s = 0; s < 3; ++s) {
-      const double inside = inward[s].dot(column) - offset[s];
-      if (inside < -border) return false;
-      share[s] = std::clamp(inside / height[s], 0.0, 1.0);
+      share[s] = inward[s].dot(column) - offset[s];
+      if (share[s] < -border) return false;
     }
+    for (std::size_t s = 0; s < 3; ++s)
+      share[s] = std::clamp(share[s] / height[s], 0.0, 1.0);
     return true;
   }
 
@@ -104,7 +112,9 @@ const SurfaceMap::Voxel* SurfaceMap::Find(const CubeIndex& corner) const {
 
 // Null where a new block would be more than the map may have.
 SurfaceMap::Block* SurfaceMap::BlockAt(const CubeIndex& index) {
-  if (last_block_ != CubeMap::kNone && index == last_index_) return &blocks_[last_block_];
+  const int place = (index.x & 1) | (index.y & 1) << 1 | (index.z & 1) << 2;
+  KnownBlock& known = cache_[static_cast<std::size_t>(place)];
+  if (known.block != CubeMap::kNone && index == known.index) return &blocks_[known.block];
   int block = index_.Find(index);
   if (block == CubeMap::kNone) {
     if (MegabytesOf(blocks_.size() + 1) > options_.max_memory_mb) {
@@ -115,9 +125,9 @@ SurfaceMap::Block* SurfaceMap::BlockAt(const CubeIndex& index) {
     index_.Add(index, block);
     blocks_.emplace_back();
     blocks_.back().index = index;
+    touched_.push_back(0);
   }
-  last_block_ = block;
-  last_index_ = index;
+  known = {index, block};
   return &blocks_[block];
 }
 
@@ -127,6 +137,13 @@ void SurfaceMap::Merge(const Sample& sample, Voxel& voxel) {
   voxel.intensity += (sample.intensity - voxel.intensity) * share;
   voxel.weight = std::min(total, kMaxWeight);
   if (sample.plane_id >= 0) voxel.plane_id = sample.plane_id;
+}
+
+void SurfaceMap::Touch(const Block& block, const CubeIndex& first, int axis, int count) {
+  std::uint64_t& touched = touched_[static_cast<std::size_t>(&block - blocks_.data())];
+  std::array<std::int32_t, 3> c = {first.x, first.y, first.z};
+  for (int k = 0; k < count; ++k, ++c[axis])
+    touched |= std::uint64_t{1} << BitOf({c[0], c[1], c[2]});
 }
 
 // One look for the block serves all corners of the column inside it.
@@ -142,6 +159,7 @@ void SurfaceMap::MergeColumn(const Column& column, Sample sample) {
     const std::int32_t left = kBlockSide - (at & (kBlockSide - 1));
     const std::int32_t count = std::min(left, column.end - at);
     Voxel* voxel = block == nullptr ? nullptr : &block->voxels[VoxelOf(corner, index)];
+    if (voxel != nullptr) Touch(*block, corner, column.axis, count);
     for (std::int32_t k = 0; voxel != nullptr && k < count; ++k, voxel += kStride[column.axis]) {
       Merge(sample, *voxel);
       sample.distance += column.step;
@@ -159,6 +177,8 @@ void SurfaceMap::CarveSight(const Vector3d& from_W, const Vector3d& to_W, double
   // In voxels; the corner of the grid that is nearest to a place is the floor of p.
   const Vector3d from = from_W / options_.voxel_m + Vector3d::Constant(0.5);
   const Vector3d direction = (to_W - from_W) / length_m;
+  const auto invert = [](double x) { return x == 0 ? 0 : 1 / x; };
+  const Vector3d inverse = direction.unaryExpr(invert);
   CubeIndex index;
   int block = CubeMap::kNone;
   for (double t = begin_m / options_.voxel_m; t < end; t += kSightStepVoxels) {
@@ -169,9 +189,10 @@ void SurfaceMap::CarveSight(const Vector3d& from_W, const Vector3d& to_W, double
       block = index_.Find(index);
     }
     if (block == CubeMap::kNone) {
-      t += std::max(0.0, WayThroughBlock(p, direction, index) - kSightStepVoxels);
+      t += std::max(0.0, WayThroughBlock(p, inverse, index) - kSightStepVoxels);
       continue;
     }
+    if ((touched_[block] >> BitOf(corner) & 1) == 0) continue;
     Voxel& voxel = blocks_[block].voxels[VoxelOf(corner, index)];
     voxel.weight -= static_cast<float>(options_.carving_weight);
     if (voxel.weight <= 0) voxel = Voxel();

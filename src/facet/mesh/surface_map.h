@@ -75,15 +75,23 @@ class SurfaceMap {
   static double MegabytesOf(std::size_t blocks) {
     return 1e-6 * static_cast<double>(blocks * sizeof(Block));
   }
+  /// Marks corners in one block, along an axis.
+  void Touch(const Block& block, const CubeIndex& first, int axis, int count);
   Block* BlockAt(const CubeIndex& index);
   void CarveTowards(const Vector3d& eye_W, const std::array<Vector3d, 3>& p_W, const Vector3d& n_W);
   void CarveSight(const Vector3d& from_W, const Vector3d& to_W, double begin_m);
 
   SurfaceMapOptions options_;
   std::vector<Block> blocks_;  // in the order in which they were needed
-  CubeMap index_;              // of blocks_
-  CubeIndex last_index_;       // cache of BlockAt
-  int last_block_ = CubeMap::kNone;
+  // By block: which of its 4 x 4 x 4 cubes of voxels may know something. Sight lines pass through
+  // much that is empty, and this fits the processor's cache.
+  std::vector<std::uint64_t> touched_;
+  CubeMap index_;  // of blocks_
+  struct KnownBlock {
+    CubeIndex index;
+    int block = CubeMap::kNone;
+  };
+  std::array<KnownBlock, 8> cache_;  // of BlockAt; neighbours never take each other's place
   bool is_full_ = false;
 };
 
