@@ -131,7 +131,7 @@ struct SurfaceMapOptions {
   double min_weight = 0.02;
   /// What each sight line takes from the weight of a surface that it passes through. More: wrong
   /// surfaces go sooner, and with them some of the thin and the seldom seen ones. 0: nothing.
-  double carving_weight = 0.5;
+  double carving_weight = 1;
   /// Holes with at most this perimeter are closed if their rim is plane [m]; 0: none.
   double max_hole_m = 2.0;
   /// When the map is this large it grows no more; where it exists it is still improved [MB]. 1000

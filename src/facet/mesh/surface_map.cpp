@@ -16,7 +16,7 @@ constexpr double kBorderVoxels = 0.75;
 constexpr double kMaxCoordinate_m = 1e5;
 
 // Between the sight lines to one face, and between the places that are looked at along them.
-constexpr double kSightDistanceVoxels = 4, kSightStepVoxels = 2;
+constexpr double kSightDistanceVoxels = 6, kSightStepVoxels = 2;
 // Sight lines to a face along its longest side, and the part of them that is followed.
 constexpr int kMaxSightsPerSide = 30;
 constexpr double kMinSight_m = 0.1, kMaxSight_m = 20;
