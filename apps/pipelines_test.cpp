@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "facet/eval/run_evaluation.h"
 #include "facet/io/planes_file.h"
@@ -27,11 +29,11 @@ class PipelinesTest : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  fs::path Run(const std::string& pipeline) {
+  fs::path Run(const std::string& pipeline, const std::string& arguments = "") {
     const fs::path out = folder_ / pipeline;
     const std::string command = std::string(FACET_PROGRAM) + " run '" + sequence_->string() +
                                 "' --pipeline " + pipeline + " --duration 12 --quiet --out '" +
-                                out.string() + "'";
+                                out.string() + "' " + arguments;
     EXPECT_EQ(std::system(command.c_str()), 0) << command;
     return out;
   }
@@ -55,6 +57,18 @@ TEST_F(PipelinesTest, SprFindsPlanesThatAreThere) {
   EXPECT_GE(evaluation.planes->precision.value_or(0), 0.8);
   EXPECT_LE(evaluation.planes->normal_error_deg_median.value_or(90), 2.0);
   EXPECT_LE(evaluation.causal.ate_m.rmse, 0.004) << "m";
+}
+
+TEST_F(PipelinesTest, AFullMapIsReportedOnce) {
+  const fs::path out = Run("S", "--set mesh.map.max_memory_mb=1 --threads 2");
+  const auto summary = nlohmann::json::parse(std::ifstream(out / "summary.json"));
+  EXPECT_TRUE(summary["map_is_full"].get<bool>());
+  EXPECT_LE(summary["map_memory_mb"].get<double>(), 1);
+  int num_warnings = 0;
+  for (const auto& warning : summary["warnings"])
+    num_warnings +=
+        warning.get<std::string>().find("mesh.map.max_memory_mb=1;") != std::string::npos;
+  EXPECT_EQ(num_warnings, 1) << summary["warnings"];
 }
 
 TEST_F(PipelinesTest, TheOthersHaveNone) {

@@ -15,6 +15,7 @@
 #include "progress_bar.h"
 #include "run_sequence.h"
 #include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -108,6 +109,16 @@ class MeshFiles {
   int num_seen_ = 0;
 };
 
+void RecordMapMemory(const MapMemory& memory, double limit_mb, RunRecord& record) {
+  record.map_memory_mb = memory.used_mb;
+  record.map_is_full = memory.is_full;
+  if (!memory.is_full) return;
+  record.warnings.push_back(
+      fmt::format("the map is full: it lacks surfaces that were seen after it had reached "
+                  "mesh.map.max_memory_mb={:g}; raise that, or make mesh.map.voxel_m larger",
+                  limit_mb));
+}
+
 /// Runs the sequence with VioPipeline or ThreadedVio.
 template <class Vio>
 SequenceRun RunWith(Vio& vio,
@@ -130,6 +141,7 @@ SequenceRun RunWith(Vio& vio,
     return interrupted == 0;
   };
   SequenceRun run = RunSequence(dataset, functions, arguments.range, observer);
+  RecordMapMemory(vio.map_memory(), options.mesh.map.max_memory_mb, run.record);
   if (vio.num_refused_imu() > 0) {
     run.record.warnings.push_back(std::to_string(vio.num_refused_imu()) +
                                   " IMU samples were refused (not finite or not in order)");

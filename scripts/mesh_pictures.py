@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""The pictures of docs/mesh.md, from a run on rendered_room.
+"""The pictures of docs/mesh.md, from runs of pipeline S.
 
-scripts/mesh_pictures.py [--facet build/facet] [--sequence ../shared/data/rendered_room] [--out docs/mesh]
+scripts/mesh_pictures.py [--facet build/facet] [--sequence ../shared/data/rendered_room]
+                         [--pallet ../shared/data/euroc_mh01_handheld] [--out docs/mesh]
 mesh_filters.png   one keyframe; in red what comes back when one test is switched off
 mesh_views.png     camera image, horizon mesh and map at three keyframes, coloured by normal
+pallet.png         the horizon mesh over a recorded image of a pallet, and from its side
 map_outside.png    the map from above, grey and by distance to the true surface
 Needs numpy, scipy and Pillow (python3-scipy, python3-pil).
 """
 
 import argparse
+import re
 import subprocess
 import tempfile
 from pathlib import Path
@@ -19,6 +22,7 @@ from PIL import Image, ImageDraw
 import render_mesh as render
 
 STAMPS = ("1403715294700000000", "1403715298700000000", "1403715306700000000")
+PALLET_STAMP = 1403636596763555584  # one of those in testdata/mh01_pallet.csv
 SIZE, SCALE = (752, 480), 0.5
 TESTS = {
     "all tests": ["plane_rescue.enabled=false"],
@@ -31,8 +35,9 @@ TESTS = {
 }
 
 
-def run(facet, sequence, out, duration, settings):
-    command = [facet, "run", sequence, "--out", out, "--quiet", "--mesh-every", "10", "--duration", str(duration)]
+def run(facet, sequence, out, duration, settings, every=10):
+    command = [facet, "run", sequence, "--out", out, "--quiet", "--pipeline", "S", "--duration", str(duration)]
+    command += ["--mesh-every", str(every)]
     for setting in settings:
         command += ["--set", "mesh." + setting]
     subprocess.run(command, check=True)
@@ -141,10 +146,51 @@ def outside(args, folder):
     sheet(images, 2, args.out / "map_outside.png")
 
 
+def project(sequence, p_C):
+    """Pixels of the recorded, distorted image."""
+    text = (Path(sequence) / "mav0/cam0/sensor.yaml").read_text()
+    numbers = [re.search(key + r":\s*\[(.*?)\]", text).group(1) for key in ("intrinsics", "distortion_coefficients")]
+    (fu, fv, cu, cv), (k1, k2, p1, p2) = (map(float, n.split(",")) for n in numbers)
+    x, y = (p_C[:, :2] / p_C[:, 2:]).T
+    r2 = x * x + y * y
+    radial = 1 + k1 * r2 + k2 * r2 * r2
+    u = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+    v = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+    return np.stack([fu * u + cu, fv * v + cv], axis=1)
+
+
+def overlay(image, px, p_C, faces, colours):
+    """Faces over the image, the farthest first."""
+    layer = Image.new("RGBA", image.size)
+    pen = ImageDraw.Draw(layer)
+    for f in np.argsort(-p_C[faces][:, :, 2].mean(1)):
+        corners = [tuple(px[i]) for i in faces[f]]
+        pen.polygon(corners, fill=(*map(int, colours[f]), 90), outline=(20, 20, 20, 200))
+    return Image.alpha_composite(image.convert("RGBA"), layer).convert("RGB")
+
+
+def pallet(args, folder):
+    run(args.facet, args.pallet, folder, 14, [], every=1)
+    stamp = min((p.stem for p in (folder / "meshes").iterdir()), key=lambda s: abs(int(s) - PALLET_STAMP))
+    R, t = render.camera_of(pose_at(folder, stamp))
+    xyz, faces, _, _ = render.read_ply(folder / "meshes" / (stamp + ".ply"))
+    p_C = xyz @ R.T + t
+    faces = faces[(p_C[faces][:, :, 2] > 0.1).all(1) & (np.abs(p_C[faces][:, :, :2] / p_C[faces][:, :, 2:]) < 1).all((1, 2))]
+    colours = normal_colours(xyz, faces)
+    image = Image.open(Path(args.pallet) / "mav0/cam0/data" / (stamp + ".webp")).convert("RGB")
+    target = np.median(xyz[faces[(p_C[faces][:, :, 2] < 1).all(1)]].mean(1), axis=0)
+    Rc, tc = render.look_at(target + np.array([-0.5, 0, 0.9]), target)
+    side = render.rasterise(xyz @ Rc.T + tc, faces, colours, 458, np.array(SIZE) / 2, SIZE, True, False)
+    images = [small(overlay(image, project(args.pallet, p_C), p_C, faces, colours), "over the left image"),
+              small(side, "from above")]
+    sheet(images, 2, args.out / "pallet.png")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--facet", default="build/facet")
     parser.add_argument("--sequence", default="../shared/data/rendered_room")
+    parser.add_argument("--pallet", default="../shared/data/euroc_mh01_handheld")
     parser.add_argument("--out", type=Path, default=Path("docs/mesh"))
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
@@ -154,6 +200,7 @@ def main():
         views(args, folder)
         outside(args, folder)
         filters(args, Path(work))
+        pallet(args, Path(work) / "pallet")
 
 
 if __name__ == "__main__":

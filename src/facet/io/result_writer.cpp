@@ -219,6 +219,8 @@ Json Summary(const RunRecord& run) {
   if (run.map) {
     json["map_faces"] = run.map->faces.size();
     json["map_vertices"] = run.map->vertices.size();
+    json["map_memory_mb"] = run.map_memory_mb;
+    json["map_is_full"] = run.map_is_full;
   }
   json["resets"] = run.num_resets;
   json["dropped_frames"] = run.num_dropped;

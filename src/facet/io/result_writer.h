@@ -50,11 +50,13 @@ struct RunRecord {
   int num_imu_gaps = 0;
   double duration_s = 0, wall_s = 0, cpu_s = 0, peak_rss_mb = 0;
   std::vector<std::string> warnings;
-  std::vector<FrameRecord> frames;                 ///< processed frames in order of time
-  std::vector<StampedPose> keyframes;              ///< smoothed, in order of time
-  std::vector<Vector3d> landmarks;                 ///< of the horizon at the end, in W
-  std::optional<TriangleMesh> mesh;                ///< of the horizon at the end, in W
-  std::optional<TriangleMesh> map;                 ///< of the whole run, in W
+  std::vector<FrameRecord> frames;     ///< processed frames in order of time
+  std::vector<StampedPose> keyframes;  ///< smoothed, in order of time
+  std::vector<Vector3d> landmarks;     ///< of the horizon at the end, in W
+  std::optional<TriangleMesh> mesh;    ///< of the horizon at the end, in W
+  std::optional<TriangleMesh> map;     ///< of the whole run, in W
+  double map_memory_mb = 0;
+  bool map_is_full = false;                        ///< it reached its limit, surfaces are missing
   std::optional<std::vector<PlaneRecord>> planes;  ///< ever in the estimator, in W; if looked for
   /// Surface of the horizon mesh and of the newest keyframe's own faces, by keyframe [m^2].
   std::vector<double> mesh_areas_m2, view_areas_m2;

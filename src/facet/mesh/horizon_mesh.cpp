@@ -71,6 +71,7 @@ LostFace HorizonMesh::MakeLost(const MeshFace& face) const {
   LostFace lost;
   lost.p_W = Corners(face);
   lost.plane_id = face.plane_id;
+  lost.eye_W = face.eye_W.cast<double>();
   const std::array<int, 3> corners = face.CounterClockwise();
   for (std::size_t i = 0; i < 3; ++i) {
     lost.intensity[i] = vertices_[corners[i]].intensity;
@@ -248,9 +249,11 @@ void HorizonMesh::TriangulateView(const MeshView& view) {
   if (options_.plane_rescue.enabled) RescuePlanes(view);
   view_faces_.clear();
   verdicts_.fill(0);
+  const Eigen::Vector3f eye_W = view.T_WC.p.cast<float>();
   for (const PlacedTriangle& triangle : triangles_) {
     ++verdicts_[static_cast<std::size_t>(triangle.verdict)];
     view_faces_.push_back(MakeViewFace(triangle));
+    view_faces_.back().face.eye_W = eye_W;
   }
   std::sort(view_faces_.begin(), view_faces_.end(), [](const ViewFace& a, const ViewFace& b) {
     return ComesBefore(a.face, b.face);

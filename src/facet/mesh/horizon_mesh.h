@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,8 @@ struct MeshFace {
   bool in_view = false;   ///< one of the newest keyframe's own faces
   int votes_against = 0;  ///< sightings through it
   int plane_id = -1;
+  /// The camera of the newest keyframe whose triangulation has it.
+  Eigen::Vector3f eye_W = Eigen::Vector3f::Zero();
 
   /// Corners counter-clockwise as the camera saw them; the normal points to the camera.
   std::array<int, 3> CounterClockwise() const {
@@ -52,6 +55,7 @@ struct LostFace {
   std::array<std::uint8_t, 3> intensity{};
   double sigma_depth_m = 0;  ///< mean of the vertices
   int plane_id = -1;
+  std::optional<Vector3d> eye_W;  ///< the camera that saw it last, if known
 };
 
 /// Not thread-safe. Never throws for any content of the view.

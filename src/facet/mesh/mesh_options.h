@@ -129,6 +129,9 @@ struct SurfaceMapOptions {
   /// Weight below which a voxel is not part of the surface; a face whose depth is known to 2 cm
   /// adds 1, to 14 cm 0.02.
   double min_weight = 0.02;
+  /// What each sight line takes from the weight of a surface that it passes through. More: wrong
+  /// surfaces go sooner, and with them some of the thin and the seldom seen ones. 0: nothing.
+  double carving_weight = 1;
   /// Holes with at most this perimeter are closed if their rim is plane [m]; 0: none.
   double max_hole_m = 2.0;
   /// When the map is this large it grows no more; where it exists it is still improved [MB]. 1000
@@ -141,6 +144,10 @@ struct SurfaceMapOptions {
     v.Field("voxel_m", voxel_m, Range{0.01, 1}, "side of a voxel [m]");
     v.Field("truncation_m", truncation_m, Range{0.01, 5}, "surfaces nearer than this merge [m]");
     v.Field("min_weight", min_weight, Range{0, 1e6}, "weight of a voxel that counts");
+    v.Field("carving_weight",
+            carving_weight,
+            Range{0, 1e6},
+            "taken from surfaces by each sight line through them");
     v.Field("max_memory_mb", max_memory_mb, Range{1, 1e6}, "the map grows no more [MB]");
     v.Field("max_hole_m", max_hole_m, Range{0, 100}, "perimeter of plane holes that close [m]");
   }

@@ -3,7 +3,6 @@
 // through, one quad around each side of a cell that it crosses.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "facet/mesh/hole_filling.h"
 #include "facet/mesh/surface_map.h"
@@ -82,17 +81,11 @@ class Extraction {
       }
     }
     if (count == 0) return;
-    vertex_of_cell_[cell] = static_cast<int>(mesh_.vertices.size());
+    vertex_of_cell_.Add(cell, static_cast<int>(mesh_.vertices.size()));
     mesh_.vertices.push_back(map_.Position(cell) + map_.options().voxel_m * sum / count);
     const auto grey = static_cast<std::uint8_t>(std::clamp(intensity / count, 0.0, 255.0));
     mesh_.colours.push_back({grey, grey, grey});
     plane_of_vertex_.push_back(plane_id);
-  }
-
-  std::optional<int> VertexOf(const CubeIndex& cell) const {
-    const auto found = vertex_of_cell_.find(cell);
-    if (found == vertex_of_cell_.end()) return std::nullopt;
-    return found->second;
   }
 
   void AddQuads(const CubeIndex& c) {
@@ -104,17 +97,17 @@ class Extraction {
       if (there == nullptr || !Crosses(*here, *there)) continue;
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
       const auto cell = [&](int du, int dv) {
-        return VertexOf(Offset(c,
-                               -(du * along(0, u) + dv * along(0, v)),
-                               -(du * along(1, u) + dv * along(1, v)),
-                               -(du * along(2, u) + dv * along(2, v))));
+        return vertex_of_cell_.Find(Offset(c,
+                                           -(du * along(0, u) + dv * along(0, v)),
+                                           -(du * along(1, u) + dv * along(1, v)),
+                                           -(du * along(2, u) + dv * along(2, v))));
       };
-      const auto a = cell(0, 0), b = cell(1, 0), d = cell(1, 1), e = cell(0, 1);
-      if (!a || !b || !d || !e) continue;
+      const int a = cell(0, 0), b = cell(1, 0), d = cell(1, 1), e = cell(0, 1);
+      if (std::min({a, b, d, e}) == CubeMap::kNone) continue;
       if (there->distance > here->distance) {  // the free side is upwards
-        AddQuad({*a, *b, *d, *e});
+        AddQuad({a, b, d, e});
       } else {
-        AddQuad({*a, *e, *d, *b});
+        AddQuad({a, e, d, b});
       }
     }
   }
@@ -138,7 +131,7 @@ class Extraction {
   }
 
   const SurfaceMap& map_;
-  std::unordered_map<CubeIndex, int> vertex_of_cell_;
+  CubeMap vertex_of_cell_;
   std::vector<int> plane_of_vertex_;
   TriangleMesh mesh_;
 };

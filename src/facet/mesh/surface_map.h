@@ -2,39 +2,26 @@
 // The map of the whole run: the surfaces that left the horizon, at the places where the poses of
 // their keyframes put them when these became final. Faces are merged into a grid of signed
 // distances (Curless & Levoy, SIGGRAPH 1996) that exists near surfaces only: where the camera
-// returns, new and old faces become one surface, and memory is bounded by the mapped area.
+// returns, new and old faces become one surface, and memory is bounded by the mapped area. What
+// stands between a face and the camera that saw it is carved away.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
+#include "facet/mesh/cube_map.h"
 #include "facet/mesh/horizon_mesh.h"
 #include "facet/mesh/mesh_options.h"
 #include "facet/mesh/triangle_mesh.h"
 
 namespace facet {
 
-/// Place in a grid of cubes.
-struct CubeIndex {
-  std::int32_t x = 0, y = 0, z = 0;
-  auto operator<=>(const CubeIndex&) const = default;
+/// What a map takes up.
+struct MapMemory {
+  double used_mb = 0;
+  bool is_full = false;  ///< surfaces were left out because the map may not grow
 };
-
-}  // namespace facet
-
-template <>
-struct std::hash<facet::CubeIndex> {
-  std::size_t operator()(const facet::CubeIndex& c) const noexcept {
-    std::uint64_t h = static_cast<std::uint32_t>(c.x) * 0x9E3779B97F4A7C15ULL;
-    h = (h ^ static_cast<std::uint32_t>(c.y)) * 0xBF58476D1CE4E5B9ULL;
-    h = (h ^ (h >> 29) ^ static_cast<std::uint32_t>(c.z)) * 0x94D049BB133111EBULL;
-    return h ^ (h >> 32);
-  }
-};
-
-namespace facet {
 
 /// Not thread-safe. The same faces in the same order give the same map.
 class SurfaceMap {
@@ -55,8 +42,8 @@ class SurfaceMap {
 
   explicit SurfaceMap(const SurfaceMapOptions& options) : options_(options) {}
 
-  /// Merges a face, as far as options().max_memory_mb allows. Faces that are not finite are
-  /// ignored.
+  /// Merges a face, as far as options().max_memory_mb allows, and weakens what its camera has seen
+  /// it through. Faces that are not finite are ignored.
   void Add(const LostFace& face);
 
   /// Null where nothing is known.
@@ -67,9 +54,7 @@ class SurfaceMap {
 
   const SurfaceMapOptions& options() const { return options_; }
   const std::vector<Block>& blocks() const { return blocks_; }
-  std::size_t memory_bytes() const { return blocks_.size() * sizeof(Block); }
-  /// Whether surfaces were left out because the map may not grow.
-  bool is_full() const { return is_full_; }
+  MapMemory memory() const { return {MegabytesOf(blocks_.size()), is_full_}; }
 
  private:
   /// What one face says about one voxel.
@@ -87,13 +72,26 @@ class SurfaceMap {
   };
   static void Merge(const Sample& sample, Voxel& voxel);
   void MergeColumn(const Column& column, Sample sample);
-  Block* BlockAt(const CubeIndex& block);
+  static double MegabytesOf(std::size_t blocks) {
+    return 1e-6 * static_cast<double>(blocks * sizeof(Block));
+  }
+  /// Marks corners in one block, along an axis.
+  void Touch(const Block& block, const CubeIndex& first, int axis, int count);
+  Block* BlockAt(const CubeIndex& index);
+  void CarveTowards(const Vector3d& eye_W, const std::array<Vector3d, 3>& p_W, const Vector3d& n_W);
+  void CarveSight(const Vector3d& from_W, const Vector3d& to_W, double begin_m);
 
   SurfaceMapOptions options_;
   std::vector<Block> blocks_;  // in the order in which they were needed
-  std::unordered_map<CubeIndex, int> index_;
-  CubeIndex last_index_;  // cache of At
-  int last_block_ = -1;
+  // By block: which of its 4 x 4 x 4 cubes of voxels may know something. Sight lines pass through
+  // much that is empty, and this fits the processor's cache.
+  std::vector<std::uint64_t> touched_;
+  CubeMap index_;  // of blocks_
+  struct KnownBlock {
+    CubeIndex index;
+    int block = CubeMap::kNone;
+  };
+  std::array<KnownBlock, 8> cache_;  // of BlockAt; neighbours never take each other's place
   bool is_full_ = false;
 };
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/mesh/surface_map.h"
 
+#include <algorithm>
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -22,7 +24,12 @@ LostFace FaceOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
 
 /// A square floor of side 2 m at height z, in `cells` x `cells` squares of two faces each; the
 /// camera is above it.
-void AddFloor(double z, double noise, Rng& rng, SurfaceMap& map, int cells = 8) {
+void AddFloor(double z,
+              double noise,
+              Rng& rng,
+              SurfaceMap& map,
+              int cells = 8,
+              const std::optional<Vector3d>& eye_W = std::nullopt) {
   std::vector<Vector3d> p;
   for (int y = 0; y <= cells; ++y) {
     for (int x = 0; x <= cells; ++x)
@@ -31,8 +38,11 @@ void AddFloor(double z, double noise, Rng& rng, SurfaceMap& map, int cells = 8) 
   for (int y = 0; y < cells; ++y) {
     for (int x = 0; x < cells; ++x) {
       const int i = y * (cells + 1) + x;
-      map.Add(FaceOf(p[i], p[i + 1], p[i + cells + 2]));
-      map.Add(FaceOf(p[i], p[i + cells + 2], p[i + cells + 1]));
+      for (LostFace face : {FaceOf(p[i], p[i + 1], p[i + cells + 2]),
+                            FaceOf(p[i], p[i + cells + 2], p[i + cells + 1])}) {
+        face.eye_W = eye_W;
+        map.Add(face);
+      }
     }
   }
 }
@@ -104,13 +114,13 @@ TEST(SurfaceMap, GrowsNoMoreWhenItIsFullAndIsStillImproved) {
   SurfaceMapOptions options;
   SurfaceMap large(options);
   AddFloor(0, 0, rng, large);
-  EXPECT_FALSE(large.is_full());
-  options.max_memory_mb = 0.5 * static_cast<double>(large.memory_bytes()) / 1e6;
+  EXPECT_FALSE(large.memory().is_full);
+  options.max_memory_mb = 0.5 * large.memory().used_mb;
   SurfaceMap small(options);
   for (int lap = 0; lap < 20; ++lap)
     AddFloor(lap == 0 ? 0.05 : 0.0, 0, rng, small);
-  EXPECT_TRUE(small.is_full());
-  EXPECT_LE(static_cast<double>(small.memory_bytes()), 1e6 * options.max_memory_mb);
+  EXPECT_TRUE(small.memory().is_full);
+  EXPECT_LE(small.memory().used_mb, options.max_memory_mb);
   const TriangleMesh mesh = ExtractSurface(small);
   EXPECT_GT(AreaOf(mesh), 1);
   EXPECT_LT(AreaOf(mesh), 3);
@@ -124,6 +134,67 @@ TEST(SurfaceMap, ParallelSurfacesFarApartStayTwo) {
   AddFloor(0, 0, rng, map);
   AddFloor(0.72, 0, rng, map);
   EXPECT_NEAR(AreaOf(ExtractSurface(map)), 8, 0.6);
+}
+
+// A wrong face hangs between the camera and a floor; the floor was seen through it.
+TEST(SurfaceMap, CarvesWhatItsCameraSawThrough) {
+  Rng rng(6);
+  for (const bool is_carving : {true, false}) {
+    SurfaceMapOptions options;
+    if (!is_carving) options.carving_weight = 0;
+    SurfaceMap map(options);
+    map.Add(FaceOf({-0.5, -0.5, 1.1}, {0.5, -0.5, 1}, {0, 0.5, 1.2}));
+    for (int view = 0; view < 10; ++view)
+      AddFloor(0, 0.005, rng, map, 8, Vector3d(0.05 * view, 0.03 * view, 2));
+    const TriangleMesh mesh = ExtractSurface(map);
+    const bool has_wrong_one = std::any_of(
+        mesh.vertices.begin(), mesh.vertices.end(), [](const Vector3d& p) { return p.z() > 0.5; });
+    EXPECT_EQ(has_wrong_one, !is_carving);
+    EXPECT_GT(AreaOf(mesh), 3.8);
+  }
+}
+
+/// Walls that meet at a right angle, seen 50 times from 1 m beside one of them.
+double AreaOfTwoWalls(const SurfaceMapOptions& options) {
+  SurfaceMap map(options);
+  for (int view = 0; view < 50; ++view) {
+    for (int i = 0; i < 8; ++i) {
+      const double y = 0.5 * i, x = 0.25 * i;
+      for (LostFace face : {FaceOf({0, y, 0}, {0, y + 0.5, 2}, {0, y + 0.5, 0}),
+                            FaceOf({0, y, 0}, {0, y, 2}, {0, y + 0.5, 2}),
+                            FaceOf({x, 4, 0}, {x, 4, 2}, {x + 0.25, 4, 0}),
+                            FaceOf({x + 0.25, 4, 0}, {x, 4, 2}, {x + 0.25, 4, 2})}) {
+        face.eye_W = Vector3d(1, 0, 1.2);
+        map.Add(face);
+      }
+    }
+  }
+  return AreaOf(ExtractSurface(map));
+}
+
+TEST(SurfaceMap, CarvingLeavesWallsBesideTheSightLinesAlone) {
+  SurfaceMapOptions options;
+  const double carved_m2 = AreaOfTwoWalls(options);
+  options.carving_weight = 0;
+  const double whole_m2 = AreaOfTwoWalls(options);
+  EXPECT_GT(whole_m2, 10);
+  EXPECT_NEAR(carved_m2, whole_m2, 0.01 * whole_m2);
+}
+
+TEST(SurfaceMap, NoSightLineIsTooStrange) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  SurfaceMap map{SurfaceMapOptions()};
+  LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+  map.Add(face);
+  for (const Vector3d& eye : {Vector3d(nan, 0, 1),
+                              Vector3d(0, 0, 1e300),
+                              Vector3d(0, 0, 0),
+                              Vector3d(-1. / 3, -1. / 3, 0),
+                              Vector3d(0, 0, -1e6)}) {
+    face.eye_W = eye;
+    map.Add(face);
+  }
+  EXPECT_FALSE(ExtractSurface(map).faces.empty());
 }
 
 TEST(SurfaceMap, PlaneIdsReachTheFaces) {

@@ -28,7 +28,10 @@ struct Barycentric {
   bool Interpolate(const Vector2d& xy, const std::array<double, 3>& values, double* value) const {
     const Vector2d d = xy - c;
     const double b0 = row0.dot(d), b1 = row1.dot(d), b2 = 1 - b0 - b1;
-    if (b0 < 0 || b1 < 0 || b2 < 0) return false;
+    // One branch: which of the three decides cannot be predicted.
+    const bool is_outside = static_cast<bool>(static_cast<int>(b0 < 0) | static_cast<int>(b1 < 0) |
+                                              static_cast<int>(b2 < 0));
+    if (is_outside) return false;
     *value = b0 * values[0] + b1 * values[1] + b2 * values[2];
     return true;
   }
@@ -89,7 +92,9 @@ void ViewCheck::VisitCells(const ProjectedFace& face, const Visit& visit) const 
   const Vector2d low = face.xy[0].cwiseMin(face.xy[1]).cwiseMin(face.xy[2]) - corner_;
   const Vector2d high = face.xy[0].cwiseMax(face.xy[1]).cwiseMax(face.xy[2]) - corner_;
   const auto index = [&](double x, int count) {
-    return static_cast<int>(std::clamp(std::floor(x / cell_), -1.0, static_cast<double>(count)));
+    // Rounded towards zero from 0 on; below, any negative number does.
+    const double place = std::clamp(x / cell_, -1.0, static_cast<double>(count));
+    return place < 0 ? -1 : static_cast<int>(place);
   };
   const int column_end = std::min(index(high.x(), columns_) + 1, columns_);
   const int row_end = std::min(index(high.y(), rows_) + 1, rows_);

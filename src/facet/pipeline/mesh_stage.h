@@ -35,6 +35,7 @@ class MeshStage {
 
   /// The map of the run so far, horizon included; empty when it is switched off.
   std::optional<TriangleMesh> Map() const;
+  MapMemory map_memory() const { return map_.memory(); }
 
  private:
   void KeepLostFaces();

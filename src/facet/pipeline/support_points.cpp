@@ -41,25 +41,42 @@ Vector2d SupportPlaces::StrongestPlace(const cv::Mat& left, const cv::Rect& cell
   if (columns <= 0 || rows <= 0) return strongest;
   const int width = 2 * (columns - 1) + kWindow;
   const int x0 = cell.x + kStep_px / 2, y0 = cell.y + kStep_px / 2;
+  FillDifferences(left, {x0 - kReach_px, y0 - kReach_px}, width, 2 * (rows - 1) + kWindow);
   int best = static_cast<int>(options_.min_contrast * kNumDifferences);
   column_sums_.resize(static_cast<std::size_t>(width));
   for (int j = 0; j < rows; ++j) {
-    std::fill(column_sums_.begin(), column_sums_.end(), 0);
-    for (int k = 0; k < kWindow; ++k) {
-      const std::uint8_t* row =
-          left.ptr<std::uint8_t>(y0 + j * kStep_px - kReach_px + k * kSampling_px) + x0 - kReach_px;
-      for (int i = 0; i < width; ++i)
-        column_sums_[i] += std::abs(row[kSampling_px * i + 1] - row[kSampling_px * i - 1]);
+    const std::uint8_t* window = differences_.data() + 2 * j * width;
+    for (int i = 0; i < width; ++i) {
+      int sum = 0;
+      for (int k = 0; k < kWindow; ++k)
+        sum += window[k * width + i];
+      column_sums_[i] = sum;
     }
     for (int i = 0; i < columns; ++i) {
-      const int* window = column_sums_.data() + 2 * i;
-      const int contrast = std::accumulate(window, window + kWindow, 0);
+      const int* sums = column_sums_.data() + 2 * i;
+      const int contrast = std::accumulate(sums, sums + kWindow, 0);
       if (contrast <= best) continue;
       best = contrast;
       strongest = Vector2d(x0 + i * kStep_px, y0 + j * kStep_px);
     }
   }
   return strongest;
+}
+
+// At every second pixel of every second row, from `first` on.
+void SupportPlaces::FillDifferences(const cv::Mat& left,
+                                    const cv::Point& first,
+                                    int width,
+                                    int height) {
+  differences_.resize(static_cast<std::size_t>(width * height));
+  for (int j = 0; j < height; ++j) {
+    const std::uint8_t* row = left.ptr<std::uint8_t>(first.y + j * kSampling_px) + first.x;
+    std::uint8_t* differences = differences_.data() + j * width;
+    for (int i = 0; i < width; ++i) {
+      const int difference = row[kSampling_px * i + 1] - row[kSampling_px * i - 1];
+      differences[i] = static_cast<std::uint8_t>(std::abs(difference));
+    }
+  }
 }
 
 void SupportPlaces::FindPlaces(const cv::Mat& left) {

@@ -32,6 +32,7 @@ class SupportPlaces {
   void MarkOccupied(std::span<const FeatureObservation> features);
   void FindPlaces(const cv::Mat& left);
   Vector2d StrongestPlace(const cv::Mat& left, const cv::Rect& cell);
+  void FillDifferences(const cv::Mat& left, const cv::Point& first, int width, int height);
   void PredictDepths(std::span<const FeatureObservation> features,
                      std::span<const double> inverse_depths);
   void PredictOutside();
@@ -49,7 +50,8 @@ class SupportPlaces {
   std::vector<char> is_occupied_;  // by cell
   std::vector<int> place_;         // by cell; index into queries_ or -1
   std::vector<DepthQuery> queries_;
-  std::vector<int> column_sums_;  // buffer of StrongestPlace
+  std::vector<std::uint8_t> differences_;  // buffers of StrongestPlace
+  std::vector<int> column_sums_;
   Delaunay delaunay_;
   std::vector<GridPoint> grid_;
   std::vector<KnownDepth> known_;

@@ -116,6 +116,10 @@ std::optional<TriangleMesh> ThreadedVio::Map() const {
   return impl_->back.Map();
 }
 
+MapMemory ThreadedVio::map_memory() const {
+  return impl_->back.map_memory();
+}
+
 std::vector<PlaneRecord> ThreadedVio::Planes() const {
   return impl_->back.Planes();
 }

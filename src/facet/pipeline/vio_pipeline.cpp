@@ -38,6 +38,10 @@ std::optional<TriangleMesh> VioPipeline::Map() const {
   return impl_->back.Map();
 }
 
+MapMemory VioPipeline::map_memory() const {
+  return impl_->back.map_memory();
+}
+
 std::vector<PlaneRecord> VioPipeline::Planes() const {
   return impl_->back.Planes();
 }

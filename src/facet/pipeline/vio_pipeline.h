@@ -10,6 +10,7 @@
 #include "facet/frontend/stereo_frontend.h"
 #include "facet/imu/imu_types.h"
 #include "facet/map/plane_record.h"
+#include "facet/mesh/surface_map.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/pipeline/vio_output.h"
 
@@ -36,6 +37,7 @@ class VioPipeline {
 
   /// The mesh of the whole run so far; empty when the map is switched off.
   std::optional<TriangleMesh> Map() const;
+  MapMemory map_memory() const;
 
   /// Every plane that was ever a variable, in the order of their ids; none in pipeline S.
   std::vector<PlaneRecord> Planes() const;

@@ -223,7 +223,7 @@ std::vector<Vector3d> CorridorRoute(std::uint64_t seed) {
   Rng rng(seed + 2);
   const SE3 T_WF = PlanPose(seed);
   const double right = kCell * (kColumns - 1), top = kCell * (kRows - 1), door = 13.5 * kCell;
-  // Into the room behind the door, around it, out again, and once around the ring.
+  // Into the room behind the door, around it, out again, and then around the ring in laps.
   const std::vector<Vector2d> points = {{3, kCell},
                                         {door, kCell},
                                         {door, 5.4},
@@ -239,6 +239,8 @@ std::vector<Vector3d> CorridorRoute(std::uint64_t seed) {
   std::vector<Vector3d> route_W;
   for (const Vector2d& p : points)
     route_W.push_back(T_WF * Vector3d(p.x(), p.y(), rng.Uniform(1.3, 1.6)));
+  constexpr std::size_t kFirstOfLap = 6;
+  route_W.push_back(route_W[kFirstOfLap]);
   return route_W;
 }
 

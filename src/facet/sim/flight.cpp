@@ -68,21 +68,29 @@ class Wander {
   std::array<Sine, 3> sines_;
 };
 
-/// A polyline by arc length, walked back and forth.
+/// A polyline by arc length, walked in laps if it returns to one of its points, otherwise back and
+/// forth.
 class Route {
  public:
   explicit Route(std::span<const Vector3d> points) : points_(points.begin(), points.end()) {
     for (std::size_t i = 1; i < points_.size(); ++i)
       ends_.push_back((ends_.empty() ? 0 : ends_.back()) + (points_[i] - points_[i - 1]).norm());
+    const auto same = std::find(points_.begin(), points_.end() - 1, points_.back());
+    const auto first_of_lap = static_cast<std::size_t>(same - points_.begin());
+    const double lap_begin = first_of_lap > 0 ? ends_[first_of_lap - 1] : 0;
+    lap_ = ends_.back() - lap_begin;
   }
   struct Place {
     Vector3d p_W, direction_W;
   };
   Place At(double s) const {
     const double length = ends_.back();
-    const double phase = std::fmod(s, 2 * length);
-    const bool is_back = phase > length;
-    const double at = is_back ? 2 * length - phase : phase;
+    const bool is_loop = lap_ > 0;
+    double at = s;
+    if (s > length)
+      at = is_loop ? length - lap_ + std::fmod(s - length, lap_) : std::fmod(s, 2 * length);
+    const bool is_back = at > length;
+    if (is_back) at = 2 * length - at;
     const auto end = std::min(std::lower_bound(ends_.begin(), ends_.end(), at), ends_.end() - 1);
     const auto i = static_cast<std::size_t>(end - ends_.begin());
     const double begin = i > 0 ? ends_[i - 1] : 0;
@@ -94,6 +102,7 @@ class Route {
  private:
   std::vector<Vector3d> points_;
   std::vector<double> ends_;  // arc length at points_[i + 1]
+  double lap_ = 0;            // length of the part that is walked again and again; 0: none
 };
 
 /// Gaussian running mean; the ends are continued with the end values.

@@ -27,8 +27,9 @@ struct FlightOptions {
   std::uint64_t seed = 1;
 };
 
-/// Poses at 200 Hz along the route, which is walked to its end and then back again, with body axes
-/// as in EuRoC (x up, z forward). Corners are rounded. Differs with the seed.
+/// Poses at 200 Hz along the route, with body axes as in EuRoC (x up, z forward). Where the route's
+/// last point is one of the earlier ones, it goes on from there in laps; otherwise back again.
+/// Corners are rounded. Differs with the seed.
 /// CHECKs that the route has at least two points.
 std::vector<NavState> MakeFlightPoses(FlightKind kind,
                                       std::span<const Vector3d> route_W,
