@@ -77,11 +77,13 @@ void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
   const Cell first = {CellOf(low.x(), kCell_m), CellOf(low.y(), kCell_m)};
   const Cell last = {CellOf(high.x(), kCell_m), CellOf(high.y(), kCell_m)};
   if (last[0] - first[0] > kMaxCells || last[1] - first[1] > kMaxCells) return;
+  // Which side of each edge a middle is on is linear along a column.
+  const Vector3d step = kCell_m * Vector3d(b.x() - a.x(), c.x() - b.x(), a.x() - c.x());
   for (int x = first[0]; x <= last[0]; ++x) {
+    const Vector2d middle = kCell_m * Vector2d(x + 0.5, first[1] + 0.5);
+    const Vector3d sides(Cross(a, b, middle), Cross(b, c, middle), Cross(c, a, middle));
     for (int y = first[1]; y <= last[1]; ++y) {
-      const Vector2d middle = kCell_m * Vector2d(x + 0.5, y + 0.5);
-      if (Cross(a, b, middle) < 0 || Cross(b, c, middle) < 0 || Cross(c, a, middle) < 0) continue;
-      AddCell(x, y);
+      if ((sides + (y - first[1]) * step).minCoeff() >= 0) AddCell(x, y);
     }
   }
 }

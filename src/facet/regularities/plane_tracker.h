@@ -53,6 +53,7 @@ class PlaneTracker {
   int FindTentative(const PlaneCandidate& candidate) const;
   bool IsNearKnown(const PlaneCandidate& candidate) const;
   void Promote(PlaneAssignments& out);
+  void AddOldFaces(int plane);
   bool HasEnoughLandmarks(int plane) const;
   void JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out);
   void UpdateSupports();
