@@ -199,7 +199,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     InitializeDepths();
     RelinearizeImu();
     TakeAssignments();
-    before_solve_.Save(window_);
+    if (!window_.planes.empty()) before_solve_.Save(window_);
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
     if (DropWrongMembers()) {
       before_solve_.Restore(window_);
@@ -237,6 +237,7 @@ void VioEstimator::KeepPlaneCovariances() {
 }
 
 void VioEstimator::TakeAssignments() {
+  if (window_.planes.empty() && assignments_.IsEmpty()) return;
   ApplyAssignments(assignments_,
                    {options_.planes.join_sigma_m, options_.planes.join_distance_m},
                    options_.robust(),
@@ -249,6 +250,7 @@ void VioEstimator::TakeAssignments() {
 }
 
 void VioEstimator::JudgePlanes() {
+  if (window_.planes.empty()) return;
   const PlaneOptions& planes = options_.planes;
   const std::vector<Matrix3d> information = solver_.system().PlaneInformation();
   MarkSettledPlanes(
@@ -415,6 +417,7 @@ int VioEstimator::RemoveOutliers() {
   const RobustOptions robust = options_.robust();
   const int removed =
       RemoveOutlierObservations(geometry_, robust, options_.solver.outlier_sigma, window_);
+  if (window_.planes.empty()) return removed;
   // Without those observations vision places some landmarks elsewhere.
   DetachOutliers(geometry_, robust, options_.planes.outlier_sigma, window_);
   RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
