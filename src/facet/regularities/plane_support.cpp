@@ -108,6 +108,20 @@ void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
   }
 }
 
+bool PlaneSupport::HasSurface(const Vector3d& p_W) const {
+  const Vector2d xy = ToPlane(p_W);
+  if (!HasCell(xy)) return false;
+  for (int x = CellOf(xy.x(), kCell_m) - 1, k = 0; k < 9; ++k) {
+    const int cell_x = x + k % 3, cell_y = CellOf(xy.y(), kCell_m) - 1 + k / 3;
+    const int block_x = FloorDivide(cell_x, kBlock), block_y = FloorDivide(cell_y, kBlock);
+    const auto block = blocks_.find(Key(block_x, block_y));
+    if (block == blocks_.end()) continue;
+    const int bit = (cell_x - kBlock * block_x) + kBlock * (cell_y - kBlock * block_y);
+    if ((block->second >> bit & 1U) != 0) return true;
+  }
+  return false;
+}
+
 bool PlaneSupport::IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const {
   return std::any_of(other.blocks_.begin(), other.blocks_.end(), [&](const auto& block) {
     for (const double dx : {-0.5, 0.5}) {

@@ -10,6 +10,7 @@
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
 #include "facet/regularities/plane_revision.h"
+#include "facet/regularities/support_depths.h"
 
 namespace facet {
 
@@ -60,6 +61,10 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   UpdateSupports();
   Relate(out);
   SetFacePlanes();
+  if (options_.support_depths.enabled) {
+    depth_scales_ =
+        SupportDepthScales(mesh, faces_, planes_, map.latest.T_WB, options_.support_depths);
+  }
   return out;
 }
 

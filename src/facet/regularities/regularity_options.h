@@ -142,16 +142,31 @@ struct PlaneRelationOptions {
   }
 };
 
+/// Depths of support points where they lie on known planes (support_depths.h).
+struct SupportDepthOptions {
+  bool enabled = true;
+  /// Farther from a plane than this, in sigmas of both, a point is not on it. (!)
+  double max_sigma = 3;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "planes measure the depth of support points");
+    v.Field("max_sigma", max_sigma, Range{0, 10}, "farther from the plane a point is not on it");
+  }
+};
+
 struct RegularityOptions {
   DetectionOptions detection;
   PlaneTrackingOptions tracking;
   PlaneRelationOptions relations;
+  SupportDepthOptions support_depths;
 
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Group("detection", detection);
     v.Group("tracking", tracking);
     v.Group("relations", relations);
+    v.Group("support_depths", support_depths);
   }
 };
 
