@@ -71,10 +71,10 @@ std::array<Vector3d, 3> HorizonMesh::Corners(const MeshFace& face) const {
 
 LostFace HorizonMesh::MakeLost(const MeshFace& face) const {
   LostFace lost;
+  lost.p_W = Corners(face);
   lost.plane_id = face.plane_id;
   const std::array<int, 3> corners = face.CounterClockwise();
   for (std::size_t i = 0; i < 3; ++i) {
-    lost.p_W[i] = vertices_[corners[i]].shown_W;
     lost.intensity[i] = vertices_[corners[i]].intensity;
     lost.sigma_depth_m += vertices_[corners[i]].sigma_depth_m / 3;
   }

@@ -73,7 +73,7 @@ class HorizonMesh {
   void SetFacePlanes(std::span<const int> planes);
 
   /// Better depths of the support points that the newest keyframe carries: a factor for each of
-  /// vertices(). They are shown and go to the map; faces are judged by the depths as matched.
+  /// vertices(). Only shown: faces are judged by, and go to the map with, the depths as matched.
   void SetDepthScales(std::span<const double> scales);
 
   /// Every face leaves: the world has changed or the run is over.
