@@ -38,6 +38,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
                 {"estimator.solver.plane_sigma_m", "0.03"},
                 {"regularities.detection.min_faces", "20"},
                 {"regularities.detection.oblique", "false"},
+                {"regularities.detection.only_in_view", "false"},
                 {"regularities.detection.world_origin", "true"},
                 {"regularities.relations.enabled", "false"},
                 {"regularities.tracking.max_age_s", "6"},

@@ -200,7 +200,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     InitializeDepths();
     RelinearizeImu();
     TakeAssignments();
-    before_solve_.Save(window_);
+    if (!window_.planes.empty()) before_solve_.Save(window_);
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
     if (DropWrongMembers()) {
       before_solve_.Restore(window_);
@@ -238,6 +238,7 @@ void VioEstimator::KeepPlaneCovariances() {
 }
 
 void VioEstimator::TakeAssignments() {
+  if (window_.planes.empty() && assignments_.IsEmpty()) return;
   ApplyAssignments(assignments_,
                    {options_.planes.join_sigma_m, options_.planes.join_distance_m},
                    robust_,
@@ -250,6 +251,7 @@ void VioEstimator::TakeAssignments() {
 }
 
 void VioEstimator::JudgePlanes() {
+  if (window_.planes.empty()) return;
   const PlaneOptions& planes = options_.planes;
   const std::vector<Matrix3d> information = solver_.system().PlaneInformation();
   MarkSettledPlanes(
@@ -414,9 +416,11 @@ void VioEstimator::RemoveOutliers() {
   geometry_.Update(window_.frames);
   const OutlierRemoval removal =
       outlier_remover_.Remove(geometry_, robust_, options_.solver.outlier_sigma, window_);
-  // Without those observations vision places some landmarks elsewhere.
-  DetachOutliers(geometry_, robust_, options_.planes.outlier_sigma, window_);
-  RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
+  if (!window_.planes.empty()) {
+    // Without those observations vision places some landmarks elsewhere.
+    DetachOutliers(geometry_, robust_, options_.planes.outlier_sigma, window_);
+    RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
+  }
   if (!removal.median_sigma) return;
   usual_error_.Add(*removal.median_sigma);
   UseRobust(options_.robust(usual_error_.sigma()));

@@ -44,6 +44,8 @@ HorizonMesh::HorizonMesh(const MeshOptions& options)
 
 void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC) {
   lost_.clear();
+  newest_ = view.frame;
+  camera_W_ = view.T_WC.p;
   RefreshVertices(view.t, snapshot, T_BC);
   DropFaces();
   AddViewVertices(view);
@@ -93,13 +95,16 @@ void HorizonMesh::RefreshVertices(Timestamp t, const MapSnapshot& snapshot, cons
                                      snapshot.keyframes.end(),
                                      [&](const KeyframePose& k) { return k.id == vertex.host; });
       is_known = host != snapshot.keyframes.end();
-      if (is_known) vertex.p_W = host->T_WB * (T_BC * vertex.p_H);
+      if (is_known) {
+        vertex.p_W = host->T_WB * (T_BC * vertex.p_H);
+        vertex.shown_W = host->T_WB * (T_BC * (vertex.depth_scale * vertex.p_H));
+      }
     } else {
       while (landmark != snapshot.landmarks.end() && landmark->id < vertex.id)
         ++landmark;
       is_known = landmark != snapshot.landmarks.end() && landmark->id == vertex.id &&
                  landmark->p_W.allFinite();
-      if (is_known) vertex.p_W = landmark->p_W;
+      if (is_known) vertex.p_W = vertex.shown_W = landmark->p_W;
       if (is_known) vertex.sigma_depth_m = landmark->sigma_depth_m;
     }
     if (is_known) vertex.last_known = t;
@@ -152,11 +157,12 @@ void HorizonMesh::AddViewVertices(const MeshView& view) {
     }
     MeshVertex& vertex = merged_vertices_.back();
     vertex.id = point.id;
-    vertex.p_W = view.T_WC * point.p_C;
+    vertex.p_W = vertex.shown_W = view.T_WC * point.p_C;
     vertex.sigma_depth_m = point.sigma_depth_m;
     vertex.intensity = point.intensity;
     vertex.host = IsSupport(point.id) ? view.frame : FrameId{};
     vertex.p_H = point.p_C;
+    vertex.depth_scale = 1;
     vertex.last_known = view.t;
     vertex_of_point_.push_back(static_cast<int>(merged_vertices_.size()) - 1);
     point_of_vertex_.back() = i;
@@ -359,6 +365,24 @@ void HorizonMesh::SetFacePlanes(std::span<const int> planes) {
   FACET_CHECK(planes.size() == faces_.size()) << planes.size() << " for " << faces_.size();
   for (std::size_t f = 0; f < faces_.size(); ++f)
     faces_[f].plane_id = planes[f];
+}
+
+void HorizonMesh::SetDepthScales(std::span<const double> scales) {
+  FACET_CHECK(scales.size() == vertices_.size()) << scales.size() << " for " << vertices_.size();
+  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+    MeshVertex& vertex = vertices_[i];
+    if (!vertex.host.IsValid() || vertex.host != newest_) continue;
+    vertex.depth_scale = scales[i];
+    vertex.shown_W = camera_W_ + scales[i] * (vertex.p_W - camera_W_);
+  }
+}
+
+std::vector<Vector3d> HorizonMesh::ShownVertices() const {
+  std::vector<Vector3d> out;
+  out.reserve(vertices_.size());
+  for (const MeshVertex& vertex : vertices_)
+    out.push_back(vertex.shown_W);
+  return out;
 }
 
 TriangleMesh HorizonMesh::ToTriangleMesh() const {

@@ -27,7 +27,9 @@ struct MeshVertex {
   Timestamp last_known;  ///< newest keyframe after which the estimator still had it
   /// Support points are carried by the keyframe that saw them; landmarks have none.
   FrameId host;
-  Vector3d p_H = Vector3d::Zero();  ///< in the host's left camera
+  Vector3d p_H = Vector3d::Zero();  ///< in the host's left camera, as matched
+  double depth_scale = 1;           ///< what is shown is p_H times this
+  Vector3d shown_W = Vector3d::Zero();
 };
 
 struct MeshFace {
@@ -74,6 +76,10 @@ class HorizonMesh {
   /// The plane of each of faces(), -1: none.
   void SetFacePlanes(std::span<const int> planes);
 
+  /// Better depths of the support points that the newest keyframe carries: a factor for each of
+  /// vertices(). Only shown: faces are judged by, and go to the map with, the depths as matched.
+  void SetDepthScales(std::span<const double> scales);
+
   /// Every face leaves: the world has changed or the run is over.
   void Clear();
 
@@ -87,7 +93,10 @@ class HorizonMesh {
     return verdicts_;
   }
 
-  /// With normals, intensities as grey, plane ids.
+  /// Where they are shown, in W.
+  std::vector<Vector3d> ShownVertices() const;
+
+  /// As matched, with normals, intensities as grey, plane ids.
   TriangleMesh ToTriangleMesh() const;
 
  private:
@@ -123,6 +132,8 @@ class HorizonMesh {
   std::vector<MeshVertex> vertices_;
   std::vector<MeshFace> faces_;
   std::vector<LostFace> lost_;
+  FrameId newest_;
+  Vector3d camera_W_ = Vector3d::Zero();  // of the newest keyframe
   std::array<int, static_cast<int>(FaceVerdict::kCount)> verdicts_{};
   // Buffers
   std::vector<char> is_expired_;      // by vertex

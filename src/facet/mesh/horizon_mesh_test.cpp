@@ -312,5 +312,43 @@ TEST(HorizonMesh, FewPointsHaveNoFaces) {
   }
 }
 
+// Better depths are shown; what was matched stays what faces are judged by and the map is made of.
+TEST(HorizonMesh, ShowsSupportPointsAtTheirBetterDepths) {
+  HorizonMesh mesh{StrictHorizon()};
+  std::vector<MeshPoint> points = WallPoints(2);
+  for (MeshPoint& point : points)
+    if (point.id.value % 2 == 1) point.id.value += kFirstSupportId;
+  const MeshView view = ViewOf(points);
+  mesh.Update(view, SnapshotOf(view), SE3());
+  const std::vector<Vector3d> matched = mesh.ShownVertices();
+  const double scale = 1.05;
+  mesh.SetDepthScales(std::vector<double>(matched.size(), scale));
+  const auto expect_shown = [&](const SE3& T_WC) {
+    const std::vector<Vector3d> shown = mesh.ShownVertices();
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      const MeshVertex& vertex = mesh.vertices()[i];
+      const double factor = IsSupport(vertex.id) ? scale : 1;
+      EXPECT_NEAR((shown[i] - T_WC * (factor * matched[i])).norm(), 0, 1e-9);
+      EXPECT_NEAR((vertex.p_W - T_WC * matched[i]).norm(), 0, 1e-9);
+    }
+  };
+  expect_shown(SE3());
+  // The carrying keyframe moves with the next estimate, and its points with it.
+  MapSnapshot next = SnapshotOf(view);
+  const SE3 T_WC(Quaterniond::Identity(), {0.1, 0, 0.02});
+  next.keyframes[0].T_WB = T_WC;
+  for (LandmarkEstimate& landmark : next.landmarks)
+    landmark.p_W = T_WC * landmark.p_W;
+  mesh.Update(ViewOf({}, 1), next, SE3());
+  ASSERT_EQ(mesh.vertices().size(), matched.size());
+  expect_shown(T_WC);
+  mesh.Clear();
+  ASSERT_FALSE(mesh.lost().empty());
+  double farthest = 0;
+  for (const LostFace& face : mesh.lost())
+    farthest = std::max({farthest, face.p_W[0].z(), face.p_W[1].z(), face.p_W[2].z()});
+  EXPECT_NEAR(farthest, 2 + 0.02, 1e-9);
+}
+
 }  // namespace
 }  // namespace facet

@@ -39,12 +39,16 @@ VioOutput BackStage::Process(const FrontPacket& packet) {
 
 // Planes go from the mesh to the estimator as data; they come into force with the next keyframe.
 void BackStage::FindRegularities(VioOutput& out, MeshSnapshot& mesh) {
-  const ScopedStage stage(out.times, Stage::kRegularities);
-  if (projections_) estimator_.Assign(projections_->Process(mesh, *out.snapshot));
-  if (!planes_) return;
-  estimator_.Assign(planes_->Process(mesh, *out.snapshot));
+  {
+    const ScopedStage stage(out.times, Stage::kRegularities);
+    if (projections_) estimator_.Assign(projections_->Process(mesh, *out.snapshot));
+    if (!planes_) return;
+    estimator_.Assign(planes_->Process(mesh, *out.snapshot));
+  }
+  const ScopedStage stage(out.times, Stage::kMesh);
   mesh_.SetFacePlanes(planes_->face_planes());
   mesh.mesh.plane_ids = planes_->face_planes();
+  if (!planes_->depth_scales().empty()) mesh_.SetDepthScales(planes_->depth_scales(), mesh.mesh);
 }
 
 std::optional<TriangleMesh> BackStage::Map() const {

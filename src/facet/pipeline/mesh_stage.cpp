@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "facet/mesh/vertex_normals.h"
+
 namespace facet {
 
 namespace {
@@ -129,6 +131,12 @@ std::shared_ptr<MeshSnapshot> MeshStage::Process(const FrameObservations& observ
   horizon_.Update(view_, snapshot, T_BC_);
   KeepLostFaces();
   return std::make_shared<MeshSnapshot>(MakeMeshSnapshot(view_, horizon_));
+}
+
+void MeshStage::SetDepthScales(std::span<const double> scales, TriangleMesh& mesh) {
+  horizon_.SetDepthScales(scales);
+  mesh.vertices = horizon_.ShownVertices();
+  SetVertexNormals(mesh);
 }
 
 void MeshStage::Reset() {

@@ -30,6 +30,9 @@ class MeshStage {
   /// Which plane each face of the last snapshot is on, -1: none. The map keeps it.
   void SetFacePlanes(std::span<const int> planes) { horizon_.SetFacePlanes(planes); }
 
+  /// See HorizonMesh::SetDepthScales: `mesh`, the last snapshot's, gets what is shown.
+  void SetDepthScales(std::span<const double> scales, TriangleMesh& mesh);
+
   /// The estimator started over: what was in the horizon stays in the map as it is.
   void Reset();
 

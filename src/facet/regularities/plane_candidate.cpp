@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <numbers>
 #include <utility>
 
@@ -38,16 +37,27 @@ struct WeightedPlane {
   double expected_thickness_m = 0;
 };
 
+std::vector<int> DistinctCorners(const SurfaceFaces& faces, const std::vector<int>& on_plane) {
+  std::vector<char> is_listed(faces.points.size(), 0);
+  std::vector<int> corners;
+  corners.reserve(3 * on_plane.size());
+  for (const int f : on_plane) {
+    for (const int corner : faces.faces[f].corners) {
+      if (is_listed[corner] == 0) corners.push_back(corner);
+      is_listed[corner] = 1;
+    }
+  }
+  return corners;
+}
+
 // Through the distinct corners of the faces, each with its own uncertainty across the plane.
 WeightedPlane FitFaces(const SurfaceFaces& faces,
                        const std::vector<int>& on_plane,
                        const Vector3d& n_W) {
-  std::vector<int> corners;
-  for (const int f : on_plane)
-    corners.insert(corners.end(), faces.faces[f].corners.begin(), faces.faces[f].corners.end());
-  std::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  const std::vector<int> corners = DistinctCorners(faces, on_plane);
   WeightedPlane out;
+  out.points.reserve(corners.size());
+  out.weights.reserve(corners.size());
   for (const int corner : corners) {
     const double variance = faces.points[corner].VarianceAlong(n_W);
     out.points.push_back(faces.points[corner].p_W);
@@ -71,41 +81,60 @@ double AreaOf(const SurfaceFaces& faces, const std::vector<int>& on_plane) {
   return area;
 }
 
+// A cell of a grid on a plane; cells are ordered by x, then y.
+using Cell = std::pair<int, int>;
+
+// The piece of each cell: neighbours, also across corners, are in the same. `cells` is ascending.
+std::vector<int> LabelPieces(const std::vector<Cell>& cells, int& num_pieces) {
+  std::vector<int> pieces(cells.size(), -1);
+  std::vector<std::size_t> open;
+  num_pieces = 0;
+  for (std::size_t seed = 0; seed < cells.size(); ++seed) {
+    if (pieces[seed] >= 0) continue;
+    pieces[seed] = num_pieces;
+    open.assign(1, seed);
+    while (!open.empty()) {
+      const auto [x, y] = cells[open.back()];
+      open.pop_back();
+      for (int column = x - 1; column <= x + 1; ++column) {
+        auto cell = std::lower_bound(cells.begin(), cells.end(), Cell(column, y - 1));
+        for (; cell != cells.end() && *cell <= Cell(column, y + 1); ++cell) {
+          const auto k = static_cast<std::size_t>(cell - cells.begin());
+          if (pieces[k] >= 0) continue;
+          pieces[k] = num_pieces;
+          open.push_back(k);
+        }
+      }
+    }
+    ++num_pieces;
+  }
+  return pieces;
+}
+
 // Splits faces of one plane into pieces that are connected over a grid of cells.
 std::vector<std::vector<int>> ConnectedPieces(const SurfaceFaces& faces,
                                               const std::vector<int>& on_plane,
                                               const Plane& plane_W) {
   const Matrix<3, 2> basis = TangentBasis(plane_W.n);
-  std::map<std::pair<int, int>, int> piece_of_cell;  // -1: not visited
   const auto cell_of = [&](const Vector3d& p_W) {
     const Vector2d xy = basis.transpose() * p_W / kCell_m;
-    return std::pair(static_cast<int>(std::floor(xy.x())), static_cast<int>(std::floor(xy.y())));
+    return Cell(static_cast<int>(std::floor(xy.x())), static_cast<int>(std::floor(xy.y())));
   };
-  for (const int f : on_plane) {
-    piece_of_cell.emplace(cell_of(faces.faces[f].centre_W), -1);
-    for (const int corner : faces.faces[f].corners)
-      piece_of_cell.emplace(cell_of(faces.points[corner].p_W), -1);
-  }
-  int num_pieces = 0;
-  std::vector<std::pair<int, int>> open;
-  for (auto& [start, piece] : piece_of_cell) {
-    if (piece >= 0) continue;
-    piece = num_pieces++;
-    open.assign(1, start);
-    while (!open.empty()) {
-      const auto [x, y] = open.back();
-      open.pop_back();
-      for (int k = 0; k < 9; ++k) {
-        const auto neighbour = piece_of_cell.find({x + k % 3 - 1, y + k / 3 - 1});
-        if (neighbour == piece_of_cell.end() || neighbour->second >= 0) continue;
-        neighbour->second = piece;
-        open.push_back(neighbour->first);
-      }
-    }
-  }
-  std::vector<std::vector<int>> pieces(static_cast<std::size_t>(num_pieces));
+  std::vector<Cell> cells, middles;
   for (const int f : on_plane)
-    pieces[piece_of_cell.at(cell_of(faces.faces[f].centre_W))].push_back(f);
+    middles.push_back(cell_of(faces.faces[f].centre_W));
+  for (const int corner : DistinctCorners(faces, on_plane))
+    cells.push_back(cell_of(faces.points[corner].p_W));
+  cells.insert(cells.end(), middles.begin(), middles.end());
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  int num_pieces = 0;
+  const std::vector<int> piece_of_cell = LabelPieces(cells, num_pieces);
+  std::vector<std::vector<int>> pieces(static_cast<std::size_t>(num_pieces));
+  for (std::size_t i = 0; i < on_plane.size(); ++i) {
+    const auto cell = std::lower_bound(cells.begin(), cells.end(), middles[i]);
+    pieces[piece_of_cell[cell - cells.begin()]].push_back(on_plane[i]);
+  }
   return pieces;
 }
 
@@ -196,7 +225,12 @@ struct CandidateSearch {
     }
     const std::vector<std::vector<int>> pieces = ConnectedPieces(faces, on_plane, plane);
     if (pieces.size() > 1 && num_splits > 0) {
-      RunParts(pieces, pool, start, num_splits - 1, out);
+      const auto is_large = [&](const std::vector<int>& piece) {
+        return AreaOf(faces, piece) >= min_area_m2;
+      };
+      const auto num_large = std::count_if(pieces.begin(), pieces.end(), is_large);
+      // One among crumbs only has to find its own plane.
+      RunParts(pieces, pool, start, num_large > 1 ? num_splits - 1 : 0, out);
       return;
     }
     for (const std::vector<int>& piece : pieces) {
@@ -233,8 +267,10 @@ struct CandidateSearch {
       for (std::size_t k = num_before; k < out.size(); ++k)
         part = Without(part, out[k].faces);
       if (AreaOf(faces, part) < min_area_m2) continue;
+      const WeightedPlane fit = FitFaces(faces, part, start.n);
+      if (static_cast<int>(fit.points.size()) < options.min_vertices) continue;
       const std::size_t first = out.size();
-      Run(pool, FitFaces(faces, part, start.n).fit.plane, num_splits, out);
+      Run(pool, fit.fit.plane, num_splits, out);
       for (std::size_t k = first; k < out.size(); ++k)
         pool = Without(pool, out[k].faces);
     }

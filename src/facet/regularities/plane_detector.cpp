@@ -19,7 +19,9 @@ std::vector<PlaneCandidate> PlaneDetector::Detect(const SurfaceFaces& faces,
   taken_ = taken;
   pool_.clear();
   for (std::size_t f = 0; f < faces.faces.size(); ++f) {
-    if (faces.faces[f].may_vote && taken_[f] == 0) pool_.push_back(static_cast<int>(f));
+    const SurfaceFace& face = faces.faces[f];
+    if (face.may_vote && (face.in_view || !options_.only_in_view) && taken_[f] == 0)
+      pool_.push_back(static_cast<int>(f));
   }
   FindLevel(faces, out);
   FindUpright(faces, out);

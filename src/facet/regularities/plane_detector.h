@@ -16,8 +16,8 @@ class PlaneDetector {
  public:
   explicit PlaneDetector(const DetectionOptions& options) : options_(options) {}
 
-  /// Planes among the faces that may vote and are not `taken` (one flag per face). Faces of one
-  /// candidate are in no other.
+  /// Planes among the faces that may vote, are in view (unless all are searched) and not `taken`
+  /// (one flag per face). Faces of one candidate are in no other.
   std::vector<PlaneCandidate> Detect(const SurfaceFaces& faces, const std::vector<char>& taken);
 
  private:

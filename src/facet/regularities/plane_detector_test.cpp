@@ -307,5 +307,15 @@ TEST(PlaneDetectorTest, StrayFacesFarAwayHideNothing) {
   EXPECT_EQ(CountOf(found, PlaneOrientation::kVertical), 1);
 }
 
+TEST(PlaneDetectorTest, WhatIsOutOfViewIsSearchedOnlyOnRequest) {
+  SurfaceFaces faces = MakeFaces({MakeWall({3, 0, 1}, 0, 3, 2)}, ViewAt({0, 0, 1}));
+  for (SurfaceFace& face : faces.faces)
+    face.in_view = false;
+  EXPECT_TRUE(Detect(faces).empty());
+  DetectionOptions all;
+  all.only_in_view = false;
+  EXPECT_EQ(Detect(faces, all).size(), 1u);
+}
+
 }  // namespace
 }  // namespace facet

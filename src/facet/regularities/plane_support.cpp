@@ -77,11 +77,13 @@ void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
   const Cell first = {CellOf(low.x(), kCell_m), CellOf(low.y(), kCell_m)};
   const Cell last = {CellOf(high.x(), kCell_m), CellOf(high.y(), kCell_m)};
   if (last[0] - first[0] > kMaxCells || last[1] - first[1] > kMaxCells) return;
+  // Which side of each edge a middle is on is linear along a column.
+  const Vector3d step = kCell_m * Vector3d(b.x() - a.x(), c.x() - b.x(), a.x() - c.x());
   for (int x = first[0]; x <= last[0]; ++x) {
+    const Vector2d middle = kCell_m * Vector2d(x + 0.5, first[1] + 0.5);
+    const Vector3d sides(Cross(a, b, middle), Cross(b, c, middle), Cross(c, a, middle));
     for (int y = first[1]; y <= last[1]; ++y) {
-      const Vector2d middle = kCell_m * Vector2d(x + 0.5, y + 0.5);
-      if (Cross(a, b, middle) < 0 || Cross(b, c, middle) < 0 || Cross(c, a, middle) < 0) continue;
-      AddCell(x, y);
+      if ((sides + (y - first[1]) * step).minCoeff() >= 0) AddCell(x, y);
     }
   }
 }
@@ -104,6 +106,20 @@ void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
       AddCell(CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m));
     });
   }
+}
+
+bool PlaneSupport::HasSurface(const Vector3d& p_W) const {
+  const Vector2d xy = ToPlane(p_W);
+  if (!HasCell(xy)) return false;
+  for (int x = CellOf(xy.x(), kCell_m) - 1, k = 0; k < 9; ++k) {
+    const int cell_x = x + k % 3, cell_y = CellOf(xy.y(), kCell_m) - 1 + k / 3;
+    const int block_x = FloorDivide(cell_x, kBlock), block_y = FloorDivide(cell_y, kBlock);
+    const auto block = blocks_.find(Key(block_x, block_y));
+    if (block == blocks_.end()) continue;
+    const int bit = (cell_x - kBlock * block_x) + kBlock * (cell_y - kBlock * block_y);
+    if ((block->second >> bit & 1U) != 0) return true;
+  }
+  return false;
 }
 
 bool PlaneSupport::IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const {

@@ -24,6 +24,9 @@ class PlaneSupport {
   /// projection.
   bool IsNear(const Vector3d& p_W, double radius_m) const;
 
+  /// Whether surface was seen at the point's projection, or in a cell beside it.
+  bool HasSurface(const Vector3d& p_W) const;
+
   /// Whether surface of the other, which lies on `plane_W`, is within about `radius_m`.
   bool IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const;
 

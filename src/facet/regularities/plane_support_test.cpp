@@ -55,6 +55,21 @@ TEST(PlaneSupportTest, SmallFacesAddUp) {
   EXPECT_NEAR(support.area_m2(), 4, 0.15);
 }
 
+TEST(PlaneSupportTest, HasSurfaceWithinACell) {
+  const Rectangle rectangle({0.3, -0.5, 0.8}, 2, 1);
+  PlaneSupport support(rectangle.plane_W, rectangle.centre_W);
+  EXPECT_FALSE(support.HasSurface(rectangle.centre_W));
+  rectangle.AddTo(support);
+  for (const double a : {-0.95, -0.3, 0.4, 0.95}) {
+    for (const double b : {-0.9, 0.0, 0.9})
+      EXPECT_TRUE(support.HasSurface(rectangle.At(a, b))) << a << " " << b;
+  }
+  EXPECT_TRUE(support.HasSurface(rectangle.centre_W + 3 * rectangle.plane_W.n));
+  for (const double a : {-1.3, 1.3})
+    EXPECT_FALSE(support.HasSurface(rectangle.At(a, 0))) << "30 cm beyond";
+  EXPECT_FALSE(support.HasSurface(Vector3d::Constant(std::nan(""))));
+}
+
 TEST(PlaneSupportTest, IsNearKnowsHoles) {
   const Rectangle rectangle(Vector3d(0, 0, 1), 2, 2);
   PlaneSupport support(rectangle.plane_W, rectangle.centre_W);

@@ -10,6 +10,7 @@
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
 #include "facet/regularities/plane_revision.h"
+#include "facet/regularities/support_depths.h"
 
 namespace facet {
 
@@ -24,6 +25,14 @@ constexpr double kMaxLandmarkSigma_m = 0.1;
 
 double AngleBetween(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), std::abs(a.dot(b)));
+}
+
+// One coordinate after the other, so that distances of all from a plane are cheap.
+Eigen::ArrayX3d CentresOf(const SurfaceFaces& faces) {
+  Eigen::ArrayX3d centres_W(static_cast<Eigen::Index>(faces.faces.size()), 3);
+  for (std::size_t f = 0; f < faces.faces.size(); ++f)
+    centres_W.row(static_cast<Eigen::Index>(f)) = faces.faces[f].centre_W.transpose().array();
+  return centres_W;
 }
 
 }  // namespace
@@ -52,6 +61,10 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   UpdateSupports();
   Relate(out);
   SetFacePlanes();
+  if (options_.support_depths.enabled) {
+    depth_scales_ =
+        SupportDepthScales(mesh, faces_, planes_, map.latest.T_WB, options_.support_depths);
+  }
   return out;
 }
 
@@ -92,15 +105,20 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
   plane_of_face_.assign(faces_.faces.size(), -1);
   const double min_cosine = std::cos(limits.max_face_angle_deg * kDegree);
   std::vector<double> best(faces_.faces.size(), 1.0);  // largest distance of a corner in gates
+  const Eigen::ArrayX3d centres_W = CentresOf(faces_);
+  Eigen::ArrayXd distances;
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     const KnownPlane& known = planes_[k];
     if (known.IsTentative() || ToSeconds(now_ - known.last_seen) > limits.active_s) continue;
     const Plane& plane = known.estimate.plane_W;
     const DistanceUncertainty uncertainty(known.estimate, map.latest.T_WB);
+    distances = (centres_W.col(0) * plane.n.x() + centres_W.col(1) * plane.n.y() +
+                 centres_W.col(2) * plane.n.z() - plane.d)
+                    .abs();
     for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+      if (!(distances[static_cast<Eigen::Index>(f)] <= limits.max_gate_m)) continue;
       const SurfaceFace& face = faces_.faces[f];
-      if (std::abs(plane.SignedDistance(face.centre_W)) > limits.max_gate_m ||
-          std::abs(plane.n.dot(face.n_W)) < min_cosine ||
+      if (std::abs(plane.n.dot(face.n_W)) < min_cosine ||
           !known.support.IsNear(face.centre_W, kGrowth_m)) {
         continue;
       }
@@ -189,6 +207,21 @@ void PlaneTracker::Recognise(const MapSnapshot& map, const PlaneCandidate& candi
     plane_of_face_[f] = plane;
 }
 
+// Faces of earlier views that the search has left out; their landmarks count as well.
+void PlaneTracker::AddOldFaces(int plane) {
+  const KnownPlane& tentative = planes_[plane];
+  std::vector<int> free;
+  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+    const SurfaceFace& face = faces_.faces[f];
+    if (plane_of_face_[f] < 0 && face.may_vote && !face.in_view)
+      free.push_back(static_cast<int>(f));
+  }
+  const double max_distance_m = options_.detection.max_distance_m;
+  for (const int f : FacesOnPlane(faces_, free, tentative.estimate.plane_W, max_distance_m)) {
+    if (tentative.support.IsNear(faces_.faces[f].centre_W, kGrowth_m)) plane_of_face_[f] = plane;
+  }
+}
+
 // Enough of them, and spread so that they determine the normal: once a plane is a variable it
 // should be known, not follow whatever comes first.
 bool PlaneTracker::HasEnoughLandmarks(int plane) const {
@@ -223,10 +256,11 @@ void PlaneTracker::Promote(PlaneAssignments& out) {
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     KnownPlane& plane = planes_[k];
     if (!plane.IsTentative() || plane.last_seen < now_ ||
-        plane.sightings < options_.tracking.min_sightings ||
-        !HasEnoughLandmarks(static_cast<int>(k))) {
+        plane.sightings < options_.tracking.min_sightings) {
       continue;
     }
+    if (options_.detection.only_in_view) AddOldFaces(static_cast<int>(k));
+    if (!HasEnoughLandmarks(static_cast<int>(k))) continue;
     plane.id = PlaneId{next_id_++};
     plane.estimate.id = plane.id;
     plane.handed_over = now_;

@@ -38,6 +38,9 @@ class PlaneTracker {
   /// The plane of each face of the last mesh, -1: none.
   const std::vector<int>& face_planes() const { return face_planes_; }
 
+  /// By vertex of the last mesh: the factor of its distance from the camera (support_depths.h).
+  const std::vector<double>& depth_scales() const { return depth_scales_; }
+
   /// Every plane that was ever handed to the estimator, in the order of their ids, but for those
   /// that became part of another and those that turned out to be none.
   std::vector<PlaneRecord> Records() const;
@@ -53,6 +56,7 @@ class PlaneTracker {
   int FindTentative(const PlaneCandidate& candidate) const;
   bool IsNearKnown(const PlaneCandidate& candidate) const;
   void Promote(PlaneAssignments& out);
+  void AddOldFaces(int plane);
   bool HasEnoughLandmarks(int plane) const;
   void JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out);
   void UpdateSupports();
@@ -74,6 +78,7 @@ class PlaneTracker {
   std::vector<int> landmark_of_point_;  // into MapSnapshot::landmarks, -1: none
   std::vector<int> plane_of_face_;      // into planes_, -1: none
   std::vector<int> face_planes_;
+  std::vector<double> depth_scales_;
 };
 
 }  // namespace facet

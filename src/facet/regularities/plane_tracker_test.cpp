@@ -362,5 +362,32 @@ TEST_F(PlaneTrackerTest, TwoRunsAreTheSame) {
   }
 }
 
+// Ceilings show few landmarks at a time.
+TEST_F(PlaneTrackerTest, LandmarksOfEarlierViewsCountForANewPlane) {
+  const auto num_created = [&](bool with_rest) {
+    PlaneTracker tracker{RegularityOptions()};
+    int created = 0;
+    for (int k = 0; k < 2 * PlaneTrackingOptions().min_sightings; ++k) {
+      view_.time_s += kKeyframe_s;
+      ++view_.seed;
+      MeshSnapshot mesh = MakeMesh({wall_}, view_);
+      MapSnapshot map = estimator_.Snapshot(mesh);
+      int in_view = 0;  // landmarks on the half that is in view, less than a new plane needs
+      std::erase_if(map.landmarks, [&](const LandmarkEstimate& landmark) {
+        const bool is_old = landmark.p_W.y() < 0;
+        return is_old ? !with_rest : ++in_view >= PlaneTrackingOptions().min_landmarks;
+      });
+      for (std::size_t f = 0; f < mesh.mesh.faces.size(); ++f) {
+        for (const int corner : mesh.mesh.faces[f])
+          mesh.in_view[f] = mesh.in_view[f] != 0 && mesh.mesh.vertices[corner].y() >= 0 ? 1 : 0;
+      }
+      created += static_cast<int>(tracker.Process(mesh, map).created.size());
+    }
+    return created;
+  };
+  EXPECT_EQ(num_created(false), 0);
+  EXPECT_GT(num_created(true), 0);
+}
+
 }  // namespace
 }  // namespace facet

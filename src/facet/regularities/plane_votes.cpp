@@ -40,14 +40,14 @@ std::array<Bump, kPhases> MakeBumps() {
 void AddBump(double position, double weight, float* bins, int num_bins) {
   static const std::array<Bump, kPhases> kBumps = MakeBumps();
   if (!(position > -kTaps && position < num_bins + kTaps) || !std::isfinite(weight)) return;
-  const int fine = static_cast<int>(std::floor(position * kPhases + 0.5));
-  const int whole = fine >= 0 ? fine / kPhases : -((kPhases - 1 - fine) / kPhases);
-  const Bump& bump = kBumps[static_cast<std::size_t>(fine - whole * kPhases)];
-  const int start = whole - kHalfTaps + 1;
+  // Counted from where it is positive, so that truncation rounds down.
+  const auto fine = static_cast<unsigned>((position + kTaps) * kPhases + 0.5);
+  const Bump& bump = kBumps[fine % kPhases];
+  const int start = static_cast<int>(fine / kPhases) - kTaps - kHalfTaps + 1;
   const auto height = static_cast<float>(weight);
   if (start >= 0 && start + kTaps <= num_bins) {
-    for (int tap = 0; tap < kTaps; ++tap)
-      bins[start + tap] += height * bump[static_cast<std::size_t>(tap)];
+    using Taps = Eigen::Array<float, kTaps, 1>;
+    Eigen::Map<Taps>(bins + start) += height * Eigen::Map<const Taps>(bump.data());
     return;
   }
   for (int tap = std::max(0, -start); tap < std::min(kTaps, num_bins - start); ++tap)
@@ -97,6 +97,7 @@ void HeightVotes::Erase(const Plane& plane_W) {
 void WallVotes::Reset(const Vector3d& origin_W, double radius_m, double sigma_m, double sigma_rad) {
   origin_W_ = origin_W;
   sigma_rad_ = sigma_rad;
+  decay_ = std::exp(-kAzimuthStep * kAzimuthStep / (sigma_rad * sigma_rad));
   bin_m_ = sigma_m / kBinsPerSigma;
   radius_m_ = std::min(radius_m, kMaxRange_m) + kReach * sigma_m;
   num_distances_ = static_cast<int>(2 * radius_m_ / bin_m_) + 2;
@@ -123,12 +124,17 @@ void WallVotes::AddBumps(const Vector3d& n_W, double weight, const Distance& dis
   const double reach = kReach * sigma_rad_;
   const int first = static_cast<int>(std::ceil((azimuth - reach) / kAzimuthStep));
   const int last = static_cast<int>(std::floor((azimuth + reach) / kAzimuthStep));
+  // Samples of a Gaussian: their ratios are a geometric series.
+  const double x = (first * kAzimuthStep - azimuth) / sigma_rad_, step = kAzimuthStep / sigma_rad_;
+  double height = weight * std::exp(-0.5 * x * x);
+  double ratio = std::exp(-step * (x + 0.5 * step));
   for (int k = first; k <= last; ++k) {
-    const double x = (k * kAzimuthStep - azimuth) / sigma_rad_;
     // Azimuth and azimuth + pi are the same wall, its distance then has the other sign: the
     // column's own direction takes care of that.
     const int column = ((k % kAzimuths) + kAzimuths) % kAzimuths;
-    AddColumn(column, distance(directions_[column]), weight * std::exp(-0.5 * x * x));
+    AddColumn(column, distance(directions_[column]), height);
+    height *= ratio;
+    ratio *= decay_;
   }
 }
 

@@ -65,6 +65,7 @@ class WallVotes {
 
   Vector3d origin_W_ = Vector3d::Zero();
   double radius_m_ = 0, bin_m_ = 0, sigma_rad_ = 0;
+  double decay_ = 0;  // of the ratio of a vote's weights in neighbouring columns
   int num_distances_ = 0;
   std::vector<Vector3d> directions_;  // of the columns
   std::vector<float> bins_;           // [azimuth][distance]

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -23,7 +22,7 @@ class Adjacency {
     const std::vector<Side> sides = SortedSides(faces, pool);
     std::vector<std::pair<int, int>> pairs;
     for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-      for (std::size_t j = i + 1; j < sides.size() && sides[j].key == sides[i].key; ++j) {
+      for (std::size_t j = i + 1; j < sides.size() && sides[j].HasEndsOf(sides[i]); ++j) {
         pairs.emplace_back(sides[i].place, sides[j].place);
         ++first_[static_cast<std::size_t>(sides[i].place) + 1];
         ++first_[static_cast<std::size_t>(sides[j].place) + 1];
@@ -44,25 +43,35 @@ class Adjacency {
 
  private:
   struct Side {
-    std::uint64_t key;  // both ends
-    int place;          // of the face in the pool
+    int low = 0, high = 0;  // both ends
+    int place = 0;          // of the face in the pool
+    bool HasEndsOf(const Side& other) const { return low == other.low && high == other.high; }
     bool operator<(const Side& other) const {
-      return key != other.key ? key < other.key : place < other.place;
+      return high != other.high ? high < other.high : place < other.place;
     }
   };
 
+  // By the lower end, counting; few share one, and these are sorted among themselves.
   static std::vector<Side> SortedSides(const SurfaceFaces& faces, std::span<const int> pool) {
-    std::vector<Side> sides;
-    sides.reserve(3 * pool.size());
-    for (std::size_t i = 0; i < pool.size(); ++i) {
-      const auto& c = faces.faces[pool[i]].corners;
-      for (int k = 0; k < 3; ++k) {
-        const auto [a, b] = std::minmax(c[k], c[(k + 1) % 3]);
-        sides.push_back({static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b),
-                         static_cast<int>(i)});
+    std::vector<int> next(faces.points.size() + 1, 0);
+    const auto visit = [&](const auto& function) {
+      for (std::size_t i = 0; i < pool.size(); ++i) {
+        const auto& c = faces.faces[pool[i]].corners;
+        for (int k = 0; k < 3; ++k) {
+          const auto [low, high] = std::minmax(c[k], c[(k + 1) % 3]);
+          function(Side{low, high, static_cast<int>(i)});
+        }
       }
+    };
+    visit([&](const Side& side) { ++next[side.low + 1]; });
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::vector<Side> sides(3 * pool.size());
+    visit([&](const Side& side) { sides[next[side.low]++] = side; });
+    int begin = 0;  // now `next` says where each end's sides end
+    for (std::size_t low = 0; low < faces.points.size(); ++low) {
+      std::sort(sides.begin() + begin, sides.begin() + next[low]);
+      begin = next[low];
     }
-    std::sort(sides.begin(), sides.end());
     return sides;
   }
 
@@ -109,17 +118,16 @@ class GrowingPlane {
 std::vector<Plane> GrowRegions(const SurfaceFaces& faces,
                                std::span<const int> pool,
                                double min_area_m2) {
-  std::vector<int> seeds(pool.size());
-  for (std::size_t i = 0; i < seeds.size(); ++i)
-    seeds[i] = static_cast<int>(i);
-  std::stable_sort(seeds.begin(), seeds.end(), [&](int i, int j) {
-    return faces.faces[pool[i]].area_m2 > faces.faces[pool[j]].area_m2;
-  });
+  std::vector<std::pair<double, int>> seeds;  // less area, place: the largest first
+  seeds.reserve(pool.size());
+  for (std::size_t i = 0; i < pool.size(); ++i)
+    seeds.emplace_back(-faces.faces[pool[i]].area_m2, static_cast<int>(i));
+  std::sort(seeds.begin(), seeds.end());
   const Adjacency adjacency(faces, pool);
   std::vector<char> used(pool.size(), 0);
   std::vector<std::pair<double, Plane>> regions;
   std::vector<int> open;
-  for (const int seed : seeds) {
+  for (const auto& [less_area, seed] : seeds) {
     if (used[seed] != 0) continue;
     GrowingPlane plane(faces.faces[pool[seed]]);
     used[seed] = 1;

@@ -29,6 +29,8 @@ struct DetectionOptions {
   /// Walls are voted for as in the paper: each face with the distance of its own plane from the
   /// world's origin. Far from there, faces of one wall miss each other.
   bool world_origin = false;
+  /// Only faces that the newest keyframe sees are searched: the others were when they were seen.
+  bool only_in_view = true;
   /// Planes at any angle, by growing regions.
   bool oblique = true;
   double oblique_min_area_m2 = 0.4;
@@ -51,6 +53,7 @@ struct DetectionOptions {
     v.Field("min_faces", min_faces, Range{0, 1000}, "least number of faces on a plane");
     v.Field("max_thickness_m", max_thickness_m, Range{1e-4, 1}, "RMS distance of its points [m]");
     v.Field("world_origin", world_origin, Range{}, "walls by their distance from the origin");
+    v.Field("only_in_view", only_in_view, Range{}, "search what the newest keyframe sees");
     v.Field("oblique", oblique, Range{}, "also planes that are neither level nor upright");
     v.Field("oblique_min_area_m2",
             oblique_min_area_m2,
@@ -139,16 +142,31 @@ struct PlaneRelationOptions {
   }
 };
 
+/// Depths of support points where they lie on known planes (support_depths.h).
+struct SupportDepthOptions {
+  bool enabled = true;
+  /// Farther from a plane than this, in sigmas of both, a point is not on it. (!)
+  double max_sigma = 3;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "planes measure the depth of support points");
+    v.Field("max_sigma", max_sigma, Range{0, 10}, "farther from the plane a point is not on it");
+  }
+};
+
 struct RegularityOptions {
   DetectionOptions detection;
   PlaneTrackingOptions tracking;
   PlaneRelationOptions relations;
+  SupportDepthOptions support_depths;
 
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Group("detection", detection);
     v.Group("tracking", tracking);
     v.Group("relations", relations);
+    v.Group("support_depths", support_depths);
   }
 };
 
