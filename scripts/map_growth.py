@@ -39,7 +39,8 @@ def ends_of_laps(sequence, begin_s):
         if not near.any():
             return ends
         first = np.argmax(near)
-        passing = slice(first, first + np.argmin(near[first:]) or None)
+        away = np.flatnonzero(~near[first:])
+        passing = slice(first, first + away[0] if away.size else None)
         ends.append(seconds[passing][np.argmin(distance[passing])])
         after = ends[-1] + LEAST_LAP_S
 

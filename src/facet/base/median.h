@@ -8,7 +8,7 @@
 
 namespace facet {
 
-/// The upper one of two; empty without values. Reorders them.
+/// Of an even number the upper of the middle two; empty without values. Reorders them.
 inline std::optional<double> Median(std::vector<double>& values) {
   if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -76,7 +76,7 @@ double FrameUpdater::MedianError(const std::vector<Match>& matches,
   errors.reserve(matches.size());
   for (const auto& [landmark, observation] : matches) {
     const Vector3d h = R_CW * (landmark->d_W + landmark->rho * (landmark->p_WH - p_WC));
-    if (h.z() < kMinDepth) continue;
+    if (h.z() < kMinDepth || landmark->is_projection) continue;
     errors.push_back(
         (observation->sqrt_info[0] * (h.head<2>() / h.z() - observation->xy[0])).norm());
   }

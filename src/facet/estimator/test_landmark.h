@@ -147,7 +147,7 @@ inline std::vector<Problem> Problems(std::uint64_t seed) {
   for (int run = 0; run < 5; ++run) {
     for (const bool at_infinity : {false, true}) {
       for (const bool stereo : {false, true}) {
-        // Half of the rows beyond Huber's limit, or all of them within.
+        // Most rows beyond the width of the loss, or within.
         for (const double noise : {0.5, 2.5})
           problems.push_back(MakeProblem({at_infinity, stereo, noise}, rng));
       }

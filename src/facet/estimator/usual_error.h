@@ -15,7 +15,7 @@ class UsualError {
     sigma_ += kRate * (std::clamp(median_sigma, kMin, kMax) - sigma_);
   }
 
-  /// Smoothed over about a second; before the first one: what Gaussian noise would give.
+  /// Smoothed over about a second; before the first one: what noise of one sigma gives.
   double sigma() const { return sigma_; }
 
  private:

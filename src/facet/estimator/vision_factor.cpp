@@ -13,8 +13,10 @@ namespace {
 
 // The homogeneous point has about unit length: smaller than this is beside or behind the camera.
 constexpr double kMinDepth = 0.05;
-// Cost of a row whose point is behind the camera, in sigmas: bad, but finite.
+// A point behind the camera counts as this far off, in sigmas and widths of the loss: as bad as
+// any, but finite.
 constexpr double kBehindSigma = 30.0;
+constexpr double kBehindWidths = 10.0;
 
 // Less information than this on a direction of a landmark (1-sigma of 30 rad or 30/m) counts as
 // none.
@@ -24,6 +26,10 @@ constexpr double kNoInformationPivot = 1e100;
 RobustLoss ReprojectionLoss(const WindowLandmark& landmark, double s, const RobustOptions& robust) {
   return landmark.is_projection ? TukeyLoss(s, robust.projection.tukey_sigma)
                                 : GemanMcClureLoss(s, robust.reprojection_width);
+}
+
+double BehindSigma(const RobustOptions& robust) {
+  return std::max(kBehindSigma, kBehindWidths * robust.reprojection_width);
 }
 
 // A landmark as a homogeneous point of the world: direction from its host, inverse distance.
@@ -196,7 +202,7 @@ void LinearizeLandmark(const FrameGeometry& geometry,
           WhitenedErrorAt(current, geometry.current(obs.frame), obs, c);
       const double scale = NoiseScale(landmark, obs, c, robust);
       const RobustLoss loss =
-          ReprojectionLoss(landmark, error ? scale * error->norm() : kBehindSigma, robust);
+          ReprojectionLoss(landmark, error ? scale * error->norm() : BehindSigma(robust), robust);
       block.cost += loss.cost;
       const Vector3d h = target.R_CW[c] * SeenFrom(frozen, target.p_WC[c]);
       if (!error || h.z() < kMinDepth) continue;
@@ -229,7 +235,8 @@ double LandmarkCost(const FrameGeometry& geometry,
   for (const WindowObservation& obs : landmark.observations) {
     for (int c = 0; c < (obs.has_right ? 2 : 1); ++c) {
       const auto error = WhitenedErrorAt(point, geometry.current(obs.frame), obs, c);
-      const double s = error ? NoiseScale(landmark, obs, c, robust) * error->norm() : kBehindSigma;
+      const double s =
+          error ? NoiseScale(landmark, obs, c, robust) * error->norm() : BehindSigma(robust);
       cost += ReprojectionLoss(landmark, s, robust).cost;
     }
   }

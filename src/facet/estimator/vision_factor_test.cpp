@@ -73,7 +73,6 @@ TEST(VisionFactorTest, GradientIsThatOfTheRobustCost) {
     EXPECT_NEAR(block.cost, problem.Cost(problem.poses, point), 1e-9 * (1 + block.cost));
     EXPECT_DOUBLE_EQ(
         block.cost, LandmarkCost(GeometryOf(problem), {}, problem.landmark, RobustOptions{kWidth}));
-    // A small step: the second derivative of Huber's cost jumps.
     constexpr double kStep = 1e-7;
     for (int k = 0; k < 3; ++k) {
       const Vector3d e = kStep * Vector3d::Unit(k);

@@ -10,6 +10,7 @@ namespace facet {
 
 struct SolveSummary {
   int iterations = 0;  ///< accepted steps
+  /// Before the first and after the last step; the loss may have become narrower in between.
   double initial_cost = 0;
   double final_cost = 0;
   bool ok = false;         ///< false: the system could not be factorised at all

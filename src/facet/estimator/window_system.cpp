@@ -258,8 +258,9 @@ double WindowSystem::NewestError(const SlidingWindow& window) {
   const int newest = static_cast<int>(window.frames.size()) - 1;
   errors_.clear();
   for (const WindowLandmark& landmark : window.landmarks()) {
-    // With a single observation the point lies where that says.
-    if (!IsConstraining(landmark) || landmark.observations.size() < 2) continue;
+    // With a single observation the point lies where that says; pipeline SP's have another loss.
+    if (!IsConstraining(landmark) || landmark.observations.size() < 2 || landmark.is_projection)
+      continue;
     const WindowObservation& o = landmark.observations.back();
     if (o.frame != newest) continue;
     if (const auto error = WhitenedError(geometry_, landmark, o, 0))

@@ -25,6 +25,7 @@ class BackStage {
 
   /// Of the whole run; its plane ids are those of Planes().
   std::optional<TriangleMesh> Map() const;
+  /// Of what Map returns.
   MapMemory map_memory() const { return mesh_.map_memory(); }
 
   /// Every plane that was ever a variable, in the order of their ids.

@@ -150,14 +150,18 @@ void MeshStage::KeepLostFaces() {
     map_.Add(face);
 }
 
-std::optional<TriangleMesh> MeshStage::Map() const {
-  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
+SurfaceMap MeshStage::WholeMap() const {
   SurfaceMap whole = map_;
   HorizonMesh horizon = horizon_;
   horizon.Clear();
   for (const LostFace& face : horizon.lost())
     whole.Add(face);
-  return ExtractSurface(whole);
+  return whole;
+}
+
+std::optional<TriangleMesh> MeshStage::Map() const {
+  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
+  return ExtractSurface(WholeMap());
 }
 
 }  // namespace facet

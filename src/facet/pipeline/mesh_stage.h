@@ -38,10 +38,12 @@ class MeshStage {
 
   /// The map of the run so far, horizon included; empty when it is switched off.
   std::optional<TriangleMesh> Map() const;
-  MapMemory map_memory() const { return map_.memory(); }
+  /// Of what Map returns.
+  MapMemory map_memory() const { return WholeMap().memory(); }
 
  private:
   void KeepLostFaces();
+  SurfaceMap WholeMap() const;
   void FillView(const FrameObservations& observations,
                 const MeshPacket& images,
                 const MapSnapshot& snapshot);

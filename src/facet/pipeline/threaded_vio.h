@@ -34,6 +34,7 @@ class ThreadedVio {
 
   /// The mesh of the whole run so far; empty when the map is switched off. After Finish.
   std::optional<TriangleMesh> Map() const;
+  /// What that takes up. After Finish.
   MapMemory map_memory() const;
 
   /// Every plane that was ever a variable, in the order of their ids; none in pipeline S.

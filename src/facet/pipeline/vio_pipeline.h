@@ -37,6 +37,7 @@ class VioPipeline {
 
   /// The mesh of the whole run so far; empty when the map is switched off.
   std::optional<TriangleMesh> Map() const;
+  /// What that takes up.
   MapMemory map_memory() const;
 
   /// Every plane that was ever a variable, in the order of their ids; none in pipeline S.

@@ -230,7 +230,8 @@ struct CandidateSearch {
       };
       const auto num_large = std::count_if(pieces.begin(), pieces.end(), is_large);
       // One among crumbs only has to find its own plane.
-      RunParts(pieces, pool, start, num_large > 1 ? num_splits - 1 : 0, out);
+      RunParts(
+          pieces, pool, start, num_large > 1 ? num_splits - 1 : std::min(num_splits - 1, 1), out);
       return;
     }
     for (const std::vector<int>& piece : pieces) {

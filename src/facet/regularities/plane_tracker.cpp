@@ -222,6 +222,12 @@ void PlaneTracker::AddOldFaces(int plane) {
   }
 }
 
+void PlaneTracker::GiveUpOldFaces(int plane) {
+  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+    if (plane_of_face_[f] == plane && !faces_.faces[f].in_view) plane_of_face_[f] = -1;
+  }
+}
+
 // Enough of them, and spread so that they determine the normal: once a plane is a variable it
 // should be known, not follow whatever comes first.
 bool PlaneTracker::HasEnoughLandmarks(int plane) const {
@@ -260,7 +266,10 @@ void PlaneTracker::Promote(PlaneAssignments& out) {
       continue;
     }
     if (options_.detection.only_in_view) AddOldFaces(static_cast<int>(k));
-    if (!HasEnoughLandmarks(static_cast<int>(k))) continue;
+    if (!HasEnoughLandmarks(static_cast<int>(k))) {
+      GiveUpOldFaces(static_cast<int>(k));  // another plane may need them
+      continue;
+    }
     plane.id = PlaneId{next_id_++};
     plane.estimate.id = plane.id;
     plane.handed_over = now_;

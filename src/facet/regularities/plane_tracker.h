@@ -57,6 +57,7 @@ class PlaneTracker {
   bool IsNearKnown(const PlaneCandidate& candidate) const;
   void Promote(PlaneAssignments& out);
   void AddOldFaces(int plane);
+  void GiveUpOldFaces(int plane);
   bool HasEnoughLandmarks(int plane) const;
   void JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out);
   void UpdateSupports();

@@ -16,6 +16,7 @@ PlaneAssignments ProjectionLandmarks::Process(const MeshSnapshot& mesh, const Ma
   std::vector<char> place(map.landmarks.size(), kNoFace);
   const std::vector<int> landmarks = LandmarksOfVertices(mesh, map);
   for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+    if (only_in_view_ && !faces_.faces[f].in_view) continue;  // not searched
     for (const int corner : faces_.faces[f].corners) {
       if (landmarks[corner] < 0) continue;
       char& here = place[landmarks[corner]];

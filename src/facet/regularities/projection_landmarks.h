@@ -14,15 +14,17 @@ namespace facet {
 /// Not thread-safe. Never throws for any content of the mesh.
 class ProjectionLandmarks {
  public:
-  explicit ProjectionLandmarks(const DetectionOptions& options) : detector_(options) {}
+  explicit ProjectionLandmarks(const DetectionOptions& options)
+      : only_in_view_(options.only_in_view), detector_(options) {}
 
   /// After a keyframe: which landmarks are on some plane from now on, and which of those that were
-  /// have faces around them now and none on a plane.
+  /// have faces around them now, which were searched, and none on a plane.
   PlaneAssignments Process(const MeshSnapshot& mesh, const MapSnapshot& map);
 
   void Reset() { projected_.clear(); }
 
  private:
+  bool only_in_view_;
   PlaneDetector detector_;
   SurfaceFaces faces_;
   std::set<LandmarkId> projected_;

@@ -42,6 +42,15 @@ TEST(ProjectionLandmarks, WhatIsNoLongerOnAPlaneIsTakenBack) {
     EXPECT_NE(std::find(marked.begin(), marked.end(), id), marked.end());
 }
 
+TEST(ProjectionLandmarks, WhatLeavesTheViewStays) {
+  MeshSnapshot mesh = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
+  const MapSnapshot map = BelievingEstimator().Snapshot(mesh);
+  ProjectionLandmarks search{DetectionOptions()};
+  EXPECT_FALSE(search.Process(mesh, map).projected.empty());
+  mesh.in_view.assign(mesh.mesh.faces.size(), 0);
+  EXPECT_TRUE(search.Process(mesh, map).IsEmpty());
+}
+
 TEST(ProjectionLandmarks, AnEmptyMeshChangesNothing) {
   const MeshSnapshot wall = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
   const MapSnapshot map = BelievingEstimator().Snapshot(wall);

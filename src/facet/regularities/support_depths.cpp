@@ -31,7 +31,8 @@ void FuseIfNearer(const FacePoint& point,
                   FusedDepth& fused) {
   const Plane& plane = seen.known->estimate.plane_W;
   const double cosine = plane.n.dot(point.ray_W);
-  if (std::abs(cosine) < kMinCosine) return;
+  // From behind it is another surface: the far side of a thin wall.
+  if (cosine > -kMinCosine) return;
   const double step_m = -plane.SignedDistance(point.p_W) / cosine;
   const Vector3d on_plane_W = point.p_W + step_m * point.ray_W;
   const double own = point.sigma_along_m * point.sigma_along_m;

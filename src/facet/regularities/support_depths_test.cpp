@@ -70,6 +70,13 @@ TEST_F(SupportDepthsTest, OnlyWhereSurfaceOfThePlaneIsKnown) {
   EXPECT_EQ(ScaleOf(0.1), 1) << "a tentative plane";
 }
 
+TEST_F(SupportDepthsTest, TheBackOfAPlaneIsAnotherSurface) {
+  EXPECT_GT(ScaleOf(0.1), 1);
+  Plane& front = planes_[0].estimate.plane_W;
+  front = {-front.n, -front.d};
+  EXPECT_EQ(ScaleOf(0.1), 1);
+}
+
 TEST_F(SupportDepthsTest, LandmarksAndWhatIsOutOfViewStay) {
   EXPECT_EQ(ScaleOf(0.1, 0, false), 1);
   EXPECT_EQ(ScaleOf(0.1, 0, true, false), 1);
