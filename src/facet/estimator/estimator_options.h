@@ -89,7 +89,7 @@ struct SolverOptions {
   /// Stop when an iteration lowers the cost (half of chi-square) by less than this: the whole state
   /// then moved by sqrt(2 x) sigma, and the next step is a fraction of it.
   double min_cost_decrease = 3.0;
-  double plane_sigma_m = 0.01;     ///< how flat real planes are, 1-sigma
+  double plane_sigma_m = 0.02;     ///< landmarks of a plane across it, 1-sigma
   double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many sigma grow linearly
 
   /// Weights of reprojections and planes; the rest has its defaults (see EstimatorOptions).
@@ -128,8 +128,10 @@ struct SolverOptions {
             min_cost_decrease,
             Range{0, 1e3},
             "stop when an iteration lowers the cost (half of chi-square) by less");
-    v.Field(
-        "plane_sigma_m", plane_sigma_m, Range{1e-4, 1}, "how flat real planes are, 1-sigma [m]");
+    v.Field("plane_sigma_m",
+            plane_sigma_m,
+            Range{1e-4, 1},
+            "landmarks of a plane across it, 1-sigma [m]");
     v.Field("plane_huber_sigma",
             plane_huber_sigma,
             Range{0.01, 100},
