@@ -38,7 +38,9 @@ class PipelinesTest : public ::testing::Test {
     return out;
   }
 
-  const fs::path folder_ = fs::path(FACET_BINARY_DIR) / "pipelines_test";
+  // One per test: they run at the same time.
+  const fs::path folder_ = fs::path(FACET_BINARY_DIR) / "pipelines_test" /
+                           ::testing::UnitTest::GetInstance()->current_test_info()->name();
   std::optional<fs::path> sequence_;
 };
 
