@@ -68,19 +68,18 @@ void FrameUpdater::SetReference(const SlidingWindow& window, const Matrix<15, 15
 
 double FrameUpdater::MedianError(const std::vector<Match>& matches,
                                  const WindowFrame& reference,
-                                 const WindowFrame& frame) const {
+                                 const WindowFrame& frame) {
   const SE3 T_HB = reference_.x.T_WB * (reference.x.T_WB.Inverse() * frame.x.T_WB);
   const Matrix3d R_CW = geometry_.R_CB[0] * T_HB.R().transpose();
   const Vector3d p_WC = T_HB * geometry_.p_BC[0];
-  std::vector<double> errors;
-  errors.reserve(matches.size());
+  errors_.clear();
   for (const auto& [landmark, observation] : matches) {
     const Vector3d h = R_CW * (landmark->d_W + landmark->rho * (landmark->p_WH - p_WC));
     if (h.z() < kMinDepth || landmark->is_projection) continue;
-    errors.push_back(
+    errors_.push_back(
         (observation->sqrt_info[0] * (h.head<2>() / h.z() - observation->xy[0])).norm());
   }
-  return Median(errors).value_or(0.0);
+  return Median(errors_).value_or(0.0);
 }
 
 void FrameUpdater::AddVision(const std::vector<Match>& matches,
@@ -147,7 +146,7 @@ void FrameUpdater::AddImu(const WindowFrame& reference,
 }
 
 FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& observations,
-                                       WindowFrame& frame) const {
+                                       WindowFrame& frame) {
   FrameUpdateResult result;
   std::vector<Match> matches;
   matches.reserve(observations.size());

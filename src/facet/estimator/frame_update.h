@@ -40,7 +40,7 @@ class FrameUpdater {
   /// `frame` holds the predicted state and the IMU interval since the reference; its state is
   /// updated.
   FrameUpdateResult Update(const std::vector<PreparedObservation>& observations,
-                           WindowFrame& frame) const;
+                           WindowFrame& frame);
 
   void set_robust(const RobustOptions& robust) { robust_ = robust; }
 
@@ -65,7 +65,7 @@ class FrameUpdater {
   /// Median of the norms of the whitened left errors.
   double MedianError(const std::vector<Match>& matches,
                      const WindowFrame& reference,
-                     const WindowFrame& frame) const;
+                     const WindowFrame& frame);
   void AddVision(const std::vector<Match>& matches,
                  const WindowFrame& reference,
                  const WindowFrame& frame,
@@ -79,6 +79,7 @@ class FrameUpdater {
   WindowFrame reference_;
   Matrix<15, 15> reference_information_ = Matrix<15, 15>::Zero();
   std::unordered_map<LandmarkId, HeldLandmark> landmarks_;
+  std::vector<double> errors_;  // buffer of MedianError
 };
 
 }  // namespace facet

@@ -2,6 +2,7 @@
 // Observations that do not fit the window after its solve are taken out of it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "facet/estimator/vision_factor.h"

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "facet/base/median.h"
 
 namespace facet {
 
@@ -86,12 +89,11 @@ bool IsDuplicate(const SlidingWindow& window, int frame) {
     for (const WindowObservation& o : landmark.observations)
       ++shared[o.frame];
   }
-  if (inverse_distances.empty()) return true;
-  const auto middle = inverse_distances.begin() + static_cast<long>(inverse_distances.size() / 2);
-  std::nth_element(inverse_distances.begin(), middle, inverse_distances.end());
+  const std::optional<double> median = Median(inverse_distances);
+  if (!median) return true;
   for (int i = 0; i < num_frames; ++i) {
     const double distance = (window.frames[i].x.T_WB.p - window.frames[frame].x.T_WB.p).norm();
-    if (i != frame && distance * *middle < kMaxParallax &&
+    if (i != frame && distance * *median < kMaxParallax &&
         shared[i] > kMinShared * static_cast<double>(inverse_distances.size())) {
       return true;
     }

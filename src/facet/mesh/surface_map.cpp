@@ -262,4 +262,11 @@ void SurfaceMap::Add(const LostFace& face) {
   }
 }
 
+SurfaceMap WithHorizon(SurfaceMap map, HorizonMesh horizon) {
+  horizon.Clear();
+  for (const LostFace& face : horizon.lost())
+    map.Add(face);
+  return map;
+}
+
 }  // namespace facet

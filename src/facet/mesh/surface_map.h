@@ -99,4 +99,7 @@ class SurfaceMap {
 /// plane ids; holes are closed as the options say.
 TriangleMesh ExtractSurface(const SurfaceMap& map);
 
+/// The map as a run that ends now would leave it: with what is still in the horizon.
+SurfaceMap WithHorizon(SurfaceMap map, HorizonMesh horizon);
+
 }  // namespace facet

@@ -123,14 +123,7 @@ class Walk {
   int max_faces() const { return max_faces_; }
 
   /// What a run that ends here writes.
-  SurfaceMap Map() const {
-    SurfaceMap whole = map_;
-    HorizonMesh horizon = horizon_;
-    horizon.Clear();
-    for (const LostFace& face : horizon.lost())
-      whole.Add(face);
-    return whole;
-  }
+  SurfaceMap Map() const { return WithHorizon(map_, horizon_); }
 
  private:
   // 0.05 % of the path to the side and up, 0.1 deg of heading per lap: what S shows in the

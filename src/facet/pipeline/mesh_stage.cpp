@@ -150,18 +150,9 @@ void MeshStage::KeepLostFaces() {
     map_.Add(face);
 }
 
-SurfaceMap MeshStage::WholeMap() const {
-  SurfaceMap whole = map_;
-  HorizonMesh horizon = horizon_;
-  horizon.Clear();
-  for (const LostFace& face : horizon.lost())
-    whole.Add(face);
-  return whole;
-}
-
 std::optional<TriangleMesh> MeshStage::Map() const {
   if (!options_.enabled || !options_.map.enabled) return std::nullopt;
-  return ExtractSurface(WholeMap());
+  return ExtractSurface(WithHorizon(map_, horizon_));
 }
 
 }  // namespace facet

@@ -39,11 +39,10 @@ class MeshStage {
   /// The map of the run so far, horizon included; empty when it is switched off.
   std::optional<TriangleMesh> Map() const;
   /// Of what Map returns.
-  MapMemory map_memory() const { return WholeMap().memory(); }
+  MapMemory map_memory() const { return WithHorizon(map_, horizon_).memory(); }
 
  private:
   void KeepLostFaces();
-  SurfaceMap WholeMap() const;
   void FillView(const FrameObservations& observations,
                 const MeshPacket& images,
                 const MapSnapshot& snapshot);
