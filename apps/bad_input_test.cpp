@@ -10,16 +10,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "facet/testing/folders.h"
+
 namespace facet {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 const char* const kProgram = FACET_PROGRAM;
 
-class BadInputTest : public testing::Test {
+class BadInputTest : public ::testing::Test {
  protected:
   BadInputTest() { WriteTestSequence(Sequence()); }
   std::filesystem::path Sequence() const { return folder_ / "seq"; }
@@ -37,7 +39,7 @@ class BadInputTest : public testing::Test {
   void ExpectFailure(int exit_code, const std::string& text, const std::string& more = "") const {
     const ProgramRun run = Run(more);
     EXPECT_EQ(run.exit_code, exit_code) << run.err;
-    EXPECT_THAT(run.err, AllOf(testing::StartsWith("facet: error: "), HasSubstr(text)));
+    EXPECT_THAT(run.err, AllOf(::testing::StartsWith("facet: error: "), HasSubstr(text)));
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     EXPECT_FALSE(std::filesystem::exists(Out()));
     const auto entries = std::filesystem::directory_iterator(folder_.path());
@@ -210,7 +212,7 @@ TEST_F(BadInputTest, SmallDamageIsSurvivedAndReported) {
   Truncate(Mav0() / "cam0" / "data" / (std::to_string(FrameStamp({}, 5)) + ".pgm"), 500);
   Truncate(Mav0() / "cam1" / "data" / (std::to_string(FrameStamp({}, 7)) + ".pgm"), 500);
   const ProgramRun run = Run();
-  EXPECT_THAT(run.exit_code, testing::AnyOf(0, 4)) << run.err;
+  EXPECT_THAT(run.exit_code, ::testing::AnyOf(0, 4)) << run.err;
   const std::string summary = ReadText(Out() / "summary.json");
   EXPECT_THAT(summary,
               AllOf(HasSubstr("not finite"),
@@ -222,17 +224,21 @@ TEST_F(BadInputTest, SmallDamageIsSurvivedAndReported) {
 TEST(ProgramTest, HelpAndVersion) {
   const ProgramRun version = RunFacet("--version");
   EXPECT_EQ(version.exit_code, 0);
-  EXPECT_THAT(version.out, testing::MatchesRegex("facet [0-9.]+\n"));
+  EXPECT_THAT(version.out, ::testing::MatchesRegex("facet [0-9.]+\n"));
   const ProgramRun help = RunFacet("--help");
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_THAT(help.out, AllOf(HasSubstr("run"), HasSubstr("evaluate"), HasSubstr("config")));
   EXPECT_THAT(RunFacet("run --help").out, HasSubstr("--imu-history"));
 }
 
+std::string EurocConfig() {
+  return testing::SourceFolder() / "config" / "euroc.yaml";
+}
+
 TEST(ProgramTest, ConfigFileHoldsTheBuiltInValues) {
-  EXPECT_EQ(RunFacet("config").out, ReadText(FACET_SOURCE_DIR "/config/euroc.yaml"))
+  EXPECT_EQ(RunFacet("config").out, ReadText(EurocConfig()))
       << "write it again: build/facet config > config/euroc.yaml";
-  const std::string file = FACET_SOURCE_DIR "/config/euroc.yaml";
+  const std::string file = EurocConfig();
   const ProgramRun again = RunFacet("config --config " + file);
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(again.out, ReadText(file));

@@ -12,6 +12,7 @@
 
 #include "facet/io/ply_writer.h"
 #include "facet/io/trajectory_file.h"
+#include "facet/testing/folders.h"
 
 namespace facet {
 namespace {
@@ -28,7 +29,7 @@ TriangleMesh OneTriangle() {
   return mesh;
 }
 
-class EvaluateInputTest : public testing::Test {
+class EvaluateInputTest : public ::testing::Test {
  protected:
   EvaluateInputTest() {
     std::string truth = "#timestamp,px,py,pz,qw,qx,qy,qz,vx,vy,vz,bwx,bwy,bwz,bax,bay,baz\n";
@@ -63,7 +64,7 @@ class EvaluateInputTest : public testing::Test {
   void ExpectRefused(const std::string& text) const {
     const ProgramRun run = Evaluate();
     EXPECT_EQ(run.exit_code, 3) << run.out;
-    EXPECT_THAT(run.err, testing::StartsWith("facet: error: "));
+    EXPECT_THAT(run.err, ::testing::StartsWith("facet: error: "));
     EXPECT_THAT(run.err, HasSubstr(text));
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     EXPECT_FALSE(fs::exists(Result() / "evaluation.json"));
@@ -239,7 +240,7 @@ TEST_F(EvaluateInputTest, ReportFolderThatCannotBeCreated) {
 
 // ------------------------------------------------------------------------------- facet compare
 
-class CompareInputTest : public testing::Test {
+class CompareInputTest : public ::testing::Test {
  protected:
   CompareInputTest() {
     WriteTestSequence(Sequence());
@@ -307,9 +308,10 @@ TEST_F(CompareInputTest, TablesOfThePaperForADownload) {
   fs::create_directories(euroc / "V1_01_easy" / "V1_01_easy");
   fs::create_directory_symlink(Sequence() / "mav0", euroc / "machine_hall/MH_01_easy/mav0");
   fs::create_directory_symlink(Sequence() / "mav0", euroc / "V1_01_easy/V1_01_easy/mav0");
-  const std::string script = "FACET=" + std::string(FACET_PROGRAM) + " sh " + FACET_SOURCE_DIR +
-                             "/scripts/run_euroc.sh '" + euroc.string() + "' --out '" +
-                             (euroc / "study").string() + "' --starts 1 --pipelines S,SPR";
+  const std::string script = "FACET=" + std::string(FACET_PROGRAM) + " sh " +
+                             testing::SourceFolder().string() + "/scripts/run_euroc.sh '" +
+                             euroc.string() + "' --out '" + (euroc / "study").string() +
+                             "' --starts 1 --pipelines S,SPR";
   const ProgramRun run = RunShell(script);
   EXPECT_EQ(run.exit_code, 4) << run.err;  // grey
   EXPECT_THAT(run.out, HasSubstr("sequences: MH_01_easy V1_01_easy\n"));
@@ -317,10 +319,11 @@ TEST_F(CompareInputTest, TablesOfThePaperForADownload) {
   const std::string table = ReadText(euroc / "study" / "comparison.md");
   EXPECT_THAT(table, HasSubstr("| 13.7 | 15.0 | 12.4 | 15.0 | 10.7 | 14.5 |"));
   EXPECT_THAT(table, HasSubstr("| V1_01_easy | 9 | 34 | 10 | 7 | 7 | 6 |"));
-  EXPECT_EQ(RunShell("FACET=" + std::string(FACET_PROGRAM) + " sh " + FACET_SOURCE_DIR +
-                     "/scripts/run_euroc.sh " + (folder_ / "nowhere").string())
-                .exit_code,
-            3);
+  EXPECT_EQ(
+      RunShell("FACET=" + std::string(FACET_PROGRAM) + " sh " + testing::SourceFolder().string() +
+               "/scripts/run_euroc.sh " + (folder_ / "nowhere").string())
+          .exit_code,
+      3);
 }
 
 }  // namespace

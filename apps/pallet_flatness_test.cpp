@@ -42,7 +42,7 @@ struct Outline {
 
 std::map<Timestamp, std::vector<Outline>> ReadOutlines() {
   std::map<Timestamp, std::vector<Outline>> outlines;
-  std::ifstream file(FACET_SOURCE_DIR "/testdata/mh01_pallet.csv");
+  std::ifstream file(testing::SourceFolder() / "testdata" / "mh01_pallet.csv");
   for (std::string line; std::getline(file, line);) {
     if (line.empty() || line[0] == '#') continue;
     std::istringstream cells(line);

@@ -8,9 +8,14 @@
 #include <gtest/gtest.h>
 
 #include "facet/io/config_file.h"
+#include "facet/testing/folders.h"
 
 namespace facet {
 namespace {
+
+std::string ConfigFile(const std::string& name) {
+  return testing::SourceFolder() / "config" / name;
+}
 
 std::map<std::string, std::string> ValuesOf(VioOptions options) {
   std::map<std::string, std::string> out;
@@ -25,7 +30,7 @@ std::map<std::string, std::string> ValuesOf(VioOptions options) {
 
 TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
   const auto defaults = ValuesOf(VioOptions());
-  const auto paper = ValuesOf(LoadOptions(FACET_SOURCE_DIR "/config/paper.yaml", {}));
+  const auto paper = ValuesOf(LoadOptions(ConfigFile("paper.yaml"), {}));
   std::map<std::string, std::string> changed, changed_mesh;
   for (const auto& [key, value] : paper) {
     if (value != defaults.at(key)) (key.starts_with("mesh.") ? changed_mesh : changed)[key] = value;
@@ -59,13 +64,12 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
 }
 
 TEST(PaperConfigTest, DefaultsAreThoseOfEurocYaml) {
-  EXPECT_EQ(ValuesOf(LoadOptions(FACET_SOURCE_DIR "/config/euroc.yaml", {})),
-            ValuesOf(VioOptions()));
+  EXPECT_EQ(ValuesOf(LoadOptions(ConfigFile("euroc.yaml"), {})), ValuesOf(VioOptions()));
 }
 
 // One level of faces: what votes for planes is what the mesh shows.
 TEST(PaperConfigTest, TheSameFacesVoteThatAreShown) {
-  const auto paper = ValuesOf(LoadOptions(FACET_SOURCE_DIR "/config/paper.yaml", {}));
+  const auto paper = ValuesOf(LoadOptions(ConfigFile("paper.yaml"), {}));
   int compared = 0;
   for (const auto& [key, value] : paper) {
     if (!key.starts_with("mesh.voting.")) continue;

@@ -15,6 +15,7 @@
 #include "facet/eval/run_evaluation.h"
 #include "facet/io/planes_file.h"
 #include "facet/testing/data_dir.h"
+#include "facet/testing/folders.h"
 
 namespace facet {
 namespace {
@@ -39,7 +40,7 @@ class PipelinesTest : public ::testing::Test {
   }
 
   // One per test: they run at the same time.
-  const fs::path folder_ = fs::path(FACET_BINARY_DIR) / "pipelines_test" /
+  const fs::path folder_ = testing::BuildFolder() / "pipelines_test" /
                            ::testing::UnitTest::GetInstance()->current_test_info()->name();
   std::optional<fs::path> sequence_;
 };

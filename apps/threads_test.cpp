@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/testing/data_dir.h"
+#include "facet/testing/folders.h"
 
 namespace facet {
 namespace {
@@ -22,7 +23,7 @@ TEST(ThreadsTest, TwoThreadsGiveTheSameBytesAsOne) {
   for (const char* name : {"rendered_room", "euroc_mh01_handheld"}) {
     const auto sequence = testing::DataDir(name);
     if (!sequence) GTEST_SKIP() << testing::MissingData(name);
-    const std::filesystem::path folder = std::filesystem::path(FACET_BINARY_DIR) / "threads_test";
+    const std::filesystem::path folder = testing::BuildFolder() / "threads_test";
     for (const char* threads : {"1", "2"}) {
       const std::string command = std::string(FACET_PROGRAM) + " run '" + sequence->string() +
                                   "' --pipeline SPR --duration 8 --quiet --threads " + threads +

@@ -55,7 +55,5 @@ function(facet_add_test)
   foreach(dep ${ARG_DEPS})
     target_link_libraries(${ARG_NAME} PRIVATE facet::${dep})
   endforeach()
-  target_compile_definitions(${ARG_NAME} PRIVATE
-    FACET_SOURCE_DIR="${PROJECT_SOURCE_DIR}" FACET_BINARY_DIR="${CMAKE_BINARY_DIR}")
   gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 900)
 endfunction()

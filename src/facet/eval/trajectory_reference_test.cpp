@@ -43,8 +43,9 @@ ordered_json NaiveEvaluation(const fs::path& estimate,
                              const fs::path& truth,
                              const ordered_json& rpe,
                              const std::string& more) {
-  std::string command = std::string(kPython) + " " + FACET_SOURCE_DIR + "/scripts/naive_ate.py '" +
-                        estimate.string() + "' '" + truth.string() + "' " + more + " --lengths";
+  std::string command = std::string(kPython) + " " + testing::SourceFolder().string() +
+                        "/scripts/naive_ate.py '" + estimate.string() + "' '" + truth.string() +
+                        "' " + more + " --lengths";
   for (const auto& entry : rpe) {
     command += ' ';
     command += entry["length_m"].dump();

@@ -7,13 +7,14 @@
 
 #include "facet/io/asl_dataset.h"
 #include "facet/io/trajectory_file.h"
+#include "facet/testing/folders.h"
 
 namespace facet {
 namespace {
 
 std::filesystem::path DataFolder() {
   const char* folder = std::getenv("FACET_DATA_DIR");
-  return folder != nullptr ? folder : FACET_SOURCE_DIR "/../shared/data";
+  return folder != nullptr ? folder : testing::SourceFolder().parent_path() / "shared" / "data";
 }
 
 struct Recording {
@@ -21,13 +22,13 @@ struct Recording {
   std::size_t num_frames;
 };
 
-class AslRecordingsTest : public testing::TestWithParam<Recording> {};
+class AslRecordingsTest : public ::testing::TestWithParam<Recording> {};
 
 TEST_P(AslRecordingsTest, OpensAndDecodes) {
   const std::filesystem::path sequence = DataFolder() / GetParam().name;
   if (!std::filesystem::exists(sequence)) GTEST_SKIP() << sequence << " is not there";
   AslDataset dataset(sequence);
-  EXPECT_THAT(dataset.warnings(), testing::IsEmpty());
+  EXPECT_THAT(dataset.warnings(), ::testing::IsEmpty());
   EXPECT_EQ(dataset.frames().size(), GetParam().num_frames);
   EXPECT_NEAR(dataset.rig().baseline_m(), 0.11, 0.001);
   cv::Mat left, right;
@@ -41,8 +42,8 @@ TEST_P(AslRecordingsTest, OpensAndDecodes) {
 
 INSTANTIATE_TEST_SUITE_P(All,
                          AslRecordingsTest,
-                         testing::Values(Recording{"euroc_mh01_handheld", 320},
-                                         Recording{"rendered_room", 481}),
+                         ::testing::Values(Recording{"euroc_mh01_handheld", 320},
+                                           Recording{"rendered_room", 481}),
                          [](const auto& recording) { return recording.param.name; });
 
 TEST(PublishedEstimatesTest, AreRead) {

@@ -7,17 +7,17 @@
 #include <optional>
 #include <string>
 
+#include "facet/testing/folders.h"
+
 namespace facet::testing {
 
 /// Folder or file `name` of the recorded data: under $FACET_DATA_DIR, or if that is not set under
 /// ../shared/data beside the source tree. Empty if it is not there; a test then says so and skips:
 ///   if (!DataDir("euroc_april_corners")) GTEST_SKIP() << MissingData("euroc_april_corners");
-/// The including target defines FACET_SOURCE_DIR (facet_add_test does).
 inline std::optional<std::filesystem::path> DataDir(const std::string& name) {
   const char* root = std::getenv("FACET_DATA_DIR");
-  std::filesystem::path path =
-      root && *root ? std::filesystem::path(root)
-                    : std::filesystem::path(FACET_SOURCE_DIR).parent_path() / "shared" / "data";
+  std::filesystem::path path = root && *root ? std::filesystem::path(root)
+                                             : SourceFolder().parent_path() / "shared" / "data";
   path /= name;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return std::nullopt;
