@@ -28,11 +28,32 @@ struct CameraFace {
   std::array<double, 3> sigma_depth_m{};
 };
 
-/// Every test; sees the face as the camera does.
-FaceVerdict JudgeFace(const CameraFace& face, const FaceLimits& limits);
+/// Judges faces by one set of limits.
+class FaceFilter {
+ public:
+  explicit FaceFilter(const FaceLimits& limits);
 
-/// The tests that do not depend on the view (size and shape), for faces of older views whose
-/// vertices moved. Points in any frame.
-FaceVerdict JudgeShape(const std::array<Vector3d, 3>& p, const FaceLimits& limits);
+  /// Every test; sees the face as the camera does.
+  FaceVerdict Judge(const CameraFace& face) const;
+
+  /// The tests that do not depend on the view (size and shape), for faces of older views whose
+  /// vertices moved. Points in any frame.
+  FaceVerdict JudgeShape(const std::array<Vector3d, 3>& p) const;
+
+ private:
+  /// The squared sides of a triangle.
+  struct Sides {
+    double shortest2 = 0, middle2 = 0, longest2 = 0;
+  };
+  static Sides SidesOf(const std::array<Vector3d, 3>& p);
+  FaceVerdict JudgeSides(const Sides& sides) const;
+  bool IsNarrow(const Sides& sides) const;
+  bool IsElongated(const CameraFace& face) const;
+  bool IsGrazing(const CameraFace& face) const;
+
+  FaceLimits limits_;
+  double cos2_min_angle_;
+  double cos2_max_grazing_;
+};
 
 }  // namespace facet

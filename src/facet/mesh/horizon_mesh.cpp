@@ -37,10 +37,22 @@ void SortCorners(MeshFace& face) {
   swap_if(0, 1);
 }
 
+FaceLimits RescueLimits(const MeshOptions& options) {
+  FaceLimits limits = options.faces;
+  limits.min_elongation = options.plane_rescue.min_elongation;
+  limits.max_grazing_deg = options.plane_rescue.max_grazing_deg;
+  limits.max_side_per_depth = options.plane_rescue.max_side_per_depth;
+  return limits;
+}
+
 }  // namespace
 
 HorizonMesh::HorizonMesh(const MeshOptions& options)
-    : options_(options), check_(options.contradictions) {}
+    : options_(options),
+      shown_(options.faces),
+      voting_(options.voting),
+      rescued_(RescueLimits(options)),
+      check_(options.contradictions) {}
 
 void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC) {
   lost_.clear();
@@ -117,7 +129,7 @@ void HorizonMesh::DropFaces() {
   std::erase_if(faces_, [this](MeshFace& face) {
     face.in_view = false;
     const auto [a, b, c] = face.corners;
-    const bool has_good_shape = JudgeShape(Corners(face), options_.faces) == FaceVerdict::kAccepted;
+    const bool has_good_shape = shown_.JudgeShape(Corners(face)) == FaceVerdict::kAccepted;
     if (is_expired_[a] == 0 && is_expired_[b] == 0 && is_expired_[c] == 0) return !has_good_shape;
     if (has_good_shape) lost_.push_back(MakeLost(face));
     return true;
@@ -186,7 +198,7 @@ void HorizonMesh::JudgeTriangles(const MeshView& view) {
       triangle.seen.p_C[i] = point.p_C;
       triangle.seen.sigma_depth_m[i] = point.sigma_depth_m;
     }
-    triangle.verdict = JudgeFace(triangle.seen, options_.faces);
+    triangle.verdict = shown_.Judge(triangle.seen);
   }
 }
 
@@ -239,8 +251,7 @@ HorizonMesh::ViewFace HorizonMesh::MakeViewFace(const PlacedTriangle& triangle) 
   SortCorners(made.face);
   made.face.in_view = true;
   made.is_accepted = triangle.verdict == FaceVerdict::kAccepted;
-  made.face.may_vote =
-      made.is_accepted && JudgeFace(triangle.seen, options_.voting) == FaceVerdict::kAccepted;
+  made.face.may_vote = made.is_accepted && voting_.Judge(triangle.seen) == FaceVerdict::kAccepted;
   return made;
 }
 
@@ -268,15 +279,10 @@ void HorizonMesh::TriangulateView(const MeshView& view) {
 
 void HorizonMesh::RescuePlanes(const MeshView& view) {
   FindStars();
-  FaceLimits limits = options_.faces;
-  limits.min_elongation = options_.plane_rescue.min_elongation;
-  limits.max_grazing_deg = options_.plane_rescue.max_grazing_deg;
-  limits.max_side_per_depth = options_.plane_rescue.max_side_per_depth;
   for (PlacedTriangle& triangle : triangles_) {
     if (triangle.verdict == FaceVerdict::kAccepted || triangle.verdict == FaceVerdict::kNotFinite)
       continue;
-    if (JudgeFace(triangle.seen, limits) == FaceVerdict::kAccepted &&
-        HasPlaneCorner(view, triangle)) {
+    if (rescued_.Judge(triangle.seen) == FaceVerdict::kAccepted && HasPlaneCorner(view, triangle)) {
       triangle.verdict = FaceVerdict::kAccepted;
     }
   }
@@ -296,29 +302,32 @@ void HorizonMesh::DropUntriangulated() {
   });
 }
 
+void HorizonMesh::ProjectVertices(const SE3& T_WC) {
+  const SE3 T_CW = T_WC.Inverse();
+  const Matrix3d R_CW = T_CW.R();
+  projected_.clear();
+  for (const MeshVertex& vertex : vertices_)
+    projected_.push_back(ProjectPoint(R_CW * vertex.p_W + T_CW.p));
+}
+
 void HorizonMesh::DropContradicted(const MeshView& view) {
   check_.Begin(view);
-  const SE3 T_CW = view.T_WC.Inverse();
-  const Matrix3d R_CW = T_CW.R();
-  const auto project = [&](const MeshFace& face, ProjectedFace& projected) {
-    std::array<Vector3d, 3> p = Corners(face);
-    for (Vector3d& point : p)
-      point = R_CW * point + T_CW.p;
-    return ProjectFace(p, projected);
+  ProjectVertices(view.T_WC);
+  const auto projection = [this](const MeshFace& face) {
+    const auto [a, b, c] = face.corners;
+    return ProjectedFace{projected_[a], projected_[b], projected_[c]};
   };
-  ProjectedFace projected;
   for (const ViewFace& seen : view_faces_) {
-    if (seen.is_accepted && project(seen.face, projected)) check_.Draw(projected);
+    if (seen.is_accepted) check_.Draw(projection(seen.face));
   }
   auto same = view_faces_.begin();
   std::erase_if(faces_, [&](MeshFace& face) {
     while (same != view_faces_.end() && ComesBefore(same->face, face))
       ++same;
     if (same != view_faces_.end() && same->face.corners == face.corners) return false;
-    if (!project(face, projected)) return false;
     const auto [a, b, c] = face.corners;
     const FaceSighting sighting =
-        check_.Judge(projected, {vertices_[a].id, vertices_[b].id, vertices_[c].id});
+        check_.Judge(projection(face), {vertices_[a].id, vertices_[b].id, vertices_[c].id});
     face.votes_against += sighting.votes_against;
     if (sighting.is_replaced) lost_.push_back(MakeLost(face));
     return sighting.is_replaced || face.votes_against >= options_.contradictions.min_votes;

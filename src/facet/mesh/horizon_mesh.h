@@ -119,6 +119,7 @@ class HorizonMesh {
   bool HasPlaneCorner(const MeshView& view, const PlacedTriangle& triangle) const;
   ViewFace MakeViewFace(const PlacedTriangle& triangle) const;
   void DropUntriangulated();
+  void ProjectVertices(const SE3& T_WC);
   void DropContradicted(const MeshView& view);
   void MergeViewFaces();
   void DropUnusedVertices();
@@ -127,6 +128,7 @@ class HorizonMesh {
   std::array<Vector3d, 3> Corners(const MeshFace& face) const;
 
   MeshOptions options_;
+  FaceFilter shown_, voting_, rescued_;  // what a face has to be for each
   Delaunay delaunay_;
   ViewCheck check_;
   std::vector<MeshVertex> vertices_;
@@ -136,11 +138,12 @@ class HorizonMesh {
   Vector3d camera_W_ = Vector3d::Zero();  // of the newest keyframe
   std::array<int, static_cast<int>(FaceVerdict::kCount)> verdicts_{};
   // Buffers
-  std::vector<char> is_expired_;      // by vertex
-  std::vector<int> points_;           // usable points of the view, sorted by id
-  std::vector<GridPoint> grid_;       // of points_
-  std::vector<int> vertex_of_point_;  // of points_
-  std::vector<int> point_of_vertex_;  // index into the view's points, -1: not seen
+  std::vector<char> is_expired_;           // by vertex
+  std::vector<ProjectedPoint> projected_;  // by vertex, in the newest view
+  std::vector<int> points_;                // usable points of the view, sorted by id
+  std::vector<GridPoint> grid_;            // of points_
+  std::vector<int> vertex_of_point_;       // of points_
+  std::vector<int> point_of_vertex_;       // index into the view's points, -1: not seen
   std::vector<int> new_index_;
   std::vector<MeshVertex> merged_vertices_;
   std::vector<PlacedTriangle> triangles_;

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "facet/mesh/triangle_rows.h"
 
 namespace facet {
 namespace {
@@ -13,7 +16,9 @@ constexpr double kUnitSigma_m = 0.02;
 constexpr double kMinFaceWeight = 1e-3, kMaxFaceWeight = 4;
 // Faces reach this many voxels beyond their border: neighbours must meet.
 constexpr double kBorderVoxels = 0.75;
-constexpr double kMaxCoordinate_m = 1e5;
+constexpr double kMaxCoordinate = 1e7, kMinTwiceArea = 1e-7;  // voxels
+constexpr WholeNumbers kAnywhere = {std::numeric_limits<int>::min(),
+                                    std::numeric_limits<int>::max()};
 
 // Between the sight lines to one face, and between the places that are looked at along them.
 constexpr double kSightDistanceVoxels = 6, kSightStepVoxels = 2;
@@ -40,18 +45,53 @@ std::size_t VoxelOf(const CubeIndex& c, const CubeIndex& block) {
                                   (c.x - block.x * n));
 }
 
-/// How far it is from p, in the block, to where the line leaves the block; all in voxels.
-/// `inverse`: of the direction, by coordinate; 0 where that is 0.
-double WayThroughBlock(const Vector3d& p, const Vector3d& inverse, const CubeIndex& block) {
-  constexpr int n = SurfaceMap::kBlockSide;
-  const Vector3d low = n * Vector3d(block.x, block.y, block.z);
-  double way = 2 * n;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double border = inverse[axis] > 0 ? low[axis] + n : low[axis];
-    if (inverse[axis] != 0) way = std::min(way, (border - p[axis]) * inverse[axis]);
+/// A line through the grid in equal steps, in whole numbers: 2^-32 of a voxel, whose upper halves
+/// are the voxels that it passes.
+class GridLine {
+ public:
+  GridLine(const Vector3d& begin, const Vector3d& step)
+      : begin_(begin), step_(step), at_(Fixed(begin)), per_step_(Fixed(step)) {
+    for (int axis = 0; axis < 3; ++axis)
+      inverse_[axis] = step[axis] == 0 ? 0 : 1 / step[axis];
   }
-  return way;
-}
+
+  CubeIndex Corner() const { return {Whole(at_[0]), Whole(at_[1]), Whole(at_[2])}; }
+
+  void Advance() {
+    for (int axis = 0; axis < 3; ++axis)
+      at_[axis] += per_step_[axis];
+    ++count_;
+  }
+
+  /// To the first place behind the block that holds the present one.
+  void LeaveBlock(const CubeIndex& block) {
+    constexpr int n = SurfaceMap::kBlockSide;
+    const Vector3d low = n * Vector3d(block.x, block.y, block.z);
+    double last = count_ + 2 * n;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double border = step_[axis] > 0 ? low[axis] + n : low[axis];
+      if (step_[axis] != 0) last = std::min(last, (border - begin_[axis]) * inverse_[axis]);
+    }
+    count_ = std::max(count_ + 1, static_cast<int>(last) + 1);
+    at_ = Fixed(begin_ + count_ * step_);
+  }
+
+  int count() const { return count_; }  ///< steps so far
+
+ private:
+  using FixedPoint = std::array<std::int64_t, 3>;
+  static std::int32_t Whole(std::int64_t x) { return static_cast<std::int32_t>(x >> 32); }
+  static FixedPoint Fixed(const Vector3d& v) {
+    constexpr double kUnit = 4294967296.0;
+    return {static_cast<std::int64_t>(kUnit * v.x()),
+            static_cast<std::int64_t>(kUnit * v.y()),
+            static_cast<std::int64_t>(kUnit * v.z())};
+  }
+
+  Vector3d begin_, step_, inverse_;
+  FixedPoint at_, per_step_;
+  int count_ = 0;
+};
 
 /// Of the 2 x 2 x 2 voxels in a block that hold this corner: its bit.
 int BitOf(const CubeIndex& c) {
@@ -59,44 +99,61 @@ int BitOf(const CubeIndex& c) {
   return (c.z & kMask) / 2 * 16 + (c.y & kMask) / 2 * 4 + (c.x & kMask) / 2;
 }
 
+/// A linear function of a place across the columns of the grid.
+struct Linear {
+  Vector2d slope = Vector2d::Zero();
+  double at_origin = 0;
+  double operator()(double x, double y) const { return at_origin + slope.x() * x + slope.y() * y; }
+};
+
 /// A face as a plane with a border, seen along the axis of the grid that its normal is nearest to.
+/// In voxels.
 struct FlatFace {
-  explicit FlatFace(const std::array<Vector3d, 3>& p) : a(p[0]) {
+  explicit FlatFace(const std::array<Vector3d, 3>& p) {
     const Vector3d twice_area = (p[1] - p[0]).cross(p[2] - p[0]);
     for (const Vector3d& corner : p)
-      is_valid = is_valid && corner.cwiseAbs().maxCoeff() < kMaxCoordinate_m;
-    is_valid = is_valid && twice_area.norm() > 1e-9;
+      is_valid = is_valid && corner.cwiseAbs().maxCoeff() < kMaxCoordinate;
+    is_valid = is_valid && twice_area.norm() > kMinTwiceArea;
     if (!is_valid) return;
     n = twice_area.normalized();
     n.cwiseAbs().maxCoeff(&w);
     u = (w + 1) % 3;
     v = (w + 2) % 3;
+    plane.slope = -Vector2d(n[u], n[v]) / n[w];
+    plane.at_origin = p[0][w] - plane.slope.dot(Vector2d(p[0][u], p[0][v]));
     const double side = n[w] > 0 ? 1 : -1;  // corners are counter-clockwise seen against n
     for (std::size_t i = 0; i < 3; ++i) {
       const Vector3d& from = p[(i + 1) % 3];
       const Vector3d along = p[(i + 2) % 3] - from;
       inward[i] = side * Vector2d(-along[v], along[u]).normalized();
       offset[i] = inward[i].dot(Vector2d(from[u], from[v]));
-      height[i] = std::max(inward[i].dot(Vector2d(p[i][u], p[i][v])) - offset[i], 1e-9);
+      const double height = inward[i].dot(Vector2d(p[i][u], p[i][v])) - offset[i];
+      share[i].slope = inward[i] / std::max(height, 1e-9);
+      share[i].at_origin = -offset[i] / std::max(height, 1e-9);
     }
   }
 
-  /// Whether the column of the grid meets the face or passes at most `border` beside it; its
-  /// barycentric coordinates then, clamped to the face.
-  bool Contains(const Vector2d& column, double border, std::array<double, 3>& share) const {
-    for (std::size_t s = 0; s < 3; ++s) {
-      share[s] = inward[s].dot(column) - offset[s];
-      if (share[s] < -border) return false;
+  /// Continued beyond the border.
+  Linear Interpolate(const std::array<std::uint8_t, 3>& values) const {
+    Linear sum;
+    for (std::size_t i = 0; i < 3; ++i) {
+      sum.slope += values[i] * share[i].slope;
+      sum.at_origin += values[i] * share[i].at_origin;
     }
-    for (std::size_t s = 0; s < 3; ++s)
-      share[s] = std::clamp(share[s] / height[s], 0.0, 1.0);
-    return true;
+    return sum;
   }
 
-  Vector3d a, n = Vector3d::Zero();
+  /// The columns of the grid that meet the face or pass at most `border` beside it.
+  TriangleRows Inside(double border) const {
+    return {inward, {offset[0] - border, offset[1] - border, offset[2] - border}};
+  }
+
+  Vector3d n = Vector3d::Zero();
   int u = 0, v = 1, w = 2;         // axes across the columns, and along them
+  Linear plane;                    // where the columns meet it
   std::array<Vector2d, 3> inward;  // of the side opposite to corner i, across the columns
-  std::array<double, 3> offset{}, height{};
+  std::array<double, 3> offset{};
+  std::array<Linear, 3> share;  // barycentric coordinates
   bool is_valid = true;
 };
 
@@ -110,25 +167,27 @@ const SurfaceMap::Voxel* SurfaceMap::Find(const CubeIndex& corner) const {
   return voxel.weight > 0 ? &voxel : nullptr;
 }
 
-// Null where a new block would be more than the map may have.
-SurfaceMap::Block* SurfaceMap::BlockAt(const CubeIndex& index) {
+int SurfaceMap::AddBlock(const CubeIndex& index) {
+  if (MegabytesOf(blocks_.size() + 1) > options_.max_memory_mb) {
+    is_full_ = true;
+    return CubeMap::kNone;
+  }
+  const int block = static_cast<int>(blocks_.size());
+  index_.Add(index, block);
+  blocks_.emplace_back();
+  blocks_.back().index = index;
+  touched_.push_back(0);
+  return block;
+}
+
+int SurfaceMap::BlockAt(const CubeIndex& index) {
   const int place = (index.x & 1) | (index.y & 1) << 1 | (index.z & 1) << 2;
   KnownBlock& known = cache_[static_cast<std::size_t>(place)];
-  if (known.block != CubeMap::kNone && index == known.index) return &blocks_[known.block];
+  if (known.block != CubeMap::kNone && index == known.index) return known.block;
   int block = index_.Find(index);
-  if (block == CubeMap::kNone) {
-    if (MegabytesOf(blocks_.size() + 1) > options_.max_memory_mb) {
-      is_full_ = true;
-      return nullptr;
-    }
-    block = static_cast<int>(blocks_.size());
-    index_.Add(index, block);
-    blocks_.emplace_back();
-    blocks_.back().index = index;
-    touched_.push_back(0);
-  }
-  known = {index, block};
-  return &blocks_[block];
+  if (block == CubeMap::kNone) block = AddBlock(index);
+  if (block != CubeMap::kNone) known = {index, block};
+  return block;
 }
 
 void SurfaceMap::Merge(const Sample& sample, Voxel& voxel) {
@@ -139,11 +198,13 @@ void SurfaceMap::Merge(const Sample& sample, Voxel& voxel) {
   if (sample.plane_id >= 0) voxel.plane_id = sample.plane_id;
 }
 
-void SurfaceMap::Touch(const Block& block, const CubeIndex& first, int axis, int count) {
-  std::uint64_t& touched = touched_[static_cast<std::size_t>(&block - blocks_.data())];
-  std::array<std::int32_t, 3> c = {first.x, first.y, first.z};
-  for (int k = 0; k < count; ++k, ++c[axis])
-    touched |= std::uint64_t{1} << BitOf({c[0], c[1], c[2]});
+void SurfaceMap::Touch(int block, const CubeIndex& first, int axis, int count) {
+  // The four cubes along an axis from the block's lowest, and the way from one to the next.
+  constexpr std::array<std::uint64_t, 3> kRow = {0xF, 0x1111, 0x0001000100010001};
+  constexpr std::array<int, 3> kStride = {1, 4, 16};
+  const int begin = std::array{first.x, first.y, first.z}[axis] & (kBlockSide - 1);
+  const int missing = 3 - ((begin + count - 1) / 2 - begin / 2);
+  touched_[block] |= kRow[axis] >> (missing * kStride[axis]) << BitOf(first);
 }
 
 // One look for the block serves all corners of the column inside it.
@@ -155,17 +216,20 @@ void SurfaceMap::MergeColumn(const Column& column, Sample sample) {
   while (at < column.end) {
     const CubeIndex corner{c[0], c[1], c[2]};
     const CubeIndex index = BlockOf(corner);
-    Block* block = BlockAt(index);
+    const int block = BlockAt(index);
     const std::int32_t left = kBlockSide - (at & (kBlockSide - 1));
     const std::int32_t count = std::min(left, column.end - at);
-    Voxel* voxel = block == nullptr ? nullptr : &block->voxels[VoxelOf(corner, index)];
-    if (voxel != nullptr) Touch(*block, corner, column.axis, count);
-    for (std::int32_t k = 0; voxel != nullptr && k < count; ++k, voxel += kStride[column.axis]) {
+    at += count;
+    if (block == CubeMap::kNone) {
+      sample.distance += static_cast<float>(count) * column.step;
+      continue;
+    }
+    Touch(block, corner, column.axis, count);
+    Voxel* voxel = &blocks_[block].voxels[VoxelOf(corner, index)];
+    for (std::int32_t k = 0; k < count; ++k, voxel += kStride[column.axis]) {
       Merge(sample, *voxel);
       sample.distance += column.step;
     }
-    if (block == nullptr) sample.distance += static_cast<float>(count) * column.step;
-    at += count;
   }
 }
 
@@ -173,25 +237,26 @@ void SurfaceMap::MergeColumn(const Column& column, Sample sample) {
 // it meets lose weight, so that those which are wrong go and those which were seen often stay.
 void SurfaceMap::CarveSight(const Vector3d& from_W, const Vector3d& to_W, double begin_m) {
   const double length_m = (to_W - from_W).norm();
-  const double end = (std::min(length_m, kMaxSight_m) - kMinSight_m) / options_.voxel_m;
-  // In voxels; the corner of the grid that is nearest to a place is the floor of p.
-  const Vector3d from = from_W / options_.voxel_m + Vector3d::Constant(0.5);
+  const double way_m = std::min(length_m, kMaxSight_m) - kMinSight_m - begin_m;
+  if (!(way_m > 0) || !std::isfinite(length_m)) return;
+  const auto num_steps = static_cast<int>(std::ceil(way_m / options_.voxel_m / kSightStepVoxels));
   const Vector3d direction = (to_W - from_W) / length_m;
-  const auto invert = [](double x) { return x == 0 ? 0 : 1 / x; };
-  const Vector3d inverse = direction.unaryExpr(invert);
+  // The corner of the grid that is nearest to a place is the floor of half a voxel more.
+  const Vector3d begin = (from_W + begin_m * direction) / options_.voxel_m;
+  GridLine line(begin + Vector3d::Constant(0.5), kSightStepVoxels * direction);
   CubeIndex index;
   int block = CubeMap::kNone;
-  for (double t = begin_m / options_.voxel_m; t < end; t += kSightStepVoxels) {
-    const Vector3d p = from + t * direction;
-    const CubeIndex corner{FloorOf(p.x()), FloorOf(p.y()), FloorOf(p.z())};
-    if (block == CubeMap::kNone || BlockOf(corner) != index) {
+  for (bool is_first = true; line.count() < num_steps; is_first = false) {
+    const CubeIndex corner = line.Corner();
+    if (is_first || BlockOf(corner) != index) {
       index = BlockOf(corner);
       block = index_.Find(index);
     }
     if (block == CubeMap::kNone) {
-      t += std::max(0.0, WayThroughBlock(p, inverse, index) - kSightStepVoxels);
+      line.LeaveBlock(index);
       continue;
     }
+    line.Advance();
     if ((touched_[block] >> BitOf(corner) & 1) == 0) continue;
     Voxel& voxel = blocks_[block].voxels[VoxelOf(corner, index)];
     voxel.weight -= static_cast<float>(options_.carving_weight);
@@ -219,44 +284,44 @@ void SurfaceMap::CarveTowards(const Vector3d& eye_W,
 }
 
 void SurfaceMap::Add(const LostFace& face) {
-  const FlatFace flat(face.p_W);
+  std::array<Vector3d, 3> p = face.p_W;
+  for (Vector3d& corner : p)
+    corner /= options_.voxel_m;
+  const FlatFace flat(p);
   if (!flat.is_valid) return;
   if (options_.carving_weight > 0 && face.eye_W && face.eye_W->allFinite())
     CarveTowards(*face.eye_W, face.p_W, flat.n);
-  const double voxel = options_.voxel_m, border = kBorderVoxels * voxel;
   const double sigma = std::max(face.sigma_depth_m, 1e-3);
   Sample sample;
   sample.weight = static_cast<float>(
       std::clamp(std::pow(kUnitSigma_m / sigma, 2), kMinFaceWeight, kMaxFaceWeight));
   sample.plane_id = face.plane_id;
-  const Vector3d low = face.p_W[0].cwiseMin(face.p_W[1]).cwiseMin(face.p_W[2]);
-  const Vector3d high = face.p_W[0].cwiseMax(face.p_W[1]).cwiseMax(face.p_W[2]);
+  const auto [darkest, brightest] =
+      std::minmax_element(face.intensity.begin(), face.intensity.end());
+  const Linear intensity = flat.Interpolate(face.intensity);
   const auto [u, v, w] = std::array{flat.u, flat.v, flat.w};
-  const auto floor_index = [voxel](double x) { return FloorOf(x / voxel); };
-  const double half = options_.truncation_m / std::abs(flat.n[w]);
+  const Vector3d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]) - Vector3d::Constant(kBorderVoxels);
+  const Vector3d high = p[0].cwiseMax(p[1]).cwiseMax(p[2]) + Vector3d::Constant(kBorderVoxels);
+  const WholeNumbers columns = WholeNumbersBetween(low[u], high[u], kAnywhere);
+  const WholeNumbers rows = WholeNumbersBetween(low[v], high[v], kAnywhere);
+  const TriangleRows inside = flat.Inside(kBorderVoxels);
+  // Along a column, what lies within the truncation is merged.
+  const double reach = options_.truncation_m / options_.voxel_m / std::abs(flat.n[w]);
+  const double step = flat.n[w] * options_.voxel_m;
   Column column;
   column.axis = w;
-  column.step = static_cast<float>(flat.n[w] * voxel);
-  std::array<std::int32_t, 3> c{};
-  std::array<double, 3> share{};
-  const int u_end = floor_index(high[u] + border) + 1, v_end = floor_index(high[v] + border) + 1;
-  const int v_begin = floor_index(low[v] - border) + 1;
-  for (c[u] = floor_index(low[u] - border) + 1; c[u] < u_end; ++c[u]) {
-    for (c[v] = v_begin; c[v] < v_end; ++c[v]) {
-      const Vector2d place(c[u] * voxel, c[v] * voxel);
-      if (!flat.Contains(place, border, share)) continue;
+  column.step = static_cast<float>(step);
+  for (int y = rows.first; y <= rows.last; ++y) {
+    const auto [first, last] = inside.Columns(y, columns);
+    for (int x = first; x <= last; ++x) {
+      const double centre = flat.plane(x, y);
+      column.first[u] = x;
+      column.first[v] = y;
+      column.first[w] = FloorOf(centre - reach) + 1;
+      column.end = FloorOf(centre + reach) + 1;
+      column.distance = static_cast<float>(step * (column.first[w] - centre));
       sample.intensity =
-          static_cast<float>((share[0] * face.intensity[0] + share[1] * face.intensity[1] +
-                              share[2] * face.intensity[2]) /
-                             std::max(share[0] + share[1] + share[2], 1e-6));
-      // Where the column meets the plane; the part of it within the truncation is merged.
-      const double centre =
-          flat.a[w] -
-          (flat.n[u] * (place.x() - flat.a[u]) + flat.n[v] * (place.y() - flat.a[v])) / flat.n[w];
-      c[w] = floor_index(centre - half) + 1;
-      column.first = c;
-      column.end = floor_index(centre + half) + 1;
-      column.distance = static_cast<float>(flat.n[w] * (c[w] * voxel - centre));
+          static_cast<float>(std::clamp<double>(intensity(x, y), *darkest, *brightest));
       MergeColumn(column, sample);
     }
   }

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "facet/mesh/cube_map.h"
@@ -53,7 +54,7 @@ class SurfaceMap {
   }
 
   const SurfaceMapOptions& options() const { return options_; }
-  const std::vector<Block>& blocks() const { return blocks_; }
+  const std::deque<Block>& blocks() const { return blocks_; }
   MapMemory memory() const { return {MegabytesOf(blocks_.size()), is_full_}; }
 
  private:
@@ -76,13 +77,15 @@ class SurfaceMap {
     return 1e-6 * static_cast<double>(blocks * sizeof(Block));
   }
   /// Marks corners in one block, along an axis.
-  void Touch(const Block& block, const CubeIndex& first, int axis, int count);
-  Block* BlockAt(const CubeIndex& index);
+  void Touch(int block, const CubeIndex& first, int axis, int count);
+  /// CubeMap::kNone where a new block would be more than the map may have.
+  int BlockAt(const CubeIndex& index);
+  int AddBlock(const CubeIndex& index);
   void CarveTowards(const Vector3d& eye_W, const std::array<Vector3d, 3>& p_W, const Vector3d& n_W);
   void CarveSight(const Vector3d& from_W, const Vector3d& to_W, double begin_m);
 
   SurfaceMapOptions options_;
-  std::vector<Block> blocks_;  // in the order in which they were needed
+  std::deque<Block> blocks_;  // in the order in which they were needed; never moved
   // By block: which of its 4 x 4 x 4 cubes of voxels may know something. Sight lines pass through
   // much that is empty, and this fits the processor's cache.
   std::vector<std::uint64_t> touched_;

@@ -138,20 +138,21 @@ TEST(SurfaceMap, ParallelSurfacesFarApartStayTwo) {
 
 // A wrong face hangs between the camera and a floor; the floor was seen through it.
 TEST(SurfaceMap, CarvesWhatItsCameraSawThrough) {
-  Rng rng(6);
-  for (const bool is_carving : {true, false}) {
-    SurfaceMapOptions options;
-    if (!is_carving) options.carving_weight = 0;
+  const auto wrong_vertices = [](const SurfaceMapOptions& options) {
+    Rng rng(6);
     SurfaceMap map(options);
     map.Add(FaceOf({-0.5, -0.5, 1.1}, {0.5, -0.5, 1}, {0, 0.5, 1.2}));
     for (int view = 0; view < 10; ++view)
       AddFloor(0, 0.005, rng, map, 8, Vector3d(0.05 * view, 0.03 * view, 2));
     const TriangleMesh mesh = ExtractSurface(map);
-    const bool has_wrong_one = std::any_of(
-        mesh.vertices.begin(), mesh.vertices.end(), [](const Vector3d& p) { return p.z() > 0.5; });
-    EXPECT_EQ(has_wrong_one, !is_carving);
     EXPECT_GT(AreaOf(mesh), 3.8);
-  }
+    return std::count_if(
+        mesh.vertices.begin(), mesh.vertices.end(), [](const Vector3d& p) { return p.z() > 0.5; });
+  };
+  SurfaceMapOptions options;
+  const auto carved = wrong_vertices(options);
+  options.carving_weight = 0;
+  EXPECT_LT(10 * carved, wrong_vertices(options));
 }
 
 /// Walls that meet at a right angle, seen 50 times from 1 m beside one of them.

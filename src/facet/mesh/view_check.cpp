@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "facet/mesh/triangle_rows.h"
+
 namespace facet {
 namespace {
 
@@ -13,42 +15,52 @@ constexpr double kFlat = 1e-12;  // twice the area below which a face is seen fr
 // A cell before the view's surface counts this little: the surface itself is only interpolated.
 constexpr double kMinFrontShare = 0.3;
 
-/// Barycentric coordinates of a point as linear functions of its place.
-struct Barycentric {
-  explicit Barycentric(const std::array<Vector2d, 3>& xy) : c(xy[2]) {
-    const Vector2d u = xy[0] - c, v = xy[1] - c;
+bool IsInFront(const ProjectedFace& face) {
+  const auto& [a, b, c] = face;
+  return a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0;
+}
+
+/// Barycentric coordinates of a point as linear functions of its place, and the inverse depth.
+struct LinearFace {
+  explicit LinearFace(const ProjectedFace& face) : c(face[2].xy) {
+    const Vector2d u = face[0].xy - c, v = face[1].xy - c;
     const double area = u.x() * v.y() - u.y() * v.x();
     is_flat = !(std::abs(area) > kFlat);
     if (is_flat) return;
     row0 = Vector2d(v.y(), -v.x()) / area;
     row1 = Vector2d(-u.y(), u.x()) / area;
+    slope = (face[0].inverse_depth - face[2].inverse_depth) * row0 +
+            (face[1].inverse_depth - face[2].inverse_depth) * row1;
+    at_c = face[2].inverse_depth;
   }
 
-  /// Whether the point is inside; the interpolated value of the corners then.
-  bool Interpolate(const Vector2d& xy, const std::array<double, 3>& values, double* value) const {
+  bool Contains(const Vector2d& xy) const {
     const Vector2d d = xy - c;
-    const double b0 = row0.dot(d), b1 = row1.dot(d), b2 = 1 - b0 - b1;
+    const double b0 = row0.dot(d), b1 = row1.dot(d);
     // One branch: which of the three decides cannot be predicted.
-    const bool is_outside = static_cast<bool>(static_cast<int>(b0 < 0) | static_cast<int>(b1 < 0) |
-                                              static_cast<int>(b2 < 0));
-    if (is_outside) return false;
-    *value = b0 * values[0] + b1 * values[1] + b2 * values[2];
-    return true;
+    return (static_cast<int>(b0 >= 0) & static_cast<int>(b1 >= 0) &
+            static_cast<int>(b0 + b1 <= 1)) != 0;
   }
 
   Vector2d c, row0, row1;
+  Vector2d slope;   // of the inverse depth
+  double at_c = 0;  // inverse depth
   bool is_flat = true;
 };
 
+Vector2d LowOf(const ProjectedFace& face) {
+  return face[0].xy.cwiseMin(face[1].xy).cwiseMin(face[2].xy);
+}
+Vector2d HighOf(const ProjectedFace& face) {
+  return face[0].xy.cwiseMax(face[1].xy).cwiseMax(face[2].xy);
+}
+
 }  // namespace
 
-bool ProjectFace(const std::array<Vector3d, 3>& p_C, ProjectedFace& face) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!(p_C[i].z() >= kMinDepth_m)) return false;
-    face.inverse_depth[i] = 1 / p_C[i].z();
-    face.xy[i] = p_C[i].head<2>() * face.inverse_depth[i];
-  }
-  return true;
+ProjectedPoint ProjectPoint(const Vector3d& p_C) {
+  if (!(p_C.z() >= kMinDepth_m)) return {};
+  const double inverse_depth = 1 / p_C.z();
+  return {p_C.head<2>() * inverse_depth, inverse_depth};
 }
 
 void ViewCheck::Begin(const MeshView& view) {
@@ -84,40 +96,44 @@ void ViewCheck::Begin(const MeshView& view) {
     first_in_row_[row] = std::min(first_in_row_[row], first_in_row_[row + 1]);
 }
 
-// Calls visit(cell, inverse depth of the face) for the cells whose centres the face covers.
+// Calls visit(first cell, number of cells, inverse depth at the first, step to the next) for the
+// rows of cells whose centres the face covers.
 template <class Visit>
-void ViewCheck::VisitCells(const ProjectedFace& face, const Visit& visit) const {
-  const Barycentric barycentric(face.xy);
-  if (barycentric.is_flat || columns_ == 0) return;
-  const Vector2d low = face.xy[0].cwiseMin(face.xy[1]).cwiseMin(face.xy[2]) - corner_;
-  const Vector2d high = face.xy[0].cwiseMax(face.xy[1]).cwiseMax(face.xy[2]) - corner_;
-  const auto index = [&](double x, int count) {
-    // Rounded towards zero from 0 on; below, any negative number does.
-    const double place = std::clamp(x / cell_, -1.0, static_cast<double>(count));
-    return place < 0 ? -1 : static_cast<int>(place);
+void ViewCheck::VisitRows(const ProjectedFace& face, const Visit& visit) const {
+  const LinearFace linear(face);
+  if (linear.is_flat || columns_ == 0) return;
+  // In cells: their centres are the whole numbers.
+  const auto in_cells = [this](const Vector2d& xy) -> Vector2d {
+    return (xy - corner_) / cell_ - Vector2d::Constant(0.5);
   };
-  const int column_end = std::min(index(high.x(), columns_) + 1, columns_);
-  const int row_end = std::min(index(high.y(), rows_) + 1, rows_);
-  for (int row = std::max(index(low.y(), rows_), 0); row < row_end; ++row) {
-    for (int column = std::max(index(low.x(), columns_), 0); column < column_end; ++column) {
-      const Vector2d centre = corner_ + cell_ * Vector2d(column + 0.5, row + 0.5);
-      double q = 0;
-      if (barycentric.Interpolate(centre, face.inverse_depth, &q))
-        visit(row * columns_ + column, q);
-    }
+  const Vector2d c = in_cells(linear.c);
+  const Vector2d n0 = cell_ * linear.row0, n1 = cell_ * linear.row1, n2 = -n0 - n1;
+  const TriangleRows inside({n0, n1, n2}, {n0.dot(c), n1.dot(c), n2.dot(c) - 1});
+  const Vector2d slope = cell_ * linear.slope;
+  const double at_origin = linear.at_c - slope.dot(c);
+  const WholeNumbers rows =
+      WholeNumbersBetween(in_cells(LowOf(face)).y(), in_cells(HighOf(face)).y(), {0, rows_ - 1});
+  for (int row = rows.first; row <= rows.last; ++row) {
+    const auto [first, last] = inside.Columns(row, {0, columns_ - 1});
+    if (first > last) continue;
+    const double q = at_origin + slope.y() * row + slope.x() * first;
+    visit(row * columns_ + first, last - first + 1, q, slope.x());
   }
 }
 
 void ViewCheck::Draw(const ProjectedFace& face) {
-  VisitCells(face, [this](int cell, double q) { inverse_depth_[cell] = static_cast<float>(q); });
+  if (!IsInFront(face)) return;
+  VisitRows(face, [this](int cell, int count, double q, double step) {
+    for (int k = 0; k < count; ++k)
+      inverse_depth_[cell + k] = static_cast<float>(q + k * step);
+  });
 }
 
 int ViewCheck::CountSightingsThrough(const ProjectedFace& face,
                                      const std::array<LandmarkId, 3>& corners) const {
-  const Barycentric barycentric(face.xy);
-  if (barycentric.is_flat) return 0;
-  const Vector2d low = face.xy[0].cwiseMin(face.xy[1]).cwiseMin(face.xy[2]);
-  const Vector2d high = face.xy[0].cwiseMax(face.xy[1]).cwiseMax(face.xy[2]);
+  const LinearFace linear(face);
+  if (linear.is_flat) return 0;
+  const Vector2d low = LowOf(face), high = HighOf(face);
   const double first_row = std::floor((low.y() - corner_.y()) / cell_);
   if (first_row >= rows_ || high.y() < corner_.y()) return 0;
   int votes = 0;
@@ -126,8 +142,8 @@ int ViewCheck::CountSightingsThrough(const ProjectedFace& face,
        ++i) {
     const SeenPoint& point = points_[i];
     if (point.xy.x() < low.x() || point.xy.x() > high.x()) continue;
-    double q = 0;
-    if (!barycentric.Interpolate(point.xy, face.inverse_depth, &q)) continue;
+    if (!linear.Contains(point.xy)) continue;
+    const double q = linear.at_c + linear.slope.dot(point.xy - linear.c);
     const bool is_before = q > point.inverse_depth + point.margin;
     const bool is_corner = std::find(corners.begin(), corners.end(), point.id) != corners.end();
     votes += is_before && !is_corner ? 1 : 0;
@@ -138,15 +154,20 @@ int ViewCheck::CountSightingsThrough(const ProjectedFace& face,
 FaceSighting ViewCheck::Judge(const ProjectedFace& face,
                               const std::array<LandmarkId, 3>& corners) const {
   FaceSighting sighting;
-  if (columns_ == 0) return sighting;
+  if (columns_ == 0 || !IsInFront(face)) return sighting;
   int covered = 0, before = 0, all = 0;
-  VisitCells(face, [&](int cell, double q) {
-    ++all;
-    const double seen = inverse_depth_[cell];
-    if (seen <= 0) return;
-    const double margin = seen * options_.depth_tolerance;
-    before += q > seen + margin ? 1 : 0;
-    covered += std::abs(q - seen) <= margin ? 1 : 0;
+  VisitRows(face, [&](int cell, int count, double q, double step) {
+    const auto q_first = static_cast<float>(q), q_step = static_cast<float>(step);
+    const auto tolerance = static_cast<float>(options_.depth_tolerance);
+    all += count;
+    for (int k = 0; k < count; ++k) {  // without branches: what is seen cannot be predicted
+      const float seen = inverse_depth_[cell + k];
+      const float nearer = q_first + static_cast<float>(k) * q_step - seen;
+      const float margin = seen * tolerance;
+      const int is_seen = seen > 0 ? 1 : 0;
+      before += is_seen & (nearer > margin ? 1 : 0);
+      covered += is_seen & (std::abs(nearer) <= margin ? 1 : 0);
+    }
   });
   sighting.is_replaced = all > 0 && covered >= options_.min_covered * all;
   sighting.votes_against = CountSightingsThrough(face, corners);

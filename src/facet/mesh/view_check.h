@@ -11,15 +11,14 @@
 
 namespace facet {
 
-/// A face as a camera sees it: places on the plane z = 1 and inverse depths, which are linear over
-/// the face.
-struct ProjectedFace {
-  std::array<Vector2d, 3> xy;
-  std::array<double, 3> inverse_depth{};
+/// A point as a camera sees it.
+struct ProjectedPoint {
+  Vector2d xy = Vector2d::Zero();  ///< on the plane z = 1
+  double inverse_depth = 0;        ///< linear over a face; 0: not in front of the camera
 };
+ProjectedPoint ProjectPoint(const Vector3d& p_C);
 
-/// Empty result (false) when a corner is not in front of the camera.
-bool ProjectFace(const std::array<Vector3d, 3>& p_C, ProjectedFace& face);
+using ProjectedFace = std::array<ProjectedPoint, 3>;
 
 /// What the view says about an old face.
 struct FaceSighting {
@@ -36,10 +35,11 @@ class ViewCheck {
   /// Starts over with the points of a view. Points that are not finite are ignored.
   void Begin(const MeshView& view);
 
-  /// A face that the view accepted.
+  /// A face that the view accepted. Ignored when a corner is not in front of the camera.
   void Draw(const ProjectedFace& face);
 
-  /// `corners`: the face's own vertices, which say nothing against it.
+  /// `corners`: the face's own vertices, which say nothing against it. Nothing is said about a face
+  /// with a corner that is not in front of the camera.
   FaceSighting Judge(const ProjectedFace& face, const std::array<LandmarkId, 3>& corners) const;
 
  private:
@@ -50,11 +50,10 @@ class ViewCheck {
     double margin;  ///< of the inverse depth
   };
 
-  int CellOf(const Vector2d& xy) const;
   int CountSightingsThrough(const ProjectedFace& face,
                             const std::array<LandmarkId, 3>& corners) const;
   template <class Visit>
-  void VisitCells(const ProjectedFace& face, const Visit& visit) const;
+  void VisitRows(const ProjectedFace& face, const Visit& visit) const;
 
   ContradictionOptions options_;
   double cell_ = 1;  // side, on the plane z = 1
