@@ -216,7 +216,7 @@ TEST_F(BadInputTest, SmallDamageIsSurvivedAndReported) {
   const std::string summary = ReadText(Out() / "summary.json");
   EXPECT_THAT(summary,
               AllOf(HasSubstr("not finite"),
-                    HasSubstr("the frame was skipped"),
+                    HasSubstr("their frames were skipped"),
                     HasSubstr("left image only")));
   EXPECT_THAT(summary, HasSubstr("\"damaged_frames\": 1"));
 }

@@ -182,9 +182,8 @@ void PrintOutcome(const RunRecord& record, const std::string& folder) {
 }
 
 int ExitCode(RunEnd end) {
-  constexpr int kInput = 3, kEstimator = 4, kInterrupted = 128 + SIGINT;
-  if (end == RunEnd::kStopped) return kInterrupted;
-  return end == RunEnd::kDamaged ? kInput : kEstimator;
+  constexpr int kEstimator = 4, kInterrupted = 128 + SIGINT;
+  return end == RunEnd::kStopped ? kInterrupted : kEstimator;
 }
 
 void Run(const RunArguments& arguments) {

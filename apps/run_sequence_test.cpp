@@ -16,6 +16,7 @@
 namespace facet {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
@@ -165,19 +166,51 @@ TEST_F(RunSequenceTest, DamagedImagesAreSkippedAndReported) {
   EXPECT_EQ(run.record.num_damaged, 1);
   ASSERT_EQ(vio_.mono.size(), 1u);
   EXPECT_EQ(vio_.mono[0].ns, FrameStamp(options_, 7));
-  EXPECT_THAT(run.record.warnings, Contains(HasSubstr("(the frame was skipped)")));
+  EXPECT_THAT(run.record.warnings, Contains(HasSubstr("1 of 12 left images are unusable")));
   EXPECT_THAT(run.record.warnings, Contains(HasSubstr("left image only")));
 }
 
-TEST_F(RunSequenceTest, ManyDamagedImagesInARowEndTheRun) {
-  options_.num_frames = 40;
+TEST_F(RunSequenceTest, ManyDamagedImagesInARowAreLikeMissingOnes) {
+  options_.num_frames = 60;
   Write();
-  for (int i = 10; i < 35; ++i)
+  for (int i = 10; i < 50; ++i) {
+    Truncate(Image(0, i), 500);
+    Truncate(Image(1, i), 500);
+  }
+  const SequenceRun run = Run();
+  EXPECT_EQ(run.end, RunEnd::kComplete);
+  EXPECT_EQ(vio_.frames.size(), 20u);
+  EXPECT_EQ(run.record.num_damaged, 40);
+  ASSERT_EQ(run.record.warnings.size(), 1u);
+  EXPECT_THAT(
+      run.record.warnings[0],
+      AllOf(HasSubstr("40 of 60 left images"), HasSubstr(Image(0, 10)), HasSubstr("truncated")));
+}
+
+TEST_F(RunSequenceTest, DamageAtTheBeginningOfThePart) {
+  options_.num_frames = 30;
+  Write();
+  for (int i = 0; i < 8; ++i)
     Truncate(Image(0, i), 500);
   const SequenceRun run = Run();
-  EXPECT_EQ(run.end, RunEnd::kDamaged);
-  EXPECT_THAT(run.message, HasSubstr("truncated PGM"));
-  EXPECT_EQ(run.record.frames.size(), 10u);
+  EXPECT_EQ(run.end, RunEnd::kComplete);
+  EXPECT_EQ(run.record.num_damaged, 8);
+  EXPECT_EQ(vio_.frames.front().ns, FrameStamp(options_, 8));
+}
+
+TEST_F(RunSequenceTest, NoReadableImageInThePartIsAnInputError) {
+  options_.num_frames = 30;
+  Write();
+  for (int i = 10; i < 30; ++i)
+    Truncate(Image(0, i), 500);
+  RunRange range;
+  range.start_s = 0.5;
+  try {
+    Run(range);
+    FAIL() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr(Image(0, 10)), HasSubstr("like all 20 left images")));
+  }
 }
 
 TEST_F(RunSequenceTest, NeverStarted) {
