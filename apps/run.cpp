@@ -205,9 +205,10 @@ void Run(const RunArguments& arguments) {
   if (arguments.mesh_format == "glb") WriteGlbMeshes(folder.staging(), run.record);
   folder.Commit();
 
+  for (const std::string& warning : run.record.warnings) {
+    if (warning != run.message) log->warn("facet: warning: {}", warning);
+  }
   if (run.end != RunEnd::kComplete) throw RunEndedError(ExitCode(run.end), run.message);
-  for (const std::string& warning : run.record.warnings)
-    log->warn("facet: warning: {}", warning);
   if (!arguments.quiet) PrintOutcome(run.record, folder.target().string());
 }
 

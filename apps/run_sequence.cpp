@@ -189,6 +189,7 @@ class SequenceRunner {
       pending_.pop_front();
       frame.cost.latency_ms = MsSince(frame.arrival);
       recorder_.Add(output, frame.cost);
+      if (!output.warning.empty()) run_.record.warnings.push_back(output.warning);
       goes_on = observer_(num_fed, run_.record.num_frames, output) && goes_on;
     }
     return goes_on;
@@ -235,6 +236,11 @@ class SequenceRunner {
                          " right images are unusable, their frames were used with the left image "
                          "only; the first: " +
                          unusable_right_.first);
+    }
+    if (recorder_.num_resets() > 0) {
+      warnings.push_back("the estimator was lost and started over " +
+                         std::to_string(recorder_.num_resets()) +
+                         " times: the trajectory may jump there (`status` in states.csv)");
     }
     if (recorder_.num_imu_gaps() > 0) {
       warnings.push_back("the IMU has " + std::to_string(recorder_.num_imu_gaps()) +

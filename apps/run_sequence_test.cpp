@@ -24,9 +24,10 @@ using testing::HasSubstr;
 struct FakeVio {
   std::vector<Timestamp> imu, frames, mono;
   std::vector<Timestamp> newest_imu;  // at each frame
-  int first_pose = 2, lost_from = 1000;
+  int first_pose = 2, lost_from = 1000, reset_at = -1;
   std::chrono::milliseconds busy{0};
   bool is_late = false;
+  std::string warning;  // with the fifth frame
   std::optional<VioOutput> late;
 
   VioOutput Process(const StereoFrame& frame) {
@@ -43,6 +44,8 @@ struct FakeVio {
                                      : TrackingStatus::kLost;
     output.reason = output.has_pose ? "" : "too few tracks";
     output.is_keyframe = i % 4 == 0;
+    output.was_reset = i == reset_at;
+    if (i == 4) output.warning = warning;
     // Each keyframe leaves the window one keyframe later.
     if (output.is_keyframe && i >= 4) {
       output.finished_keyframes.push_back(
@@ -230,6 +233,16 @@ TEST_F(RunSequenceTest, LostForGoodOrOnlyAtTheVeryEnd) {
   vio_ = FakeVio();
   vio_.lost_from = 35;
   EXPECT_EQ(Run().end, RunEnd::kComplete);
+}
+
+TEST_F(RunSequenceTest, WarningsOfTheEstimator) {
+  Write();
+  EXPECT_TRUE(Run().record.warnings.empty());
+  vio_ = FakeVio();
+  vio_.warning = "are the cameras swapped?";
+  vio_.reset_at = 6;
+  EXPECT_THAT(Run().record.warnings,
+              testing::ElementsAre("are the cameras swapped?", HasSubstr("started over 1 times")));
 }
 
 TEST_F(RunSequenceTest, StopsWhenAskedTo) {

@@ -8,6 +8,7 @@
 
 #include <Eigen/LU>
 
+#include "facet/estimator/imu_factor.h"
 #include "facet/estimator/initializer.h"
 #include "facet/estimator/landmark_depth.h"
 #include "facet/estimator/outlier_removal.h"
@@ -207,6 +208,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
       result.solve = solver_.Solve(window_, kRepairIterations);
     }
     newest_covariance_ = solver_.NewestFrameCovariance(window_);
+    result.imu_error_sigma = NewestImuError();
     JudgePlanes();
     KeepPlaneCovariances();
     RemoveOutliers();
@@ -541,6 +543,13 @@ int VioEstimator::NumSeenInNewest() const {
       window_.landmarks().begin(), window_.landmarks().end(), [&](const WindowLandmark& l) {
         return IsConstraining(l) && l.observations.back().frame == newest;
       }));
+}
+
+std::optional<double> VioEstimator::NewestImuError() const {
+  const WindowFrame& newest = window_.frames.back();
+  if (!newest.has_imu_link || newest.has_invented_imu) return std::nullopt;
+  const WindowFrame& before = window_.frames[window_.frames.size() - 2];
+  return ImuErrorSigma(newest.imu, newest.imu_sqrt_info, before.x, newest.x);
 }
 
 void VioEstimator::FillResult(const WindowFrame& frame,
