@@ -100,9 +100,11 @@ void BackStage::FillOutput(const FrontPacket& packet, EstimatorResult result, Vi
   feedback_.reset();
   if (out.is_keyframe && out.has_pose && !out.was_reset) {
     auto snapshot = std::make_shared<MapSnapshot>(estimator_.Snapshot());
-    feedback_ = Feedback{out.frame, snapshot->latest, snapshot->landmarks};
+    feedback_ = Feedback{out.frame, false, snapshot->latest, snapshot->landmarks};
     feedback_->state.t = out.t + time_offset_;
     out.snapshot = std::move(snapshot);
+  } else if (out.was_reset) {
+    feedback_ = Feedback{out.frame, true, {}, {}};
   }
 }
 

@@ -19,7 +19,7 @@ class BackStage {
 
   VioOutput Process(const FrontPacket& packet);
 
-  /// After a keyframe: what the front stage may use from now on; empty otherwise.
+  /// After a keyframe or a reset: what the front stage may use from now on; empty otherwise.
   const std::optional<Feedback>& feedback() const { return feedback_; }
 
   std::vector<KeyframePose> WindowKeyframes() const { return estimator_.Snapshot().keyframes; }
