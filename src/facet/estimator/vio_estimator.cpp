@@ -36,6 +36,8 @@ constexpr int kFewWrongMembers = 5;
 // Duplicates are kept up to this many frames: they average the pixel noise.
 constexpr int kMinStartFrames = 8;
 constexpr int kMinLandmarksOk = 8;
+// Of a slow camera: velocity and gravity from positions need three.
+constexpr int kFewestStartFrames = 4;
 // A start needs gravity: at most this many intervals of its window may be without IMU.
 constexpr int kMaxInventedIntervals = 1;
 // Beyond these the state is of no use to anybody: start again.
@@ -135,7 +137,7 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
       });
   result.num_constraining = static_cast<int>(num_constraining);
   result.reason = has_imu ? "collecting frames" : "no IMU";
-  if (num_frames < options_.start.min_frames) return result;
+  if (!HasEnoughFramesToStart()) return result;
   if (num_invented > kMaxInventedIntervals) {
     result.reason = "too little IMU";
   } else if (num_constraining < options_.start.min_landmarks) {
@@ -167,6 +169,13 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
     DropFirstFrame();
   }
   return result;
+}
+
+bool VioEstimator::HasEnoughFramesToStart() const {
+  const int num_frames = static_cast<int>(window_.frames.size());
+  const double span_s = ToSeconds(window_.frames.back().x.t - window_.frames.front().x.t);
+  return num_frames >= options_.start.min_frames ||
+         (num_frames >= kFewestStartFrames && span_s >= options_.start.enough_s);
 }
 
 void VioEstimator::DropUselessBeginning() {
@@ -317,8 +326,7 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   const bool no_imu = !IsUsable(imu.samples, t0, t1);
   const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(last.x, t0, t1) : imu.samples;
   frame.has_invented_imu = no_imu;
-  const bool has_hole = ToSeconds(imu.longest_gap) > options_.imu.max_gap_s;
-  const double scale = no_imu ? kNoImuNoiseScale : has_hole ? kGapNoiseScale : 1.0;
+  const double scale = no_imu ? kNoImuNoiseScale : imu.has_hole ? kGapNoiseScale : 1.0;
   ImuPreintegration step(last.x.bias, Scaled(imu_noise_, scale));
   step.Integrate(samples);
   frame.x = step.Predict(last.x);

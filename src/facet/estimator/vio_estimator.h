@@ -70,6 +70,7 @@ class VioEstimator {
   EstimatorResult TrackKeyframe(const FrameObservations& observations, StageTimes& times);
   EstimatorResult TrackPassingFrame(const FrameObservations& observations, StageTimes& times);
 
+  bool HasEnoughFramesToStart() const;
   /// Frames at the beginning that say nothing of the others: dark ones, or without IMU after them.
   void DropUselessBeginning();
   void DropFirstFrame();
