@@ -33,7 +33,7 @@ class CalibrationWatch {
   class RecentValues {
    public:
     void Add(Timestamp t, double value);
-    /// The value that this share of the others is below; empty until they are enough.
+    /// The value that this share of them is below; empty until they are enough.
     std::optional<double> Quantile(double share) const;
 
    private:
