@@ -184,6 +184,23 @@ TEST_F(BadInputTest, WrongUsage) {
   EXPECT_THAT(unknown.err, HasSubstr("unknown command 'fly'"));
 }
 
+TEST_F(BadInputTest, ShortWordsForNumbersOutOfRange) {
+  ExpectFailure(2, "--start: '-1' is not a number of at least 0; see", "--start -1");
+  ExpectFailure(2, "--duration: '1e400' is not a positive number; see", "--duration 1e400");
+  ExpectFailure(2, "--threads: Value 0 not in range 1 to 64; see", "--threads 0");
+}
+
+/// CLI11's own checks of signs print the largest number there is.
+TEST(ProgramTest, SignsOfNumbersAreCheckedInOnePlace) {
+  const std::filesystem::path apps = std::filesystem::path(testing::SourceFolder()) / "apps";
+  for (const auto& file : std::filesystem::directory_iterator(apps)) {
+    if (file.path().extension() != ".cpp" || file.path().stem() == "bad_input_test") continue;
+    EXPECT_THAT(ReadText(file.path()),
+                AllOf(Not(HasSubstr("CLI::Positive")), Not(HasSubstr("CLI::NonNegative"))))
+        << file.path();
+  }
+}
+
 TEST_F(BadInputTest, UnwritableOutput) {
   const ProgramRun in_proc =
       RunFacet("run " + Sequence().string() + " --quiet --out /proc/nowhere/run");
@@ -216,7 +233,7 @@ TEST_F(BadInputTest, SmallDamageIsSurvivedAndReported) {
   const std::string summary = ReadText(Out() / "summary.json");
   EXPECT_THAT(summary,
               AllOf(HasSubstr("not finite"),
-                    HasSubstr("the frame was skipped"),
+                    HasSubstr("their frames were skipped"),
                     HasSubstr("left image only")));
   EXPECT_THAT(summary, HasSubstr("\"damaged_frames\": 1"));
 }

@@ -182,9 +182,8 @@ void PrintOutcome(const RunRecord& record, const std::string& folder) {
 }
 
 int ExitCode(RunEnd end) {
-  constexpr int kInput = 3, kEstimator = 4, kInterrupted = 128 + SIGINT;
-  if (end == RunEnd::kStopped) return kInterrupted;
-  return end == RunEnd::kDamaged ? kInput : kEstimator;
+  constexpr int kEstimator = 4, kInterrupted = 128 + SIGINT;
+  return end == RunEnd::kStopped ? kInterrupted : kEstimator;
 }
 
 void Run(const RunArguments& arguments) {
@@ -206,9 +205,10 @@ void Run(const RunArguments& arguments) {
   if (arguments.mesh_format == "glb") WriteGlbMeshes(folder.staging(), run.record);
   folder.Commit();
 
+  for (const std::string& warning : run.record.warnings) {
+    if (warning != run.message) log->warn("facet: warning: {}", warning);
+  }
   if (run.end != RunEnd::kComplete) throw RunEndedError(ExitCode(run.end), run.message);
-  for (const std::string& warning : run.record.warnings)
-    log->warn("facet: warning: {}", warning);
   if (!arguments.quiet) PrintOutcome(run.record, folder.target().string());
 }
 

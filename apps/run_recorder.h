@@ -34,6 +34,7 @@ class RunRecorder {
   void MoveInto(RunRecord& record);
 
   int num_imu_gaps() const { return num_imu_gaps_; }
+  int num_resets() const { return num_resets_; }
 
  private:
   void AddMesh(const std::shared_ptr<const MeshSnapshot>& snapshot);

@@ -18,8 +18,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMaxDamagedInARow = 20;
-constexpr int kMaxDamagedReported = 3;
 constexpr double kLostForGoodS = 1.0;
 // A frame this close to the border of the chosen part belongs to it: EuRoC's stamps jitter by 256
 // ns.
@@ -74,6 +72,16 @@ FrameInterval SelectFrames(const std::vector<FrameEntry>& frames, const RunRange
   return part;
 }
 
+/// Images of one camera that cannot be read.
+struct UnusableImages {
+  int num = 0;
+  std::string first;  ///< what is wrong with the first one
+
+  void Add(const std::string& problem) {
+    if (num++ == 0) first = problem;
+  }
+};
+
 class SequenceRunner {
  public:
   SequenceRunner(AslDataset& dataset,
@@ -103,6 +111,7 @@ class SequenceRunner {
       if (!ProcessFrame(i)) StopAt(i);
     }
     Deliver(vio_.finish(), run_.record.num_frames);
+    RequireImages();
     run_.record.wall_s = 1e-3 * MsSince(start_);
     run_.record.cpu_s = ProcessCpuSeconds() - cpu_start_s;
     run_.record.peak_rss_mb = PeakRssMb();
@@ -180,6 +189,7 @@ class SequenceRunner {
       pending_.pop_front();
       frame.cost.latency_ms = MsSince(frame.arrival);
       recorder_.Add(output, frame.cost);
+      if (!output.warning.empty()) run_.record.warnings.push_back(output.warning);
       goes_on = observer_(num_fed, run_.record.num_frames, output) && goes_on;
     }
     return goes_on;
@@ -189,24 +199,12 @@ class SequenceRunner {
   bool Decode(std::size_t i) {
     try {
       const std::string problem = dataset_.ReadPair(i, images_.left, images_.right);
-      if (!problem.empty()) {
-        Report(num_mono_++, problem + " (the frame was used with its left image only)");
-      }
-      damaged_in_a_row_ = 0;
+      if (!problem.empty()) unusable_right_.Add(problem);
       return true;
     } catch (const InputError& error) {
-      Report(run_.record.num_damaged++, std::string(error.what()) + " (the frame was skipped)");
-      if (++damaged_in_a_row_ >= kMaxDamagedInARow) {
-        run_.end = RunEnd::kDamaged;
-        run_.message = std::string(error.what()) + " (like the " +
-                       std::to_string(kMaxDamagedInARow - 1) + " before it)";
-      }
+      unusable_left_.Add(error.what());
       return false;
     }
-  }
-
-  void Report(int num_before, const std::string& warning) {
-    if (num_before < kMaxDamagedReported) run_.record.warnings.push_back(warning);
   }
 
   void StopAt(std::size_t i) {
@@ -217,14 +215,32 @@ class SequenceRunner {
     run_.record.duration_s = ToSeconds(Stamp(i) - Stamp(part_.begin));
   }
 
+  /// Unusable images are like missing ones, unless there is nothing else.
+  void RequireImages() const {
+    if (run_.end != RunEnd::kComplete || !recorder_.frames().empty()) return;
+    throw InputError(unusable_left_.first + " (like all " + std::to_string(unusable_left_.num) +
+                     " left images that were read)");
+  }
+
   void SummarizeProblems() {
     std::vector<std::string>& warnings = run_.record.warnings;
-    if (run_.record.num_damaged > kMaxDamagedReported) {
-      warnings.push_back(std::to_string(run_.record.num_damaged) +
-                         " frames were skipped because their left image is unusable");
+    const std::string of_all = " of " + std::to_string(run_.record.num_frames);
+    run_.record.num_damaged = unusable_left_.num;
+    if (unusable_left_.num > 0) {
+      warnings.push_back(std::to_string(unusable_left_.num) + of_all +
+                         " left images are unusable, their frames were skipped; the first: " +
+                         unusable_left_.first);
     }
-    if (num_mono_ > kMaxDamagedReported) {
-      warnings.push_back(std::to_string(num_mono_) + " right images are unusable");
+    if (unusable_right_.num > 0) {
+      warnings.push_back(std::to_string(unusable_right_.num) + of_all +
+                         " right images are unusable, their frames were used with the left image "
+                         "only; the first: " +
+                         unusable_right_.first);
+    }
+    if (recorder_.num_resets() > 0) {
+      warnings.push_back("the estimator was lost and started over " +
+                         std::to_string(recorder_.num_resets()) +
+                         " times: the trajectory may jump there (`status` in states.csv)");
     }
     if (recorder_.num_imu_gaps() > 0) {
       warnings.push_back("the IMU has " + std::to_string(recorder_.num_imu_gaps()) +
@@ -237,7 +253,7 @@ class SequenceRunner {
 
   void JudgeTracking() {
     const std::vector<FrameRecord>& frames = recorder_.frames();
-    const std::string reason = frames.empty() ? "no image could be read" : frames.back().reason;
+    const std::string reason = frames.back().reason;
     if (!recorder_.last_good()) {
       run_.end = RunEnd::kNotStarted;
       run_.message = "the estimator could not start: " + reason +
@@ -266,8 +282,7 @@ class SequenceRunner {
   StereoFrame images_;
   std::deque<PendingFrame> pending_;
   std::size_t next_imu_ = 0;
-  int num_mono_ = 0;
-  int damaged_in_a_row_ = 0;
+  UnusableImages unusable_left_, unusable_right_;
 };
 
 }  // namespace

@@ -37,7 +37,6 @@ struct RunRange {
 enum class RunEnd {
   kComplete,
   kStopped,     ///< by the observer
-  kDamaged,     ///< too many left images in a row were unreadable
   kNotStarted,  ///< no frame got a pose
   kLost         ///< the last second or more has no pose
 };
@@ -53,10 +52,12 @@ struct SequenceRun {
 using RunObserver = std::function<bool(int done, int total, const VioOutput& output)>;
 
 /// Runs one part of a recording. Before each frame the IMU samples up to its stamp (plus the rig's
-/// time offset) and one more are fed. A frame whose left image is unusable is skipped, counted and
-/// reported, one with an unusable right image becomes a mono frame.
+/// time offset) and one more are fed. A frame whose left image is unusable is skipped like a
+/// missing one, however many there are in a row; one with an unusable right image becomes a mono
+/// frame. Both are counted, and one warning for each camera names the first.
 ///
-/// Throws ConfigError when the part is empty. The caller fills in version, pipeline, threads and
+/// Throws ConfigError when the part is empty, InputError when none of its left images can be read.
+/// The caller fills in version, pipeline, threads and
 /// config.
 SequenceRun RunSequence(AslDataset& dataset,
                         const VioFunctions& vio,

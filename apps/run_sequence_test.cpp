@@ -16,6 +16,7 @@
 namespace facet {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
@@ -23,9 +24,10 @@ using testing::HasSubstr;
 struct FakeVio {
   std::vector<Timestamp> imu, frames, mono;
   std::vector<Timestamp> newest_imu;  // at each frame
-  int first_pose = 2, lost_from = 1000;
+  int first_pose = 2, lost_from = 1000, reset_at = -1;
   std::chrono::milliseconds busy{0};
   bool is_late = false;
+  std::string warning;  // with the fifth frame
   std::optional<VioOutput> late;
 
   VioOutput Process(const StereoFrame& frame) {
@@ -42,6 +44,8 @@ struct FakeVio {
                                      : TrackingStatus::kLost;
     output.reason = output.has_pose ? "" : "too few tracks";
     output.is_keyframe = i % 4 == 0;
+    output.was_reset = i == reset_at;
+    if (i == 4) output.warning = warning;
     // Each keyframe leaves the window one keyframe later.
     if (output.is_keyframe && i >= 4) {
       output.finished_keyframes.push_back(
@@ -165,19 +169,51 @@ TEST_F(RunSequenceTest, DamagedImagesAreSkippedAndReported) {
   EXPECT_EQ(run.record.num_damaged, 1);
   ASSERT_EQ(vio_.mono.size(), 1u);
   EXPECT_EQ(vio_.mono[0].ns, FrameStamp(options_, 7));
-  EXPECT_THAT(run.record.warnings, Contains(HasSubstr("(the frame was skipped)")));
+  EXPECT_THAT(run.record.warnings, Contains(HasSubstr("1 of 12 left images are unusable")));
   EXPECT_THAT(run.record.warnings, Contains(HasSubstr("left image only")));
 }
 
-TEST_F(RunSequenceTest, ManyDamagedImagesInARowEndTheRun) {
-  options_.num_frames = 40;
+TEST_F(RunSequenceTest, ManyDamagedImagesInARowAreLikeMissingOnes) {
+  options_.num_frames = 60;
   Write();
-  for (int i = 10; i < 35; ++i)
+  for (int i = 10; i < 50; ++i) {
+    Truncate(Image(0, i), 500);
+    Truncate(Image(1, i), 500);
+  }
+  const SequenceRun run = Run();
+  EXPECT_EQ(run.end, RunEnd::kComplete);
+  EXPECT_EQ(vio_.frames.size(), 20u);
+  EXPECT_EQ(run.record.num_damaged, 40);
+  ASSERT_EQ(run.record.warnings.size(), 1u);
+  EXPECT_THAT(
+      run.record.warnings[0],
+      AllOf(HasSubstr("40 of 60 left images"), HasSubstr(Image(0, 10)), HasSubstr("truncated")));
+}
+
+TEST_F(RunSequenceTest, DamageAtTheBeginningOfThePart) {
+  options_.num_frames = 30;
+  Write();
+  for (int i = 0; i < 8; ++i)
     Truncate(Image(0, i), 500);
   const SequenceRun run = Run();
-  EXPECT_EQ(run.end, RunEnd::kDamaged);
-  EXPECT_THAT(run.message, HasSubstr("truncated PGM"));
-  EXPECT_EQ(run.record.frames.size(), 10u);
+  EXPECT_EQ(run.end, RunEnd::kComplete);
+  EXPECT_EQ(run.record.num_damaged, 8);
+  EXPECT_EQ(vio_.frames.front().ns, FrameStamp(options_, 8));
+}
+
+TEST_F(RunSequenceTest, NoReadableImageInThePartIsAnInputError) {
+  options_.num_frames = 30;
+  Write();
+  for (int i = 10; i < 30; ++i)
+    Truncate(Image(0, i), 500);
+  RunRange range;
+  range.start_s = 0.5;
+  try {
+    Run(range);
+    FAIL() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr(Image(0, 10)), HasSubstr("like all 20 left images")));
+  }
 }
 
 TEST_F(RunSequenceTest, NeverStarted) {
@@ -197,6 +233,16 @@ TEST_F(RunSequenceTest, LostForGoodOrOnlyAtTheVeryEnd) {
   vio_ = FakeVio();
   vio_.lost_from = 35;
   EXPECT_EQ(Run().end, RunEnd::kComplete);
+}
+
+TEST_F(RunSequenceTest, WarningsOfTheEstimator) {
+  Write();
+  EXPECT_TRUE(Run().record.warnings.empty());
+  vio_ = FakeVio();
+  vio_.warning = "are the cameras swapped?";
+  vio_.reset_at = 6;
+  EXPECT_THAT(Run().record.warnings,
+              testing::ElementsAre("are the cameras swapped?", HasSubstr("started over 1 times")));
 }
 
 TEST_F(RunSequenceTest, StopsWhenAskedTo) {

@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "number_check.h"
 #include "progress_bar.h"
 #include "run.h"
 
@@ -179,7 +180,9 @@ void AddOptions(CLI::App& command, SimulateArguments& a) {
   command.add_option("--imu", r.imu, "real IMU of the recorded trajectory (csv)");
   command.add_option("--calibration", r.calibration, "as for facet run; default: EuRoC's vehicle");
   command.add_option("--textures", r.textures, "folder with images for pictures and prints");
-  command.add_option("--seed", r.seed, "another scene, flight and noise")->capture_default_str();
+  command.add_option("--seed", r.seed, "another scene, flight and noise")
+      ->check(NonNegativeNumber())
+      ->capture_default_str();
   command
       .add_option("--noise-seeds",
                   a.num_noise_seeds,
@@ -187,9 +190,9 @@ void AddOptions(CLI::App& command, SimulateArguments& a) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command.add_option("--start", r.start_s, "seconds into a recorded trajectory")
-      ->check(CLI::NonNegativeNumber);
+      ->check(NonNegativeNumber());
   command.add_option("--duration", r.duration_s, "seconds (20; recorded: all)")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command.add_option("--threads", r.num_threads, "any number gives the same files")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();

@@ -73,6 +73,14 @@ TEST_F(SimulateTest, WrongUsage) {
   Expect(run, 2, "--out DIR is required");
 }
 
+TEST_F(SimulateTest, ShortWordsForNumbersOutOfRange) {
+  ExpectFailure(2, "--start: '-1' is not a number of at least 0; see", "--start -1");
+  ExpectFailure(2, "--duration: '0' is not a positive number; see", "--duration 0");
+  ExpectFailure(2, "--duration: '1e999' is not a positive number; see", "--duration 1e999");
+  ExpectFailure(2, "--seed: '-1' is not a number of at least 0; see", "--seed -1");
+  ExpectFailure(2, "--noise-seeds: Value 0 not in range 1 to 100; see", "--noise-seeds 0");
+}
+
 TEST_F(SimulateTest, NoiseSeeds) {
   ExpectFailure(2, "--noise-seeds", "--noise-seeds 0");
   ExpectFailure(2, "without noise all sequences are the same", "--noise-seeds 2 --noise-free");

@@ -95,7 +95,7 @@ int Main(int argc, char** argv) {
   app.add_option("--keyframe-every", options.keyframe_every, "frames per keyframe")
       ->check(CLI::Range(1, 100));
   app.add_option("--pixel-sigma", options.pixel_sigma, "1-sigma of the corners [px]")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(0.01, 100.0));
   app.add_option("--planes", options.num_planes, "0: none, 1: the board, 4: its quarters")
       ->check(CLI::IsMember({0, 1, 4}));
   app.add_flag("--hide", options.hide_quarters, "hide each quarter of the board for 8 s");

@@ -15,8 +15,9 @@ struct ImuOptions {
   double accel_noise_scale = 8.0;  ///< (!) times the calibration's accelerometer noise density
   double gyro_walk_scale = 1.0;    ///< times the gyro bias walk density
   double accel_walk_scale = 1.0;   ///< times the accelerometer bias walk density
-  double max_gap_s =
-      0.02;  ///< a longer hole between samples is counted and makes the interval less certain
+  /// A longer hole between samples (and longer than one and a half of their usual steps) is counted
+  /// and makes the interval less certain.
+  double max_gap_s = 0.02;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -243,6 +244,7 @@ struct ProjectionOptions {
 /// What is assumed before anything was measured: wide, so that the data decide.
 struct StartOptions {
   int min_frames = 7;        ///< stereo frames before the first pose
+  double enough_s = 0.28;    ///< fewer of them are enough when they span this
   double max_wait_s = 0.45;  ///< IMU gravity fit with larger uncertainty is accepted from here on
   double max_tilt_deg =
       2.0;  ///< 1-sigma tilt that is good enough for the first pose before max_wait_s
@@ -256,6 +258,7 @@ struct StartOptions {
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Field("min_frames", min_frames, Range{3, 60}, "stereo frames before the first pose");
+    v.Field("enough_s", enough_s, Range{0, 10}, "fewer of them are enough when they span this [s]");
     v.Field("max_wait_s",
             max_wait_s,
             Range{0.1, 10},

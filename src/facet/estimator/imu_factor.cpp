@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/imu_factor.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -63,6 +65,16 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, c
   Ji.block<6, 6>(9, 9) = -Matrix<6, 6>::Identity();
   Jj.block<6, 6>(9, 9) = Matrix<6, 6>::Identity();
   return out;
+}
+
+double ImuErrorSigma(const ImuPreintegration& measured,
+                     const Matrix<15, 15>& sqrt_info,
+                     const NavState& i,
+                     const NavState& j) {
+  const Vector<15> r = sqrt_info * ImuError(measured, i, j);
+  const double sigma =
+      std::sqrt(std::max(r.segment<3>(0).squaredNorm() / 3, r.segment<6>(3).squaredNorm() / 6));
+  return std::isfinite(r.sum()) ? sigma : std::numeric_limits<double>::infinity();
 }
 
 Matrix<15, 15> ImuSqrtInfo(const ImuPreintegration& measured, const BiasWalk& walk) {

@@ -26,6 +26,13 @@ Vector<15> ImuError(const ImuPreintegration& measured, const NavState& i, const 
 /// Unwhitened residual and Jacobians.
 ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, const NavState& j);
 
+/// How far the two states are from the measured motion: RMS of its whitened errors, those of the
+/// rotation or those of position and velocity, whichever is larger. Infinite if not a number.
+double ImuErrorSigma(const ImuPreintegration& measured,
+                     const Matrix<15, 15>& sqrt_info,
+                     const NavState& i,
+                     const NavState& j);
+
 /// Inverse Cholesky factor of the 15x15 covariance: whitened residual = ImuSqrtInfo * r.
 Matrix<15, 15> ImuSqrtInfo(const ImuPreintegration& measured, const BiasWalk& walk);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/imu_factor.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "facet/estimator/test_window.h"
@@ -47,6 +49,28 @@ TEST(ImuFactorTest, JacobiansMatchNumericDerivatives) {
         1e-8,
         1e-5);
   }
+}
+
+TEST(ImuFactorTest, ErrorSigmaOfOneIsOneSigma) {
+  Rng rng(3);
+  const ImuPreintegration imu = RandomInterval(0.2, rng);
+  const Matrix<15, 15> sqrt_info = ImuSqrtInfo(imu, {});
+  const NavState i = RandomState(rng);
+  EXPECT_LT(ImuErrorSigma(imu, sqrt_info, i, imu.Predict(i)), 1e-6);
+  double sum = 0;
+  constexpr int kRuns = 200;
+  for (int run = 0; run < kRuns; ++run) {
+    Vector<15> noise;
+    for (int k = 0; k < 15; ++k)
+      noise[k] = rng.Normal();
+    const Vector<15> step = sqrt_info.inverse() * noise;
+    sum += ImuErrorSigma(imu, sqrt_info, i, testing::Retract(imu.Predict(i), step));
+  }
+  // The larger one of two RMS of few values is somewhat above 1.
+  EXPECT_NEAR(sum / kRuns, 1.1, 0.15);
+  NavState broken = imu.Predict(i);
+  broken.v_WB.x() = std::nan("");
+  EXPECT_TRUE(std::isinf(ImuErrorSigma(imu, sqrt_info, i, broken)));
 }
 
 TEST(ImuFactorTest, ResidualVanishesAtThePrediction) {

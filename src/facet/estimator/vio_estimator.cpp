@@ -8,6 +8,7 @@
 
 #include <Eigen/LU>
 
+#include "facet/estimator/imu_factor.h"
 #include "facet/estimator/initializer.h"
 #include "facet/estimator/landmark_depth.h"
 #include "facet/estimator/outlier_removal.h"
@@ -35,6 +36,8 @@ constexpr int kFewWrongMembers = 5;
 // Duplicates are kept up to this many frames: they average the pixel noise.
 constexpr int kMinStartFrames = 8;
 constexpr int kMinLandmarksOk = 8;
+// Of a slow camera: velocity and gravity from positions need three.
+constexpr int kFewestStartFrames = 4;
 // A start needs gravity: at most this many intervals of its window may be without IMU.
 constexpr int kMaxInventedIntervals = 1;
 // Beyond these the state is of no use to anybody: start again.
@@ -134,7 +137,7 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
       });
   result.num_constraining = static_cast<int>(num_constraining);
   result.reason = has_imu ? "collecting frames" : "no IMU";
-  if (num_frames < options_.start.min_frames) return result;
+  if (!HasEnoughFramesToStart()) return result;
   if (num_invented > kMaxInventedIntervals) {
     result.reason = "too little IMU";
   } else if (num_constraining < options_.start.min_landmarks) {
@@ -166,6 +169,13 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
     DropFirstFrame();
   }
   return result;
+}
+
+bool VioEstimator::HasEnoughFramesToStart() const {
+  const int num_frames = static_cast<int>(window_.frames.size());
+  const double span_s = ToSeconds(window_.frames.back().x.t - window_.frames.front().x.t);
+  return num_frames >= options_.start.min_frames ||
+         (num_frames >= kFewestStartFrames && span_s >= options_.start.enough_s);
 }
 
 void VioEstimator::DropUselessBeginning() {
@@ -207,6 +217,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
       result.solve = solver_.Solve(window_, kRepairIterations);
     }
     newest_covariance_ = solver_.NewestFrameCovariance(window_);
+    result.imu_error_sigma = NewestImuError();
     JudgePlanes();
     KeepPlaneCovariances();
     RemoveOutliers();
@@ -315,8 +326,7 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   const bool no_imu = !IsUsable(imu.samples, t0, t1);
   const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(last.x, t0, t1) : imu.samples;
   frame.has_invented_imu = no_imu;
-  const bool has_hole = ToSeconds(imu.longest_gap) > options_.imu.max_gap_s;
-  const double scale = no_imu ? kNoImuNoiseScale : has_hole ? kGapNoiseScale : 1.0;
+  const double scale = no_imu ? kNoImuNoiseScale : imu.has_hole ? kGapNoiseScale : 1.0;
   ImuPreintegration step(last.x.bias, Scaled(imu_noise_, scale));
   step.Integrate(samples);
   frame.x = step.Predict(last.x);
@@ -541,6 +551,13 @@ int VioEstimator::NumSeenInNewest() const {
       window_.landmarks().begin(), window_.landmarks().end(), [&](const WindowLandmark& l) {
         return IsConstraining(l) && l.observations.back().frame == newest;
       }));
+}
+
+std::optional<double> VioEstimator::NewestImuError() const {
+  const WindowFrame& newest = window_.frames.back();
+  if (!newest.has_imu_link || newest.has_invented_imu) return std::nullopt;
+  const WindowFrame& before = window_.frames[window_.frames.size() - 2];
+  return ImuErrorSigma(newest.imu, newest.imu_sqrt_info, before.x, newest.x);
 }
 
 void VioEstimator::FillResult(const WindowFrame& frame,

@@ -35,6 +35,8 @@ struct EstimatorResult {
   int num_constraining = 0;    ///< landmarks that constrain the window and are seen in this frame
   bool was_reset = false;      ///< the estimator gave up its state and starts again with this frame
   SolveSummary solve;
+  /// Keyframes with an IMU interval: how far it is from the solved window (see ImuErrorSigma).
+  std::optional<double> imu_error_sigma;
   /// Keyframes that left the window, with their final poses.
   std::vector<KeyframePose> finished_keyframes;
 };
@@ -68,6 +70,7 @@ class VioEstimator {
   EstimatorResult TrackKeyframe(const FrameObservations& observations, StageTimes& times);
   EstimatorResult TrackPassingFrame(const FrameObservations& observations, StageTimes& times);
 
+  bool HasEnoughFramesToStart() const;
   /// Frames at the beginning that say nothing of the others: dark ones, or without IMU after them.
   void DropUselessBeginning();
   void DropFirstFrame();
@@ -103,6 +106,7 @@ class VioEstimator {
   double TiltSigma() const;
   void FillResult(const WindowFrame& frame, int num_used, EstimatorResult& result) const;
   int NumSeenInNewest() const;
+  std::optional<double> NewestImuError() const;
   void Reset();
 
   StereoRig rig_;

@@ -107,6 +107,43 @@ TEST(VioEstimatorTest, TracksAGoodRecording) {
   EXPECT_LT(MotionError(outcome, first, outcome.results.size() - 1), 0.1);
 }
 
+// Seconds from the first frame to the first pose, with a camera of this rate.
+double SecondsToStart(bool is_at_rest, double frame_rate_hz) {
+  FeatureSimulatorOptions options;
+  options.frame_rate_hz = frame_rate_hz;
+  options.max_tracks = 70;
+  options.duration_s = 4;
+  std::vector<NavState> poses = MakeFlight(10, 2);
+  if (is_at_rest) {
+    for (NavState& pose : poses)
+      pose.T_WB = poses.front().T_WB;
+  }
+  const SimulatedRun run = SimulateFeatures(SplineTrajectory::Fit(poses), EurocRig(), options, 1);
+  ImuBuffer buffer;
+  for (const ImuSample& sample : run.imu)
+    buffer.Add(sample);
+  VioEstimator estimator(run.rig, ImuNoise{}, {});
+  StageTimes times;
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    ImuInterval imu;
+    if (i > 0) {
+      imu = buffer.Between(run.truth[i - 1].t, run.truth[i].t, Duration{20'000'000}, {});
+    }
+    if (estimator.AddFrame(run.frames[i], imu, times).has_state)
+      return ToSeconds(run.frames[i].t - run.frames[0].t);
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+TEST(VioEstimatorTest, ASlowCameraStartsNearlyAsSoon) {
+  for (const bool is_at_rest : {false, true}) {
+    EXPECT_NEAR(SecondsToStart(is_at_rest, 20), 0.3, 1e-6);
+    EXPECT_NEAR(SecondsToStart(is_at_rest, 15), 0.333, 0.001);
+    EXPECT_NEAR(SecondsToStart(is_at_rest, 10), 0.3, 1e-6);
+    EXPECT_NEAR(SecondsToStart(is_at_rest, 5), 0.6, 1e-6);
+  }
+}
+
 TEST(VioEstimatorTest, TheSameInputGivesTheSameBits) {
   const Outcome a = Estimate([](std::size_t, Input&) {});
   const Outcome b = Estimate([](std::size_t, Input&) {});
@@ -253,6 +290,7 @@ TEST(VioEstimatorTest, SurvivesAHoleInTheImu) {
     samples.erase(samples.begin() + 1, samples.end() - 1);
     input.imu.gaps = 1;
     input.imu.longest_gap = samples.back().t - samples.front().t;
+    input.imu.has_hole = true;
   });
   ExpectRecovers(outcome, 0.05);
   EXPECT_EQ(outcome.num_resets, 0);

@@ -2,6 +2,7 @@
 #include "facet/eval/run_evaluation.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 
@@ -9,6 +10,7 @@
 
 #include "facet/eval/evaluation_json.h"
 #include "facet/eval/mesh_evaluation.h"
+#include "facet/eval/quaternion_order.h"
 #include "facet/eval/time_alignment.h"
 #include "facet/io/errors.h"
 #include "facet/io/text_file.h"
@@ -81,6 +83,22 @@ void EvaluateKeyframes(const fs::path& result,
   } catch (const InputError& error) {
     evaluation.warnings.push_back(std::string(error.what()) + "; keyframes are not judged");
   }
+}
+
+void CheckQuaternions(const fs::path& truth, RunEvaluation& evaluation) {
+  const auto swapped = FindSwappedQuaternions(evaluation.pairs);
+  if (!swapped) return;
+  char degrees[120];
+  std::snprintf(degrees,
+                sizeof(degrees),
+                "%.0f deg in the median, but by %.1f deg",
+                swapped->as_read_deg,
+                swapped->reordered_deg);
+  evaluation.warnings.push_back(
+      evaluation.result.string() + ": the orientations are off by " + degrees +
+      " with the quaternion's columns in another order: here or in " + truth.string() +
+      " they are not as expected (TUM: qx qy qz qw, EuRoC csv: qw,qx,qy,qz); only what is said of "
+      "positions holds");
 }
 
 void RequirePart(bool is_wanted, bool is_there, const fs::path& where, const std::string& what) {
@@ -167,6 +185,7 @@ RunEvaluation EvaluateRun(const std::filesystem::path& result,
   if (options.parts_must_exist) RequireParts(result, truth, options);
   evaluation.causal = EvaluateTrajectory(trajectory.poses, truth.poses, options.trajectory);
   evaluation.pairs = Associate(trajectory.poses, truth.poses).pairs;
+  CheckQuaternions(truth.pose_file, evaluation);
   EvaluateKeyframes(result, truth, options, evaluation);
   EvaluateParts(result, truth, options, evaluation);
   return evaluation;

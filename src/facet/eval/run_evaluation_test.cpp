@@ -15,6 +15,7 @@ namespace facet {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -87,6 +88,24 @@ TEST_F(RunEvaluationTest, PerfectRunHasNoErrorAndTheRightCoverage) {
   EXPECT_LT(evaluation.causal.ate_m.max, 1e-8);
   EXPECT_DOUBLE_EQ(*evaluation.coverage, 0.9);
   EXPECT_FALSE(evaluation.keyframes);
+}
+
+TEST_F(RunEvaluationTest, QuaternionsInTheWrongOrderGiveAWarning) {
+  EXPECT_TRUE(Evaluate().warnings.empty());
+  std::vector<StampedPose> swapped = Circle(90, 50'000'000);
+  for (StampedPose& pose : swapped) {
+    const Quaterniond q = pose.T_WB.q;
+    pose.T_WB.q = Quaterniond(q.z(), q.w(), q.x(), q.y());
+  }
+  WriteTum(result() / "trajectory.tum", swapped);
+  EXPECT_THAT(Evaluate().warnings,
+              ElementsAre(AllOf(HasSubstr("result: the orientations are off by"),
+                                HasSubstr("TUM: qx qy qz qw"))));
+  // The same file as truth.
+  const GroundTruth truth = LoadGroundTruth(result() / "trajectory.tum");
+  const RunEvaluation other =
+      EvaluateRun(sequence() / "mav0/state_groundtruth_estimate0/data.csv", truth, {});
+  EXPECT_THAT(other.warnings, ElementsAre(HasSubstr("or in " + truth.pose_file.string())));
 }
 
 TEST_F(RunEvaluationTest, CoverageFollowsTheSummaryOfTheRun) {

@@ -239,6 +239,7 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
     }
     const ScopedStage stage(times, Stage::kStereo);
     MatchStereo(frame.right);
+    result.right_ok = has_right;
     StartKeyframe();
   }
   FillObservations(result);

@@ -48,10 +48,11 @@ struct FrontendResult {
   TrackingSummary tracking;  ///< points of the previous frame; num_tracked without the outliers
   /// On keyframes: [1/m] along z of the left camera, one per observation; 0 where not known.
   std::vector<double> inverse_depths;
-  int num_outliers = 0;  ///< points removed because they contradict the motion of the others
-  int num_new = 0;       ///< points that begin in this frame
-  int num_stereo = 0;    ///< observations with a right pixel
-  bool image_ok = true;  ///< false: no left image, or one of the wrong size or type
+  int num_outliers = 0;   ///< points removed because they contradict the motion of the others
+  int num_new = 0;        ///< points that begin in this frame
+  int num_stereo = 0;     ///< observations with a right pixel
+  bool right_ok = false;  ///< keyframes: there was a right image that could be used
+  bool image_ok = true;   ///< false: no left image, or one of the wrong size or type
 };
 
 /// Owns the tracks. Deterministic: the same frames and hints give the same observations on every

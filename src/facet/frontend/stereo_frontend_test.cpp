@@ -218,8 +218,12 @@ TEST_F(FrontendTest, SurvivesUnusableImages) {
     if (i == 4) {
       EXPECT_TRUE(result.observations.is_keyframe);
       EXPECT_EQ(result.num_stereo, 0);
+      EXPECT_FALSE(result.right_ok);
       for (const FeatureObservation& o : result.observations.features)
         before.push_back(o.landmark);
+    }
+    if (i == 0) {
+      EXPECT_TRUE(result.right_ok);
     }
     if (!result.image_ok) {
       EXPECT_TRUE(result.observations.features.empty());

@@ -3,9 +3,17 @@
 
 #include <algorithm>
 
+#include "facet/base/median.h"
+
 namespace facet {
 
 namespace {
+
+// So many steps that a second of damage hardly moves their median.
+constexpr std::size_t kNumSteps = 200;
+constexpr double kUsualSteps = 1.5;
+// Whatever the sensor does: a longer step is a hole.
+constexpr double kLongestStep_s = 0.15;
 
 bool IsUsable(const Vector3d& x) {
   // The comparison is false for NaN.
@@ -23,6 +31,8 @@ ImuSample Interpolate(const ImuSample& a, const ImuSample& b, Timestamp t) {
 ImuBuffer::AddResult ImuBuffer::Add(const ImuSample& sample) {
   if (!IsUsable(sample.gyro) || !IsUsable(sample.accel)) return AddResult::kNotFinite;
   if (!samples_.empty() && sample.t <= samples_.back().t) return AddResult::kNotInOrder;
+  if (!samples_.empty()) steps_s_.push_back(ToSeconds(sample.t - samples_.back().t));
+  if (steps_s_.size() > kNumSteps) steps_s_.pop_front();
   samples_.push_back(sample);
   return AddResult::kAdded;
 }
@@ -33,6 +43,9 @@ ImuInterval ImuBuffer::Between(Timestamp t0,
                                Duration max_extrapolation) const {
   ImuInterval result;
   if (samples_.empty() || t1 < t0 || t0 < samples_.front().t) return result;
+  const Duration usual = LongestUsualStep();
+  max_gap = std::max(max_gap, usual);
+  max_extrapolation = std::max(max_extrapolation, usual);
   // The first sample after t; samples_.front() is never after t0.
   const auto after = [this](Timestamp t) {
     return std::upper_bound(
@@ -56,6 +69,7 @@ ImuInterval ImuBuffer::Between(Timestamp t0,
     const bool held = !is_known(it);
     const Duration hole = (held ? t1 : it->t) - previous;
     result.longest_gap = std::max(result.longest_gap, hole);
+    result.has_hole = result.longest_gap > max_gap;
     if (hole > max_gap && t0 - previous <= max_gap) ++result.gaps;
     if (held) {
       if (hole > max_extrapolation) return result;
@@ -70,6 +84,12 @@ ImuInterval ImuBuffer::Between(Timestamp t0,
   }
   if (t1 > t0) result.samples.push_back(sample_at(t1));
   return result;
+}
+
+Duration ImuBuffer::LongestUsualStep() const {
+  std::vector<double> steps_s(steps_s_.begin(), steps_s_.end());
+  const double usual_s = Median(steps_s).value_or(0);
+  return FromSeconds(std::min(kUsualSteps * usual_s, kLongestStep_s));
 }
 
 void ImuBuffer::DropBefore(Timestamp t) {

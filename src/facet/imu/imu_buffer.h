@@ -17,6 +17,7 @@ struct ImuInterval {
   int gaps = 0;
   /// Longest time between two samples that overlaps [t0, t1], as far as it is known at t1.
   Duration longest_gap;
+  bool has_hole = false;  ///< longest_gap is longer than allowed
 };
 
 /// Not thread-safe. Accepts any content: what is not finite, not in order or a duplicate is
@@ -31,10 +32,14 @@ class ImuBuffer {
 
   AddResult Add(const ImuSample& sample);
 
+  /// A step between samples is a hole if it is longer than `max_gap` and than one and a half times
+  /// the usual step: a slow sensor has no holes.
+  ///
   /// Samples of [t0, t1], linearly interpolated at both ends. Where the buffer, or what was known
-  /// of it at t1, ends before t1 by at most `max_extrapolation` the last sample is held; otherwise,
-  /// or where the buffer begins after t0 or t1 < t0, `samples` is empty. What comes after a hole
-  /// that contains t1 is not used: it is the future. One sample if t0 == t1.
+  /// of it at t1, ends before t1 by at most `max_extrapolation` (or one and a half times the usual
+  /// step, if that is longer) the last sample is held; otherwise, or where the buffer begins after
+  /// t0 or t1 < t0, `samples` is empty. What comes after a hole that contains t1 is not used: it is
+  /// the future. One sample if t0 == t1.
   ImuInterval Between(Timestamp t0,
                       Timestamp t1,
                       Duration max_gap,
@@ -49,7 +54,10 @@ class ImuBuffer {
   Timestamp last_stamp() const { return samples_.back().t; }
 
  private:
+  Duration LongestUsualStep() const;
+
   std::deque<ImuSample> samples_;
+  std::deque<double> steps_s_;  // between the newest samples, also those that were dropped since
 };
 
 }  // namespace facet

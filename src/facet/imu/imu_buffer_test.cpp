@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/imu/imu_buffer.h"
 
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -100,6 +101,47 @@ TEST(ImuBufferTest, CountsGaps) {
   EXPECT_EQ(Between(buffer, 80, 95).gaps, 0) << "at its end";
   EXPECT_EQ(Between(buffer, 80, 95).longest_gap, Duration{50'000'000});
   EXPECT_EQ(Between(buffer, 30, 40).gaps, 0) << "between two holes";
+}
+
+// Sensors of 10 to 1000 Hz; the camera is in step with none of them.
+TEST(ImuBufferTest, ASlowSensorHasNoHoles) {
+  for (double step_ms : {100.0, 50.0, 33.3, 25.0, 20.0, 10.0, 5.0, 1.0}) {
+    ImuBuffer buffer;
+    double newest_ms = 0;
+    buffer.Add(Sample(0));
+    for (double ms = 200; ms < 5000; ms += 50) {
+      while (newest_ms <= ms) {
+        newest_ms += step_ms;
+        const double jitter_ms = 0.1 * step_ms * std::sin(newest_ms);
+        buffer.Add(Sample(newest_ms + jitter_ms));
+      }
+      const ImuInterval interval = Between(buffer, ms - 50, ms);
+      EXPECT_EQ(interval.gaps, 0) << step_ms << " ms";
+      EXPECT_FALSE(interval.has_hole) << step_ms << " ms";
+      EXPECT_GE(interval.samples.size(), 2u) << step_ms << " ms";
+    }
+    // Three of its samples are missing.
+    newest_ms += std::max(4 * step_ms, 30.0);
+    buffer.Add(Sample(newest_ms));
+    const ImuInterval interval = Between(buffer, 4950, newest_ms);
+    EXPECT_EQ(interval.gaps, 1) << step_ms << " ms";
+    EXPECT_TRUE(interval.has_hole) << step_ms << " ms";
+  }
+}
+
+TEST(ImuBufferTest, HoldsTheLastSampleOfASlowSensorUntilTheNextIsDue) {
+  ImuBuffer buffer;
+  for (int i = 0; i < 10; ++i)
+    buffer.Add(Sample(50.0 * i));  // up to 450 ms
+  EXPECT_EQ(Between(buffer, 400, 500).samples.size(), 3u);
+  EXPECT_TRUE(Between(buffer, 400, 530).samples.empty());
+}
+
+TEST(ImuBufferTest, ASecondOfDamageDoesNotMakeHolesUsual) {
+  ImuBuffer buffer = EveryFiveMs(300);  // up to 1495 ms
+  for (int i = 1; i <= 20; ++i)
+    buffer.Add(Sample(1495 + 50.0 * i));
+  EXPECT_EQ(Between(buffer, 1495, 2495).gaps, 20);
 }
 
 TEST(ImuBufferTest, DoesNotLookAcrossAHole) {

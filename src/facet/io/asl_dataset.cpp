@@ -61,6 +61,11 @@ std::size_t FindPartner(Timestamp t,
   return next++;
 }
 
+/// An image that is not of the calibrated size.
+struct WrongSizeError : InputError {
+  using InputError::InputError;
+};
+
 std::string Seconds(Timestamp t) {
   char text[40];
   std::snprintf(text, sizeof(text), "%.3f s", static_cast<double>(t.ns) * 1e-9);
@@ -102,7 +107,7 @@ AslDataset::AslDataset(const fs::path& sequence, const CalibrationFiles& calibra
   PairImages();
   imu_ = ReadImuFile(mav0_ / "imu0" / "data.csv", warnings_);
   CheckOverlap();
-  CheckFirstImages();
+  RequireReadablePair();
 }
 
 fs::path AslDataset::DataFolder(int camera) const {
@@ -164,20 +169,28 @@ void AslDataset::CheckOverlap() {
   }
 }
 
-void AslDataset::CheckFirstImages() {
-  // One damaged pair is no reason to give up; five in a row are.
-  constexpr std::size_t kNumTries = 5;
+void AslDataset::RequireReadablePair() {
+  constexpr int kMaxWrongSizes = 5;
   cv::Mat left, right;
-  for (std::size_t i = 0;; ++i) {
+  std::string first_problem;
+  int num_wrong_sizes = 0;
+  for (std::size_t i = 0; i < frames_.size() && num_wrong_sizes < kMaxWrongSizes; ++i) {
+    std::string problem;
     try {
-      const std::string problem = ReadPair(i, left, right);
+      problem = ReadPair(i, left, right);
       if (!right.empty()) return;
-      if (!problem.empty()) throw InputError(problem);
-    } catch (const InputError&) {
-      if (i + 1 >= std::min(kNumTries, frames_.size())) throw;
+    } catch (const WrongSizeError& error) {
+      // No damage but the wrong calibration: no need to read them all.
+      problem = error.what();
+      ++num_wrong_sizes;
+    } catch (const InputError& error) {
+      problem = error.what();
     }
-    if (i + 1 >= frames_.size()) return;
+    if (first_problem.empty()) first_problem = problem;
   }
+  throw InputError(first_problem + (num_wrong_sizes < kMaxWrongSizes
+                                        ? " (and no other stereo pair can be read)"
+                                        : ""));
 }
 
 void AslDataset::ReadImage(int camera, const std::string& file, cv::Mat& image) {
@@ -185,10 +198,11 @@ void AslDataset::ReadImage(int camera, const std::string& file, cv::Mat& image) 
   reader_.Read(path, image);
   const CameraModel& model = rig().cameras[camera];
   if (image.cols != model.width() || image.rows != model.height()) {
-    throw InputError(path.string() + ": the image has " + std::to_string(image.cols) + " x " +
-                     std::to_string(image.rows) + " pixels, the calibration of cam" +
-                     std::to_string(camera) + " has " + std::to_string(model.width()) + " x " +
-                     std::to_string(model.height()) + "; scale the one or recalibrate the other");
+    throw WrongSizeError(path.string() + ": the image has " + std::to_string(image.cols) + " x " +
+                         std::to_string(image.rows) + " pixels, the calibration of cam" +
+                         std::to_string(camera) + " has " + std::to_string(model.width()) + " x " +
+                         std::to_string(model.height()) +
+                         "; scale the one or recalibrate the other");
   }
 }
 

@@ -30,9 +30,9 @@ class AslDataset {
   /// Left and right images are paired by stamp (nearest, within an eighth of the frame interval).
   /// Images that are listed but not there count as missing. A left image without a right one is a
   /// mono frame, frames begin with the first full pair. Throws InputError when the recording cannot
-  /// be used: folders or files missing or empty, no calibration, no pair, images of another size
-  /// than the calibration, stamps of camera and IMU that do not overlap. Everything smaller is a
-  /// warning.
+  /// be used: folders or files missing or empty, no calibration, no pair, not one pair of readable
+  /// images of the calibrated size, stamps of camera and IMU that do not overlap. Everything
+  /// smaller is a warning.
   explicit AslDataset(const std::filesystem::path& sequence,
                       const CalibrationFiles& calibration = {});
 
@@ -51,7 +51,7 @@ class AslDataset {
 
  private:
   void PairImages();
-  void CheckFirstImages();
+  void RequireReadablePair();
   void CheckOverlap();
   void ReadImage(int camera, const std::string& file, cv::Mat& image);
   std::filesystem::path DataFolder(int camera) const;

@@ -134,6 +134,14 @@ TEST_F(AslDatasetTest, DamagedImages) {
   EXPECT_FALSE(right.empty());
 }
 
+TEST_F(AslDatasetTest, OneReadablePairIsEnough) {
+  for (int i = 0; i < 11; ++i)
+    Truncate(Image(i % 2, i), 1000);
+  EXPECT_EQ(AslDataset(Sequence()).frames().size(), 12u);
+  Truncate(Image(1, 11), 1000);
+  EXPECT_THAT(Error(), AllOf(HasSubstr(Image(0, 0)), HasSubstr("no other stereo pair")));
+}
+
 TEST_F(AslDatasetTest, MissingParts) {
   std::filesystem::remove_all(Mav0() / "cam0" / "data");
   EXPECT_THAT(Error(),

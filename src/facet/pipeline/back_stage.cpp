@@ -61,6 +61,18 @@ std::vector<PlaneRecord> BackStage::Planes() const {
   return planes_ ? planes_->Records() : std::vector<PlaneRecord>();
 }
 
+std::string BackStage::JudgeCalibration(const FrontendResult& frontend,
+                                        const EstimatorResult& result) {
+  const FrameObservations& observations = frontend.observations;
+  if (!observations.is_keyframe) return {};
+  CalibrationEvidence evidence;
+  evidence.t = observations.t;
+  evidence.num_features = static_cast<int>(observations.features.size());
+  if (frontend.right_ok) evidence.num_stereo = frontend.num_stereo;
+  evidence.imu_error_sigma = result.imu_error_sigma;
+  return calibration_.Add(evidence);
+}
+
 void BackStage::FillOutput(const FrontPacket& packet, EstimatorResult result, VioOutput& out) {
   const ScopedStage stage(out.times, Stage::kOutput);
   const FrameObservations& observations = packet.frontend.observations;
@@ -77,6 +89,7 @@ void BackStage::FillOutput(const FrontPacket& packet, EstimatorResult result, Vi
   out.sigma_v = sigma.segment<3>(6);
   out.sigma_b_g = sigma.segment<3>(9);
   out.sigma_b_a = sigma.segment<3>(12);
+  out.warning = JudgeCalibration(packet.frontend, result);
   out.num_tracks = static_cast<int>(observations.features.size());
   out.num_landmarks = static_cast<int>(estimator_.window().landmarks().size());
   out.num_planes = static_cast<int>(estimator_.window().planes.size());
@@ -87,9 +100,11 @@ void BackStage::FillOutput(const FrontPacket& packet, EstimatorResult result, Vi
   feedback_.reset();
   if (out.is_keyframe && out.has_pose && !out.was_reset) {
     auto snapshot = std::make_shared<MapSnapshot>(estimator_.Snapshot());
-    feedback_ = Feedback{out.frame, snapshot->latest, snapshot->landmarks};
+    feedback_ = Feedback{out.frame, false, snapshot->latest, snapshot->landmarks};
     feedback_->state.t = out.t + time_offset_;
     out.snapshot = std::move(snapshot);
+  } else if (out.was_reset) {
+    feedback_ = Feedback{out.frame, true, {}, {}};
   }
 }
 

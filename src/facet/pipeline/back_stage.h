@@ -3,6 +3,7 @@
 #pragma once
 
 #include "facet/estimator/vio_estimator.h"
+#include "facet/pipeline/calibration_watch.h"
 #include "facet/pipeline/front_stage.h"
 #include "facet/pipeline/mesh_stage.h"
 #include "facet/pipeline/vio_output.h"
@@ -18,7 +19,7 @@ class BackStage {
 
   VioOutput Process(const FrontPacket& packet);
 
-  /// After a keyframe: what the front stage may use from now on; empty otherwise.
+  /// After a keyframe or a reset: what the front stage may use from now on; empty otherwise.
   const std::optional<Feedback>& feedback() const { return feedback_; }
 
   std::vector<KeyframePose> WindowKeyframes() const { return estimator_.Snapshot().keyframes; }
@@ -33,6 +34,7 @@ class BackStage {
 
  private:
   void FindRegularities(VioOutput& out, MeshSnapshot& mesh);
+  std::string JudgeCalibration(const FrontendResult& frontend, const EstimatorResult& result);
   void FillOutput(const FrontPacket& packet, EstimatorResult result, VioOutput& out);
 
   Duration time_offset_;
@@ -41,6 +43,7 @@ class BackStage {
   std::optional<PlaneTracker> planes_;              ///< pipeline SPR
   std::optional<ProjectionLandmarks> projections_;  ///< pipeline SP
   std::optional<Feedback> feedback_;
+  CalibrationWatch calibration_;
 };
 
 }  // namespace facet

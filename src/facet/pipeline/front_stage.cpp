@@ -27,6 +27,12 @@ FrontStage::FrontStage(const StereoRig& rig, const VioOptions& options)
       frontend_(rig, options.frontend),
       support_places_(options.mesh.support) {}
 
+ImuBuffer::AddResult FrontStage::AddImu(const ImuSample& sample) {
+  const ImuBuffer::AddResult result = imu_.Add(sample);
+  if (!has_previous_ && !imu_.empty()) imu_.DropBefore(imu_.last_stamp() - kLongestHistory);
+  return result;
+}
+
 FrontPacket FrontStage::Process(const StereoFrame& frame) {
   FrontPacket packet;
   const Timestamp t_imu = frame.t + rig_.time_offset;
@@ -37,6 +43,7 @@ FrontPacket FrontStage::Process(const StereoFrame& frame) {
     packet.imu = IntervalTo(t_imu);
     hint = Predict(packet.imu);
   }
+  packet.used_feedback = hint.inverse_depth != nullptr;
   packet.frontend = frontend_.Process(frame, hint, packet.times);
   if (packet.frontend.observations.is_keyframe && mesh_options_.enabled) {
     FillMeshPacket(frame, packet);
@@ -44,10 +51,20 @@ FrontPacket FrontStage::Process(const StereoFrame& frame) {
   previous_t_ = t_imu;
   has_previous_ = true;
   ++next_frame_;
-  if (has_feedback_) {
-    imu_.DropBefore(std::min(feedback_.front().state.t, previous_t_));
-  }
+  ForgetOldImu();
   return packet;
+}
+
+// What is still needed: the time since the feedback in use, and since the frames whose feedback may
+// yet come.
+void FrontStage::ForgetOldImu() {
+  recent_.push_back(previous_t_);
+  if (static_cast<std::int64_t>(recent_.size()) > kLag) recent_.pop_front();
+  Timestamp oldest = *std::min_element(recent_.begin(), recent_.end());
+  for (const Feedback& feedback : feedback_) {
+    if (!feedback.is_reset) oldest = std::min(oldest, feedback.state.t);
+  }
+  imu_.DropBefore(oldest);
 }
 
 void FrontStage::FillMeshPacket(const StereoFrame& frame, FrontPacket& packet) {
@@ -72,7 +89,8 @@ void FrontStage::TakeFeedback() {
   const auto old_enough = [&](const Feedback& f) { return f.frame.value <= next_frame_ - kLag; };
   while (feedback_.size() >= 2 && old_enough(feedback_[1]))
     feedback_.pop_front();
-  has_feedback_ = !feedback_.empty() && old_enough(feedback_.front());
+  has_feedback_ =
+      !feedback_.empty() && old_enough(feedback_.front()) && !feedback_.front().is_reset;
 }
 
 ImuInterval FrontStage::IntervalTo(Timestamp t_imu) const {

@@ -16,7 +16,8 @@ namespace facet {
 /// What the back stage knew after a keyframe; helps to predict where tracked points will be.
 struct Feedback {
   FrameId frame;
-  NavState state;  ///< at the keyframe, IMU clock
+  bool is_reset = false;  ///< the estimator started over: nothing is known any more
+  NavState state;         ///< at the keyframe, IMU clock
   std::vector<LandmarkEstimate> landmarks;
 };
 
@@ -32,8 +33,9 @@ struct MeshPacket {
 /// What the front stage hands to the back stage.
 struct FrontPacket {
   FrontendResult frontend;
-  MeshPacket mesh;  ///< on keyframes only
-  ImuInterval imu;  ///< from the previous frame to this one
+  MeshPacket mesh;             ///< on keyframes only
+  ImuInterval imu;             ///< from the previous frame to this one
+  bool used_feedback = false;  ///< the tracks were predicted with more than the gyroscope
   StageTimes times;
 };
 
@@ -44,18 +46,24 @@ class FrontStage {
   /// The back stage may work on one frame while the front stage works on the next.
   static constexpr std::int64_t kLag = 2;
 
+  /// IMU samples older than this are forgotten until the first frame comes.
+  static constexpr Duration kLongestHistory{600'000'000'000};
+
   FrontStage(const StereoRig& rig, const VioOptions& options);
 
-  ImuBuffer::AddResult AddImu(const ImuSample& sample) { return imu_.Add(sample); }
+  ImuBuffer::AddResult AddImu(const ImuSample& sample);
   void AddFeedback(Feedback feedback) { feedback_.push_back(std::move(feedback)); }
 
   FrontPacket Process(const StereoFrame& frame);
+
+  std::size_t num_imu_samples() const { return imu_.size(); }
 
  private:
   void FillMeshPacket(const StereoFrame& frame, FrontPacket& packet);
   ImuInterval IntervalTo(Timestamp t_imu) const;
   FrontendHint Predict(const ImuInterval& now);
   void TakeFeedback();
+  void ForgetOldImu();
 
   StereoRig rig_;
   double max_gap_s_;
@@ -67,7 +75,8 @@ class FrontStage {
   bool has_feedback_ = false;
   std::int64_t next_frame_ = 0;
   bool has_previous_ = false;
-  Timestamp previous_t_;  ///< IMU clock
+  Timestamp previous_t_;          ///< IMU clock
+  std::deque<Timestamp> recent_;  ///< of the last kLag frames, IMU clock
   std::unordered_map<LandmarkId, double> inverse_depth_;
 };
 

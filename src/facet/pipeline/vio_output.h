@@ -33,6 +33,8 @@ struct VioOutput {
   int num_constraints = 0;                  ///< landmarks on planes, once per plane
   int imu_gaps = 0;                         ///< IMU holes since the previous frame
   bool was_reset = false;                   ///< the estimator started over before this frame
+  /// What is probably wrong with the calibration and what to do; set once in a run, else empty.
+  std::string warning;
   /// Keyframes that left the window with this frame, with their final (smoothed) poses.
   std::vector<KeyframePose> finished_keyframes;
   /// Set on keyframes.

@@ -26,7 +26,7 @@ class VioPipeline {
   VioPipeline& operator=(const VioPipeline&) = delete;
 
   /// IMU samples in order of time (IMU clock). Refuses and counts what is not finite or not in
-  /// order.
+  /// order. Of what comes before the first pair the last ten minutes are kept.
   void AddImu(const ImuSample& sample);
 
   /// A stereo pair, after the IMU samples up to its stamp (one sample beyond it is ideal).

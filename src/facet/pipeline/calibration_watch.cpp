@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/pipeline/calibration_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace facet {
+namespace {
+
+constexpr Duration kStretch{3'000'000'000};
+constexpr double kAgreement = 0.75;
+constexpr std::size_t kMinKeyframes = 8;
+// Too few corners say nothing about the rest of the image.
+constexpr int kMinFeatures = 15;
+// Good recordings: 0.4 and more in single keyframes, the median 0.6 to 0.95. Wrong extrinsics: 0.03
+// at most.
+constexpr double kMinStereoShare = 0.1;
+// Good recordings: 1.6 at most in single keyframes, the median 0.8 to 1. 20 ms of time offset: 7
+// and more.
+constexpr double kMaxImuErrorSigma = 5;
+
+std::string StereoWarning(double share) {
+  return "for 3 s only " + std::to_string(std::lround(100 * share)) +
+         " % of the corners were found in the right image: are the cameras swapped (cam0 is the "
+         "left one), is a T_BS inverted (it takes points from the camera to the IMU), or is the "
+         "right camera covered or out of step?";
+}
+
+std::string ImuWarning(double sigma) {
+  // Nobody needs to know more than that it is far too much.
+  const std::string times = sigma < 100 ? std::to_string(std::lround(sigma)) : "more than 100";
+  return "for 3 s the IMU contradicted the images by " + times +
+         " times its noise: is the time offset wrong (timeshift_cam_imu: t_imu - t_camera in "
+         "seconds), is a T_BS inverted (it takes points from the camera to the IMU), or are the "
+         "IMU's units or axes not as expected (rad/s, m/s^2; at rest it measures +9.8 upwards)?";
+}
+
+}  // namespace
+
+void CalibrationWatch::RecentValues::Add(Timestamp t, double value) {
+  if (!values_.empty() && (t <= values_.back().t || t - values_.back().t > kStretch)) {
+    values_.clear();
+  }
+  if (values_.empty()) begin_ = t;
+  values_.push_back({t, value});
+  while (t - values_.front().t > kStretch)
+    values_.pop_front();
+}
+
+std::optional<double> CalibrationWatch::RecentValues::Quantile(double share) const {
+  if (values_.size() < kMinKeyframes || values_.back().t - begin_ < kStretch) return std::nullopt;
+  std::vector<double> values;
+  for (const Value& v : values_)
+    values.push_back(v.value);
+  const double rank = share * static_cast<double>(values.size() - 1);
+  const auto place = values.begin() + std::lround(rank);
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+std::string CalibrationWatch::Add(const CalibrationEvidence& evidence) {
+  if (has_warned_) return {};
+  if (evidence.num_stereo && evidence.num_features >= kMinFeatures) {
+    stereo_share_.Add(evidence.t,
+                      static_cast<double>(*evidence.num_stereo) / evidence.num_features);
+  }
+  if (evidence.imu_error_sigma) imu_error_sigma_.Add(evidence.t, *evidence.imu_error_sigma);
+  const auto share = stereo_share_.Quantile(kAgreement);
+  const auto sigma = imu_error_sigma_.Quantile(1 - kAgreement);
+  // The images alone come first: what is wrong between them also makes them contradict the IMU.
+  std::string warning;
+  if (share && *share < kMinStereoShare) {
+    warning = StereoWarning(*share);
+  } else if (sigma && *sigma > kMaxImuErrorSigma) {
+    warning = ImuWarning(*sigma);
+  }
+  has_warned_ = !warning.empty();
+  return warning;
+}
+
+}  // namespace facet

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Notices a calibration that cannot be right. The estimator goes on with one: swapped cameras leave
+// it with one eye, a wrong time offset with an IMU that never fits. No single keyframe tells that
+// from a hard scene, some seconds do.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "facet/base/types.h"
+
+namespace facet {
+
+/// What one keyframe says about the calibration.
+struct CalibrationEvidence {
+  Timestamp t;
+  int num_features = 0;           ///< in the left image
+  std::optional<int> num_stereo;  ///< of them found in the right image; empty without that image
+  std::optional<double> imu_error_sigma;  ///< see EstimatorResult
+};
+
+/// Not thread-safe.
+class CalibrationWatch {
+ public:
+  /// What is probably wrong and what to do, once: with the keyframe that completes a stretch in
+  /// which three quarters agree on it. Otherwise empty.
+  std::string Add(const CalibrationEvidence& evidence);
+
+ private:
+  /// The values of the last seconds. A break as long as that begins anew, a shorter one does not:
+  /// with a wrong IMU the estimator hardly starts before it is lost again.
+  class RecentValues {
+   public:
+    void Add(Timestamp t, double value);
+    /// The value that this share of them is below; empty until they are enough.
+    std::optional<double> Quantile(double share) const;
+
+   private:
+    struct Value {
+      Timestamp t;
+      double value = 0;
+    };
+    std::deque<Value> values_;
+    Timestamp begin_;
+  };
+
+  bool has_warned_ = false;
+  RecentValues stereo_share_, imu_error_sigma_;
+};
+
+}  // namespace facet

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the two halves of a frame tell each other around a reset, and what the front half keeps.
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "facet/pipeline/back_stage.h"
+#include "facet/pipeline/front_stage.h"
+#include "facet/sim/euroc_rig.h"
+#include "facet/sim/feature_simulator.h"
+
+namespace facet {
+namespace {
+
+constexpr Timestamp kBegin{1'400'000'000'000'000'000};
+constexpr Duration kFrameInterval{50'000'000};
+constexpr Duration kImuInterval{5'000'000};
+
+VioOptions WithoutMesh() {
+  VioOptions options;
+  options.mesh.enabled = false;
+  return options;
+}
+
+/// A front stage that sees nothing but grey, with IMU at 200 Hz.
+class FrontStageTest : public testing::Test {
+ protected:
+  FrontPacket Next() {
+    frame_.t = frame_.t + kFrameInterval;
+    FeedImuUntil(frame_.t + kImuInterval);
+    return front_.Process(frame_);
+  }
+  void FeedImuUntil(Timestamp t) {
+    for (; t_imu_ <= t; t_imu_ = t_imu_ + kImuInterval)
+      front_.AddImu({t_imu_, Vector3d::Zero(), Vector3d(0, 0, 9.81)});
+  }
+  Feedback FeedbackOf(const FrontPacket& packet) const {
+    Feedback feedback;
+    feedback.frame = packet.frontend.observations.frame;
+    feedback.state.t = packet.frontend.observations.t;
+    return feedback;
+  }
+
+  StereoRig rig_ = EurocRig();
+  FrontStage front_{rig_, WithoutMesh()};
+  StereoFrame frame_{kBegin,
+                     cv::Mat(rig_.cameras[0].height(), rig_.cameras[0].width(), CV_8UC1, 99.0),
+                     cv::Mat(rig_.cameras[1].height(), rig_.cameras[1].width(), CV_8UC1, 99.0)};
+  Timestamp t_imu_ = kBegin;
+};
+
+TEST_F(FrontStageTest, KeepsLittleImuWhileNothingComesBack) {
+  for (int i = 0; i < 100; ++i) {
+    const FrontPacket packet = Next();
+    EXPECT_EQ(packet.imu.samples.size(), 11u) << i;
+    EXPECT_LE(front_.num_imu_samples(), 25u) << i;
+  }
+}
+
+TEST_F(FrontStageTest, FeedbackReachesBackToItsFrame) {
+  for (int i = 0; i < 40; ++i) {
+    const FrontPacket packet = Next();
+    EXPECT_EQ(packet.used_feedback, i >= 3) << i;
+    // Every fifth frame is a keyframe after the first one.
+    if (i == 1 || i % 5 == 4) front_.AddFeedback(FeedbackOf(packet));
+  }
+}
+
+TEST_F(FrontStageTest, ForgetsWhatWasKnownBeforeAReset) {
+  front_.AddFeedback(FeedbackOf(Next()));
+  Next();
+  EXPECT_TRUE(Next().used_feedback);
+  Feedback reset = FeedbackOf(Next());
+  reset.is_reset = true;
+  front_.AddFeedback(reset);
+  EXPECT_TRUE(Next().used_feedback) << "the same delay as for everything else";
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_FALSE(Next().used_feedback) << i;
+    EXPECT_LE(front_.num_imu_samples(), 25u) << i;
+  }
+  front_.AddFeedback(FeedbackOf(Next()));
+  Next();
+  EXPECT_TRUE(Next().used_feedback);
+}
+
+TEST_F(FrontStageTest, KeepsTheLastMinutesOfImuBeforeTheFirstFrame) {
+  FeedImuUntil(kBegin + FromSeconds(900));
+  const auto kept = static_cast<std::size_t>(FrontStage::kLongestHistory.ns / kImuInterval.ns);
+  EXPECT_LE(front_.num_imu_samples(), kept + 1);
+  frame_.t = kBegin + FromSeconds(900);
+  EXPECT_EQ(Next().imu.samples.back().t, frame_.t);
+}
+
+TEST(BackStageTest, TellsTheFrontStageOfAReset) {
+  FeatureSimulatorOptions options;
+  options.max_tracks = 70;
+  options.duration_s = 5;
+  const SimulatedRun run =
+      SimulateFeatures(SplineTrajectory::Fit(MakeFlight(10, 2)), EurocRig(), options, 1);
+  BackStage back(run.rig, ImuNoise{}, WithoutMesh());
+  ImuBuffer imu;
+  for (const ImuSample& sample : run.imu)
+    imu.Add(sample);
+  int num_resets = 0, num_feedbacks = 0;
+  for (std::size_t i = 1; i < run.frames.size(); ++i) {
+    FrontPacket packet;
+    packet.frontend.observations = run.frames[i];
+    packet.imu = imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{20'000'000}, Duration{0});
+    // In the dark the body is thrown away.
+    if (i > 60) packet.frontend.observations.features.clear();
+    for (std::size_t k = 1; i > 60 && k < packet.imu.samples.size(); ++k)
+      packet.imu.samples[k].accel.x() += 500;
+    const VioOutput output = back.Process(packet);
+    num_resets += output.was_reset ? 1 : 0;
+    if (!back.feedback()) continue;
+    ++num_feedbacks;
+    EXPECT_EQ(back.feedback()->is_reset, output.was_reset) << i;
+  }
+  EXPECT_GE(num_resets, 1);
+  EXPECT_GT(num_feedbacks, num_resets);
+}
+
+}  // namespace
+}  // namespace facet
