@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "facet/geometry/plane_fit.h"
+#include "facet/regularities/face_judge.h"
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
 #include "facet/regularities/plane_revision.h"
@@ -335,6 +336,17 @@ void PlaneTracker::SetFacePlanes() {
     if (plane >= 0 && !planes_[plane].IsTentative())
       face_planes_[f] = static_cast<int>(planes_[plane].id.value);
   }
+}
+
+std::vector<FaceStanding> PlaneTracker::JudgeTriangles(
+    std::span<const MeshVertex> vertices,
+    std::span<const std::array<int, 3>> triangles,
+    const SE3& T_WB) const {
+  std::vector<FacePoint> points;
+  points.reserve(vertices.size());
+  for (const MeshVertex& vertex : vertices)
+    points.push_back(MakeFacePoint(vertex.shown_W, vertex.sigma_depth_m, faces_.camera_W));
+  return JudgeFaces(points, triangles, planes_, T_WB, options_);
 }
 
 void PlaneTracker::Reset() {
