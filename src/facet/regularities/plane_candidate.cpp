@@ -182,19 +182,6 @@ PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
   return candidate;
 }
 
-std::vector<int> FacesAround(const SurfaceFaces& faces,
-                             std::span<const int> pool,
-                             const Plane& start) {
-  std::vector<int> out;
-  for (const int f : pool) {
-    const SurfaceFace& face = faces.faces[f];
-    if (std::abs(face.n_W.dot(start.n)) >= kMinAroundCosine &&
-        std::abs(start.SignedDistance(face.centre_W)) <= kMaxAround_m)
-      out.push_back(f);
-  }
-  return out;
-}
-
 std::vector<int> Without(const std::vector<int>& faces, const std::vector<int>& taken) {
   std::vector<int> out;
   std::set_difference(
@@ -287,6 +274,19 @@ struct CandidateSearch {
 };
 
 }  // namespace
+
+std::vector<int> FacesAround(const SurfaceFaces& faces,
+                             std::span<const int> pool,
+                             const Plane& start) {
+  std::vector<int> out;
+  for (const int f : pool) {
+    const SurfaceFace& face = faces.faces[f];
+    if (std::abs(face.n_W.dot(start.n)) >= kMinAroundCosine &&
+        std::abs(start.SignedDistance(face.centre_W)) <= kMaxAround_m)
+      out.push_back(f);
+  }
+  return out;
+}
 
 std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
                               std::span<const int> pool,

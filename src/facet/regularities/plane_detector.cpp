@@ -18,10 +18,14 @@ std::vector<PlaneCandidate> PlaneDetector::Detect(const SurfaceFaces& faces,
   std::vector<PlaneCandidate> out;
   taken_ = taken;
   pool_.clear();
-  for (std::size_t f = 0; f < faces.faces.size(); ++f) {
-    const SurfaceFace& face = faces.faces[f];
-    if (face.may_vote && (face.in_view || !options_.only_in_view) && taken_[f] == 0)
-      pool_.push_back(static_cast<int>(f));
+  const auto add = [&](int f) {
+    if (faces.faces[f].may_vote && taken_[f] == 0) pool_.push_back(f);
+  };
+  if (options_.only_in_view) {
+    std::for_each(faces.in_view.begin(), faces.in_view.end(), add);
+  } else {
+    for (std::size_t f = 0; f < faces.faces.size(); ++f)
+      add(static_cast<int>(f));
   }
   FindLevel(faces, out);
   FindUpright(faces, out);
@@ -33,8 +37,9 @@ std::vector<int> PlaneDetector::Accept(const SurfaceFaces& faces,
                                        const Plane& start,
                                        double min_area_m2,
                                        std::vector<PlaneCandidate>& out) {
-  std::vector<int> near = FacesOnPlane(faces, pool_, start, options_.max_distance_m);
-  for (PlaneCandidate& candidate : FitCandidates(faces, pool_, start, min_area_m2, options_)) {
+  const std::vector<int> around = FacesAround(faces, pool_, start);
+  std::vector<int> near = FacesOnPlane(faces, around, start, options_.max_distance_m);
+  for (PlaneCandidate& candidate : FitCandidates(faces, around, start, min_area_m2, options_)) {
     for (const int f : candidate.faces) {
       taken_[f] = 1;
       near.push_back(f);
