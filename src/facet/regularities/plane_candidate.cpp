@@ -74,13 +74,6 @@ WeightedPlane FitFaces(const SurfaceFaces& faces,
   return out;
 }
 
-double AreaOf(const SurfaceFaces& faces, const std::vector<int>& on_plane) {
-  double area = 0;
-  for (const int f : on_plane)
-    area += faces.faces[f].area_m2;
-  return area;
-}
-
 // A cell of a grid on a plane; cells are ordered by x, then y.
 using Cell = std::pair<int, int>;
 
@@ -274,6 +267,13 @@ struct CandidateSearch {
 };
 
 }  // namespace
+
+double AreaOf(const SurfaceFaces& faces, std::span<const int> on_plane) {
+  double area = 0;
+  for (const int f : on_plane)
+    area += faces.faces[f].area_m2;
+  return area;
+}
 
 std::vector<int> FacesAround(const SurfaceFaces& faces,
                              std::span<const int> pool,

@@ -30,6 +30,9 @@ std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
                               const Plane& plane_W,
                               double max_distance_m);
 
+/// [m^2]
+double AreaOf(const SurfaceFaces& faces, std::span<const int> on_plane);
+
 /// The faces of `pool` within half a metre and 45 deg, which are all that a plane fitted from
 /// `start` may have.
 std::vector<int> FacesAround(const SurfaceFaces& faces,

@@ -18,14 +18,10 @@ std::vector<PlaneCandidate> PlaneDetector::Detect(const SurfaceFaces& faces,
   std::vector<PlaneCandidate> out;
   taken_ = taken;
   pool_.clear();
-  const auto add = [&](int f) {
-    if (faces.faces[f].may_vote && taken_[f] == 0) pool_.push_back(f);
-  };
-  if (options_.only_in_view) {
-    std::for_each(faces.in_view.begin(), faces.in_view.end(), add);
-  } else {
-    for (std::size_t f = 0; f < faces.faces.size(); ++f)
-      add(static_cast<int>(f));
+  for (std::size_t f = 0; f < faces.faces.size(); ++f) {
+    const SurfaceFace& face = faces.faces[f];
+    if (face.may_vote && (face.in_view || !options_.only_in_view) && taken_[f] == 0)
+      pool_.push_back(static_cast<int>(f));
   }
   FindLevel(faces, out);
   FindUpright(faces, out);
@@ -39,6 +35,7 @@ std::vector<int> PlaneDetector::Accept(const SurfaceFaces& faces,
                                        std::vector<PlaneCandidate>& out) {
   const std::vector<int> around = FacesAround(faces, pool_, start);
   std::vector<int> near = FacesOnPlane(faces, around, start, options_.max_distance_m);
+  if (AreaOf(faces, near) < min_area_m2) return near;  // where a fit would begin
   for (PlaneCandidate& candidate : FitCandidates(faces, around, start, min_area_m2, options_)) {
     for (const int f : candidate.faces) {
       taken_[f] = 1;

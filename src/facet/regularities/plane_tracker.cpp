@@ -347,8 +347,8 @@ void PlaneTracker::JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out) 
 }
 
 void PlaneTracker::UpdateSupports() {
-  for (const int f : faces_.in_view) {
-    if (plane_of_face_[f] < 0) continue;
+  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+    if (plane_of_face_[f] < 0 || !faces_.faces[f].in_view) continue;
     KnownPlane& plane = planes_[plane_of_face_[f]];
     const auto& c = faces_.faces[f].corners;
     plane.support.AddTriangle(

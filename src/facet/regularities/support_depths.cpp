@@ -61,9 +61,9 @@ std::vector<double> SupportDepthScales(const MeshSnapshot& mesh,
                                        const SupportDepthOptions& options) {
   const std::vector<SeenPlane> seen = SolvedPlanes(planes, T_WB);
   std::vector<char> is_in_view(faces.points.size(), 0);
-  for (const int f : faces.in_view) {
-    for (const int corner : faces.faces[f].corners)
-      is_in_view[corner] = 1;
+  for (const SurfaceFace& face : faces.faces) {
+    for (const int corner : face.corners)
+      if (face.in_view) is_in_view[corner] = 1;
   }
   std::vector<double> scales(faces.points.size(), 1.0);
   for (std::size_t i = 0; i < faces.points.size(); ++i) {

@@ -37,7 +37,6 @@ void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
   out.camera_W = mesh.T_WC.p;
   out.points.resize(source.vertices.size());
   out.faces.resize(source.faces.size());
-  out.in_view.clear();
   for (std::size_t i = 0; i < source.vertices.size(); ++i)
     out.points[i] = MakeFacePoint(source.vertices[i], mesh.sigma_depth_m[i], out.camera_W);
   for (std::size_t f = 0; f < source.faces.size(); ++f) {
@@ -54,7 +53,6 @@ void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
     face.n_W = has_area ? Vector3d(n / norm) : Vector3d::UnitZ();
     face.may_vote = mesh.may_vote[f] != 0 && has_area;
     face.in_view = mesh.in_view[f] != 0;
-    if (face.in_view) out.in_view.push_back(static_cast<int>(f));
   }
 }
 

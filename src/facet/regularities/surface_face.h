@@ -39,7 +39,6 @@ struct SurfaceFace {
 struct SurfaceFaces {
   std::vector<FacePoint> points;
   std::vector<SurfaceFace> faces;
-  std::vector<int> in_view;  ///< the faces that the newest keyframe sees, ascending
   Vector3d camera_W = Vector3d::Zero();
 };
 
