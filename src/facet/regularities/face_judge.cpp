@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "facet/regularities/near_points.h"
 #include "facet/regularities/seen_plane.h"
 
 namespace facet {
@@ -17,7 +18,7 @@ namespace {
 
 constexpr double kFlatness_m = 0.005;
 constexpr double kGrowth_m = 0.5;  // how far beyond its known surface a plane may have points
-constexpr double kSameSurface = 15 * std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 
 using Triangle = std::array<int, 3>;
 using Planes = std::uint64_t;  // one bit for each of the first 64; the estimator keeps 40
@@ -61,17 +62,18 @@ class Judge {
   // By the gates with which planes claim faces, and where they may.
   void FindPointsOnPlanes() {
     on_.assign(points_.size(), 0);
+    const NearPoints near(points_.size(),
+                          [&](std::size_t i) -> const Vector3d& { return points_[i].p_W; });
     for (std::size_t k = 0; k < planes_.size(); ++k) {
-      const Plane plane = planes_[k].plane_W();
-      for (std::size_t i = 0; i < points_.size(); ++i) {
+      const Plane& plane = planes_[k].plane_W();
+      near.ForEachNear(plane, options_.tracking.max_gate_m, [&](std::size_t i) {
         const FacePoint& point = points_[i];
-        const double distance_m = std::abs(plane.SignedDistance(point.p_W));
-        if (!(distance_m <= options_.tracking.max_gate_m)) continue;
         const double variance = point.VarianceAlong(plane.n) + kFlatness_m * kFlatness_m +
                                 planes_[k].uncertainty.VarianceAt(point.p_W);
-        if (distance_m > std::max(3 * std::sqrt(variance), options_.tracking.min_gate_m)) continue;
+        const double gate_m = std::max(3 * std::sqrt(variance), options_.tracking.min_gate_m);
+        if (std::abs(plane.SignedDistance(point.p_W)) > gate_m) return;
         if (planes_[k].known->support.IsNear(point.p_W, kGrowth_m)) on_[i] |= Planes{1} << k;
-      }
+      });
     }
   }
 
@@ -94,8 +96,6 @@ class Judge {
   // The nearest of `planes` that the triangle may belong to.
   int PlaneOf(const Triangle& t, Planes planes) const {
     const Vector3d n = NormalOf(t);
-    const double min_cosine =
-        std::cos(options_.tracking.max_face_angle_deg * std::numbers::pi / 180);
     double least_m = std::numeric_limits<double>::infinity();
     int id = -1;
     ForEachPlane(planes, [&](int k) {
@@ -103,7 +103,7 @@ class Judge {
       double worst_m = 0;
       for (const int corner : t)
         worst_m = std::max(worst_m, std::abs(Distance(k, corner)));
-      if (worst_m >= least_m || !(std::abs(known.estimate.plane_W.n.dot(n)) >= min_cosine)) return;
+      if (worst_m >= least_m || !(std::abs(known.estimate.plane_W.n.dot(n)) >= min_cosine_)) return;
       least_m = worst_m;
       id = static_cast<int>(known.id.value);
     });
@@ -126,7 +126,7 @@ class Judge {
     ForEachPlane(on_[t[0]] | on_[t[1]] | on_[t[2]], [&](int k) {
       int count = 0;
       for (const int corner : t)
-        count += static_cast<int>(on_[corner] >> k & 1U);
+        count += IsOn(corner, k) ? 1 : 0;
       if (count <= most) return;
       most = count;
       plane = k;
@@ -151,21 +151,21 @@ class Judge {
     return false;
   }
 
-  // Whether a triangle beside it that does not touch the plane lies in the same surface.
+  bool IsOn(int corner, int plane) const { return (on_[corner] >> plane & 1U) != 0; }
+
+  // Whether a triangle beside it that does not touch the plane lies in the same surface: it has the
+  // two corners that are off the plane.
   bool IsContinued(const Triangle& t, int plane) const {
-    const Vector3d n = NormalOf(t);
-    const auto has = [](const Triangle& other, int corner) {
-      return std::find(other.begin(), other.end(), corner) != other.end();
-    };
-    for (const int corner : t) {
-      for (int k = first_in_star_[corner]; k < first_in_star_[corner + 1]; ++k) {
-        const Triangle& other = triangles_[star_[k]];
-        const int shared = has(other, t[0]) + has(other, t[1]) + has(other, t[2]);
-        const Planes touched = on_[other[0]] | on_[other[1]] | on_[other[2]];
-        if (shared == 2 && (touched >> plane & 1U) == 0 &&
-            std::abs(NormalOf(other).dot(n)) > std::cos(kSameSurface)) {
-          return true;
-        }
+    const auto is_on = [&](int corner) { return IsOn(corner, plane); };
+    Triangle off{};
+    const auto end = std::remove_copy_if(t.begin(), t.end(), off.begin(), is_on);
+    if (end - off.begin() != 2) return false;
+    for (int k = first_in_star_[off[0]]; k < first_in_star_[off[0] + 1]; ++k) {
+      const Triangle& other = triangles_[star_[k]];
+      if (std::find(other.begin(), other.end(), off[1]) != other.end() &&
+          std::none_of(other.begin(), other.end(), is_on) &&
+          std::abs(NormalOf(other).dot(NormalOf(t))) > same_surface_cosine_) {
+        return true;
       }
     }
     return false;
@@ -175,6 +175,8 @@ class Judge {
   std::span<const Triangle> triangles_;
   std::vector<SeenPlane> planes_;
   const RegularityOptions& options_;
+  const double min_cosine_ = std::cos(options_.tracking.max_face_angle_deg * kDegree);
+  const double same_surface_cosine_ = std::cos(15 * kDegree);
   std::vector<Planes> on_;  // by point: planes that have it within the gate, by known surface
   std::vector<int> first_in_star_, star_;
 };

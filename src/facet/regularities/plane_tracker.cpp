@@ -8,6 +8,7 @@
 
 #include "facet/geometry/plane_fit.h"
 #include "facet/regularities/face_judge.h"
+#include "facet/regularities/near_points.h"
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
 #include "facet/regularities/plane_revision.h"
@@ -27,48 +28,6 @@ constexpr double kMaxLandmarkSigma_m = 0.1;
 double AngleBetween(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), std::abs(a.dot(b)));
 }
-
-// Distances of many points from a plane: one coordinate after the other, a few points at a time.
-class FaceCentres {
- public:
-  explicit FaceCentres(const SurfaceFaces& faces)
-      : num_faces_(faces.faces.size()),
-        centres_W_(static_cast<Eigen::Index>((num_faces_ + kStep - 1) / kStep * kStep), 3) {
-    centres_W_.bottomRows(std::min<Eigen::Index>(kStep, centres_W_.rows())).setZero();
-    for (std::size_t f = 0; f < num_faces_; ++f) {
-      const Vector3d& centre_W = faces.faces[f].centre_W;
-      auto row = centres_W_.row(static_cast<Eigen::Index>(f));
-      if (centre_W.allFinite()) {
-        row = centre_W.transpose().array();
-      } else {
-        row = kFarAway_m;
-      }
-    }
-  }
-
-  // Calls function(face) for those within `max_m`, in ascending order.
-  template <class Function>
-  void ForEachNear(const Plane& plane, double max_m, const Function& function) const {
-    using Step = Eigen::Array<double, kStep, 1>;
-    for (Eigen::Index first = 0; first < centres_W_.rows(); first += kStep) {
-      const Step distances_m = (centres_W_.col(0).segment<kStep>(first) * plane.n.x() +
-                                centres_W_.col(1).segment<kStep>(first) * plane.n.y() +
-                                centres_W_.col(2).segment<kStep>(first) * plane.n.z() - plane.d)
-                                   .abs();
-      if (!(distances_m.minCoeff() <= max_m)) continue;  // most often
-      for (Eigen::Index k = 0; k < kStep; ++k) {
-        const auto f = static_cast<std::size_t>(first + k);
-        if (f < num_faces_ && distances_m[k] <= max_m) function(f);
-      }
-    }
-  }
-
- private:
-  static constexpr int kStep = 8;
-  static constexpr double kFarAway_m = 1e9;
-  std::size_t num_faces_;
-  Eigen::ArrayX3d centres_W_;
-};
 
 }  // namespace
 
@@ -140,7 +99,9 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
   plane_of_face_.assign(faces_.faces.size(), -1);
   const double min_cosine = std::cos(limits.max_face_angle_deg * kDegree);
   std::vector<double> best(faces_.faces.size(), 1.0);  // largest distance of a corner in gates
-  const FaceCentres centres(faces_);
+  const NearPoints centres(faces_.faces.size(), [&](std::size_t f) -> const Vector3d& {
+    return faces_.faces[f].centre_W;
+  });
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     const KnownPlane& known = planes_[k];
     if (known.IsTentative() || ToSeconds(now_ - known.last_seen) > limits.active_s) continue;
