@@ -45,6 +45,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
                 {"regularities.detection.oblique", "false"},
                 {"regularities.detection.only_in_view", "false"},
                 {"regularities.detection.world_origin", "true"},
+                {"regularities.faces.enabled", "false"},
                 {"regularities.relations.enabled", "false"},
                 {"regularities.tracking.max_age_s", "6"},
                 {"regularities.tracking.revise", "false"},

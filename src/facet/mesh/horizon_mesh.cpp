@@ -47,8 +47,9 @@ FaceLimits RescueLimits(const MeshOptions& options) {
 
 }  // namespace
 
-HorizonMesh::HorizonMesh(const MeshOptions& options)
+HorizonMesh::HorizonMesh(const MeshOptions& options, bool keeps_rejected)
     : options_(options),
+      keeps_rejected_(keeps_rejected),
       shown_(options.faces),
       voting_(options.voting),
       rescued_(RescueLimits(options)),
@@ -56,6 +57,7 @@ HorizonMesh::HorizonMesh(const MeshOptions& options)
 
 void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC) {
   lost_.clear();
+  rejected_.clear();
   newest_ = view.frame;
   camera_W_ = view.T_WC.p;
   RefreshVertices(view.t, snapshot, T_BC);
@@ -65,6 +67,7 @@ void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, cons
   if (options_.contradictions.by_triangulation) DropUntriangulated();
   if (options_.contradictions.by_view) DropContradicted(view);
   MergeViewFaces();
+  KeepRejected();
   DropUnusedVertices();
 }
 
@@ -73,6 +76,7 @@ void HorizonMesh::Clear() {
   for (const MeshFace& face : faces_)
     lost_.push_back(MakeLost(face));
   faces_.clear();
+  rejected_.clear();
   vertices_.clear();
 }
 
@@ -353,9 +357,11 @@ void HorizonMesh::MergeViewFaces() {
 
 void HorizonMesh::DropUnusedVertices() {
   new_index_.assign(vertices_.size(), -1);
-  for (const MeshFace& face : faces_) {
-    for (int corner : face.corners)
-      new_index_[corner] = 0;
+  for (const std::vector<MeshFace>* faces : {&faces_, &rejected_}) {
+    for (const MeshFace& face : *faces) {
+      for (int corner : face.corners)
+        new_index_[corner] = 0;
+    }
   }
   int count = 0;
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
@@ -364,16 +370,22 @@ void HorizonMesh::DropUnusedVertices() {
     vertices_[count++] = vertices_[i];
   }
   vertices_.resize(static_cast<std::size_t>(count));
-  for (MeshFace& face : faces_) {
-    for (int& corner : face.corners)
-      corner = new_index_[corner];
+  for (std::vector<MeshFace>* faces : {&faces_, &rejected_}) {
+    for (MeshFace& face : *faces) {
+      for (int& corner : face.corners)
+        corner = new_index_[corner];
+    }
   }
 }
 
 void HorizonMesh::SetFacePlanes(std::span<const int> planes) {
-  FACET_CHECK(planes.size() == faces_.size()) << planes.size() << " for " << faces_.size();
-  for (std::size_t f = 0; f < faces_.size(); ++f)
-    faces_[f].plane_id = planes[f];
+  std::size_t f = 0;
+  for (MeshFace& face : faces_) {
+    if (face.by_plane) continue;
+    FACET_CHECK(f < planes.size()) << planes.size() << " for " << faces_.size();
+    face.plane_id = planes[f++];
+  }
+  FACET_CHECK(f == planes.size()) << planes.size() << " for " << f;
 }
 
 void HorizonMesh::SetDepthScales(std::span<const double> scales) {
@@ -405,6 +417,7 @@ TriangleMesh HorizonMesh::ToTriangleMesh() const {
     mesh.colours.push_back({vertex.intensity, vertex.intensity, vertex.intensity});
   }
   for (const MeshFace& face : faces_) {
+    if (face.by_plane) continue;
     mesh.faces.push_back(face.CounterClockwise());
     mesh.plane_ids.push_back(face.plane_id);
   }

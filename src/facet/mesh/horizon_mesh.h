@@ -13,6 +13,7 @@
 #include "facet/map/map_snapshot.h"
 #include "facet/mesh/delaunay.h"
 #include "facet/mesh/face_filter.h"
+#include "facet/mesh/face_standing.h"
 #include "facet/mesh/mesh_view.h"
 #include "facet/mesh/triangle_mesh.h"
 #include "facet/mesh/view_check.h"
@@ -41,6 +42,8 @@ struct MeshFace {
   bool in_view = false;   ///< one of the newest keyframe's own faces
   int votes_against = 0;  ///< sightings through it
   int plane_id = -1;
+  bool by_plane = false;   ///< rejected by the tests, shown because a known plane says so
+  bool is_hidden = false;  ///< known planes say that there is no surface
   /// The camera of the newest keyframe whose triangulation has it.
   Eigen::Vector3f eye_W = Eigen::Vector3f::Zero();
 
@@ -62,23 +65,32 @@ struct LostFace {
 
 /// Not thread-safe. Never throws for any content of the view.
 ///
-/// Between calls: vertices are sorted by id and each is a corner of some face; faces are sorted by
+/// Between calls: vertices are sorted by id and each is a corner of some face, or of a rejected
+/// triangle that is kept; faces are sorted by
 /// their corners, no two are the same, and every vertex is a landmark of the last snapshot, a
 /// support point of one of its keyframes, or was so at most options.horizon_s ago.
 class HorizonMesh {
  public:
-  explicit HorizonMesh(const MeshOptions& options);
+  /// `keeps_rejected`: so that known planes can judge them.
+  explicit HorizonMesh(const MeshOptions& options, bool keeps_rejected = false);
 
   /// The points of a new keyframe and what the estimator knows after it. T_BC: left camera of the
   /// rig.
   void Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC);
 
-  /// The plane of each of faces(), -1: none.
+  /// The plane of each of faces() that is not `by_plane`, -1: none.
   void SetFacePlanes(std::span<const int> planes);
 
   /// Better depths of the support points that the newest keyframe carries: a factor for each of
   /// vertices(). Only shown: faces are judged by, and go to the map with, the depths as matched.
   void SetDepthScales(std::span<const double> scales);
+
+  /// What known planes may judge: faces(), then the newest view's triangles that were rejected.
+  std::vector<std::array<int, 3>> Triangles() const;
+  /// What they say of each of Triangles(). Bridges are hidden, and stay otherwise what they were;
+  /// rejected triangles on a plane become faces, for as long as they are
+  /// on one.
+  void SetStandings(std::span<const FaceStanding> standings);
 
   /// Every face leaves: the world has changed or the run is over.
   void Clear();
@@ -96,7 +108,8 @@ class HorizonMesh {
   /// Where they are shown, in W.
   std::vector<Vector3d> ShownVertices() const;
 
-  /// As matched, with normals, intensities as grey, plane ids.
+  /// Without what is shown because of planes; as matched, with normals, intensities as grey, plane
+  /// ids.
   TriangleMesh ToTriangleMesh() const;
 
  private:
@@ -122,17 +135,20 @@ class HorizonMesh {
   void ProjectVertices(const SE3& T_WC);
   void DropContradicted(const MeshView& view);
   void MergeViewFaces();
+  void KeepRejected();
   void DropUnusedVertices();
   void RescuePlanes(const MeshView& view);
   LostFace MakeLost(const MeshFace& face) const;
   std::array<Vector3d, 3> Corners(const MeshFace& face) const;
 
   MeshOptions options_;
+  bool keeps_rejected_;
   FaceFilter shown_, voting_, rescued_;  // what a face has to be for each
   Delaunay delaunay_;
   ViewCheck check_;
   std::vector<MeshVertex> vertices_;
   std::vector<MeshFace> faces_;
+  std::vector<MeshFace> rejected_;  // of the newest view, sorted by corners
   std::vector<LostFace> lost_;
   FrameId newest_;
   Vector3d camera_W_ = Vector3d::Zero();  // of the newest keyframe

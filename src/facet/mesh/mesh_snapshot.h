@@ -21,6 +21,11 @@ struct MeshSnapshot {
   std::vector<char> in_view;           ///< one per face: triangulated in this keyframe
 };
 
+/// What the search for planes sees: faces that the mesh's own tests accepted, vertices as matched.
 MeshSnapshot MakeMeshSnapshot(const MeshView& view, const HorizonMesh& horizon);
+
+/// What is shown once planes had their say: with the faces that they add, without those that they
+/// hide, and with the better depths of support points.
+MeshSnapshot MakeShownSnapshot(const MeshView& view, const HorizonMesh& horizon);
 
 }  // namespace facet

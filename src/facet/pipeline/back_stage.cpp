@@ -7,10 +7,19 @@
 
 namespace facet {
 
+namespace {
+
+bool PlanesJudgeFaces(const VioOptions& options) {
+  return options.pipeline == "SPR" && options.regularities.faces.enabled;
+}
+
+}  // namespace
+
 BackStage::BackStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
     : time_offset_(rig.time_offset),
       estimator_(rig, noise, options.estimator),
-      mesh_(rig, options.mesh) {
+      mesh_(rig, options.mesh, PlanesJudgeFaces(options)),
+      planes_judge_faces_(PlanesJudgeFaces(options)) {
   if (options.pipeline == "SPR") planes_.emplace(options.regularities);
   if (options.pipeline == "SP") projections_.emplace(options.regularities.detection);
 }
@@ -47,8 +56,13 @@ void BackStage::FindRegularities(VioOutput& out, MeshSnapshot& mesh) {
   }
   const ScopedStage stage(out.times, Stage::kMesh);
   mesh_.SetFacePlanes(planes_->face_planes());
-  mesh.mesh.plane_ids = planes_->face_planes();
-  if (!planes_->depth_scales().empty()) mesh_.SetDepthScales(planes_->depth_scales(), mesh.mesh);
+  if (!planes_->depth_scales().empty()) mesh_.SetDepthScales(planes_->depth_scales());
+  if (planes_judge_faces_) {
+    mesh_.JudgeBy([&](const auto& vertices, const auto& triangles) {
+      return planes_->JudgeTriangles(vertices, triangles, out.snapshot->latest.T_WB);
+    });
+  }
+  mesh = mesh_.Shown();
 }
 
 std::optional<TriangleMesh> BackStage::Map() const {

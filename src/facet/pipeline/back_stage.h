@@ -40,6 +40,7 @@ class BackStage {
   Duration time_offset_;
   VioEstimator estimator_;
   MeshStage mesh_;
+  bool planes_judge_faces_;
   std::optional<PlaneTracker> planes_;              ///< pipeline SPR
   std::optional<ProjectionLandmarks> projections_;  ///< pipeline SP
   std::optional<Feedback> feedback_;

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "facet/mesh/vertex_normals.h"
-
 namespace facet {
 
 namespace {
@@ -42,14 +40,14 @@ std::vector<Vector2d> PlacesOnBorder(const CameraModel& camera) {
 
 }  // namespace
 
-MeshStage::MeshStage(const StereoRig& rig, const MeshOptions& options)
+MeshStage::MeshStage(const StereoRig& rig, const MeshOptions& options, bool planes_judge)
     : options_(Effective(options)),
       camera_(rig.cameras[0]),
       T_BC_(rig.T_BC[0]),
       baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()),
       border_xy_(PlacesOnBorder(rig.cameras[0])),
       border_(options.border),
-      horizon_(options_),
+      horizon_(options_, planes_judge),
       map_(options.map) {}
 
 // Both lists are sorted by landmark.
@@ -133,10 +131,8 @@ std::shared_ptr<MeshSnapshot> MeshStage::Process(const FrameObservations& observ
   return std::make_shared<MeshSnapshot>(MakeMeshSnapshot(view_, horizon_));
 }
 
-void MeshStage::SetDepthScales(std::span<const double> scales, TriangleMesh& mesh) {
-  horizon_.SetDepthScales(scales);
-  mesh.vertices = horizon_.ShownVertices();
-  SetVertexNormals(mesh);
+void MeshStage::JudgeBy(const TriangleJudge& judge) {
+  horizon_.SetStandings(judge(horizon_.vertices(), horizon_.Triangles()));
 }
 
 void MeshStage::Reset() {

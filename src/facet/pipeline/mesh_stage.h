@@ -2,6 +2,7 @@
 // Joins what the front end saw with what the estimator knows, for the mesh.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,7 +21,8 @@ namespace facet {
 /// Not thread-safe. Never throws for any content of the observations.
 class MeshStage {
  public:
-  MeshStage(const StereoRig& rig, const MeshOptions& options);
+  /// `planes_judge`: JudgeBy will be called.
+  MeshStage(const StereoRig& rig, const MeshOptions& options, bool planes_judge = false);
 
   /// A keyframe with a pose. Null when the mesh is switched off.
   std::shared_ptr<MeshSnapshot> Process(const FrameObservations& observations,
@@ -30,8 +32,16 @@ class MeshStage {
   /// Which plane each face of the last snapshot is on, -1: none. The map keeps it.
   void SetFacePlanes(std::span<const int> planes) { horizon_.SetFacePlanes(planes); }
 
-  /// See HorizonMesh::SetDepthScales: `mesh`, the last snapshot's, gets what is shown.
-  void SetDepthScales(std::span<const double> scales, TriangleMesh& mesh);
+  /// See HorizonMesh::SetDepthScales.
+  void SetDepthScales(std::span<const double> scales) { horizon_.SetDepthScales(scales); }
+
+  /// Judges the horizon's triangles as they are shown. What it finds is shown from now on.
+  using TriangleJudge = std::function<std::vector<FaceStanding>(
+      std::span<const MeshVertex> vertices, std::span<const std::array<int, 3>> triangles)>;
+  void JudgeBy(const TriangleJudge& judge);
+
+  /// The last snapshot as planes left it.
+  MeshSnapshot Shown() const { return MakeShownSnapshot(view_, horizon_); }
 
   /// The estimator started over: what was in the horizon stays in the map as it is.
   void Reset();

@@ -74,13 +74,6 @@ WeightedPlane FitFaces(const SurfaceFaces& faces,
   return out;
 }
 
-double AreaOf(const SurfaceFaces& faces, const std::vector<int>& on_plane) {
-  double area = 0;
-  for (const int f : on_plane)
-    area += faces.faces[f].area_m2;
-  return area;
-}
-
 // A cell of a grid on a plane; cells are ordered by x, then y.
 using Cell = std::pair<int, int>;
 
@@ -182,19 +175,6 @@ PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
   return candidate;
 }
 
-std::vector<int> FacesAround(const SurfaceFaces& faces,
-                             std::span<const int> pool,
-                             const Plane& start) {
-  std::vector<int> out;
-  for (const int f : pool) {
-    const SurfaceFace& face = faces.faces[f];
-    if (std::abs(face.n_W.dot(start.n)) >= kMinAroundCosine &&
-        std::abs(start.SignedDistance(face.centre_W)) <= kMaxAround_m)
-      out.push_back(f);
-  }
-  return out;
-}
-
 std::vector<int> Without(const std::vector<int>& faces, const std::vector<int>& taken) {
   std::vector<int> out;
   std::set_difference(
@@ -287,6 +267,26 @@ struct CandidateSearch {
 };
 
 }  // namespace
+
+double AreaOf(const SurfaceFaces& faces, std::span<const int> on_plane) {
+  double area = 0;
+  for (const int f : on_plane)
+    area += faces.faces[f].area_m2;
+  return area;
+}
+
+std::vector<int> FacesAround(const SurfaceFaces& faces,
+                             std::span<const int> pool,
+                             const Plane& start) {
+  std::vector<int> out;
+  for (const int f : pool) {
+    const SurfaceFace& face = faces.faces[f];
+    if (std::abs(face.n_W.dot(start.n)) >= kMinAroundCosine &&
+        std::abs(start.SignedDistance(face.centre_W)) <= kMaxAround_m)
+      out.push_back(f);
+  }
+  return out;
+}
 
 std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
                               std::span<const int> pool,

@@ -30,6 +30,15 @@ std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
                               const Plane& plane_W,
                               double max_distance_m);
 
+/// [m^2]
+double AreaOf(const SurfaceFaces& faces, std::span<const int> on_plane);
+
+/// The faces of `pool` within half a metre and 45 deg, which are all that a plane fitted from
+/// `start` may have.
+std::vector<int> FacesAround(const SurfaceFaces& faces,
+                             std::span<const int> pool,
+                             const Plane& start);
+
 /// Fits a plane to the pool's faces (ascending) near `start`, all three degrees of freedom, and
 /// judges it. Every connected piece large enough is a candidate of its own: two tables of the same
 /// height are two planes, and so are two surfaces that a step parts. Candidates that are too small,

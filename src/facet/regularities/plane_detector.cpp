@@ -33,8 +33,10 @@ std::vector<int> PlaneDetector::Accept(const SurfaceFaces& faces,
                                        const Plane& start,
                                        double min_area_m2,
                                        std::vector<PlaneCandidate>& out) {
-  std::vector<int> near = FacesOnPlane(faces, pool_, start, options_.max_distance_m);
-  for (PlaneCandidate& candidate : FitCandidates(faces, pool_, start, min_area_m2, options_)) {
+  const std::vector<int> around = FacesAround(faces, pool_, start);
+  std::vector<int> near = FacesOnPlane(faces, around, start, options_.max_distance_m);
+  if (AreaOf(faces, near) < min_area_m2) return near;  // where a fit would begin
+  for (PlaneCandidate& candidate : FitCandidates(faces, around, start, min_area_m2, options_)) {
     for (const int f : candidate.faces) {
       taken_[f] = 1;
       near.push_back(f);

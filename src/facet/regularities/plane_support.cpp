@@ -40,6 +40,17 @@ void ForEachCell(std::uint64_t block, std::uint32_t mask, const Function& functi
   }
 }
 
+// Bits of the 3 x 3 cells around a cell, as far as they lie in the block that x and y are counted
+// from.
+std::uint32_t CellsAround(int x, int y) {
+  std::uint32_t mask = 0;
+  for (int row = std::max(0, y - 1); row <= std::min(kBlock - 1, y + 1); ++row) {
+    for (int column = std::max(0, x - 1); column <= std::min(kBlock - 1, x + 1); ++column)
+      mask |= 1U << (column + kBlock * row);
+  }
+  return mask;
+}
+
 // What is farther off than this has no cell: neither have coordinates that are not numbers.
 constexpr double kMaxReach_m = 1e5;
 
@@ -79,19 +90,23 @@ void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
   if (last[0] - first[0] > kMaxCells || last[1] - first[1] > kMaxCells) return;
   // Which side of each edge a middle is on is linear along a column.
   const Vector3d step = kCell_m * Vector3d(b.x() - a.x(), c.x() - b.x(), a.x() - c.x());
+  LastBlock block;
   for (int x = first[0]; x <= last[0]; ++x) {
     const Vector2d middle = kCell_m * Vector2d(x + 0.5, first[1] + 0.5);
     const Vector3d sides(Cross(a, b, middle), Cross(b, c, middle), Cross(c, a, middle));
     for (int y = first[1]; y <= last[1]; ++y) {
-      if ((sides + (y - first[1]) * step).minCoeff() >= 0) AddCell(x, y);
+      const Vector3d here = sides + (y - first[1]) * step;
+      if (here.x() >= 0 && here.y() >= 0 && here.z() >= 0) AddCell(x, y, block);
     }
   }
 }
 
-void PlaneSupport::AddCell(int x, int y) {
+void PlaneSupport::AddCell(int x, int y, LastBlock& last) {
   const int block_x = FloorDivide(x, kBlock), block_y = FloorDivide(y, kBlock);
   const int bit = (x - kBlock * block_x) + kBlock * (y - kBlock * block_y);
-  std::uint32_t& mask = blocks_[Key(block_x, block_y)];
+  const std::uint64_t key = Key(block_x, block_y);
+  if (last.mask == nullptr || key != last.key) last = {key, &blocks_[key]};
+  std::uint32_t& mask = *last.mask;
   if ((mask >> bit & 1U) != 0) return;
   mask |= 1U << bit;
   ++num_cells_;
@@ -100,24 +115,29 @@ void PlaneSupport::AddCell(int x, int y) {
 
 // The cells of the other lie at an angle to these: a few stay empty.
 void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
+  LastBlock last;
   for (const auto& [block, mask] : other.blocks_) {
     ForEachCell(block, mask, [&](const Vector2d& middle) {
       const Vector2d xy = ToPlane(other.ToWorld(middle, plane_W));
-      AddCell(CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m));
+      AddCell(CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m), last);
     });
   }
 }
 
+// The cells around the point lie in one block, two or four.
 bool PlaneSupport::HasSurface(const Vector3d& p_W) const {
   const Vector2d xy = ToPlane(p_W);
   if (!HasCell(xy)) return false;
-  for (int x = CellOf(xy.x(), kCell_m) - 1, k = 0; k < 9; ++k) {
-    const int cell_x = x + k % 3, cell_y = CellOf(xy.y(), kCell_m) - 1 + k / 3;
-    const int block_x = FloorDivide(cell_x, kBlock), block_y = FloorDivide(cell_y, kBlock);
-    const auto block = blocks_.find(Key(block_x, block_y));
-    if (block == blocks_.end()) continue;
-    const int bit = (cell_x - kBlock * block_x) + kBlock * (cell_y - kBlock * block_y);
-    if ((block->second >> bit & 1U) != 0) return true;
+  const Cell middle = {CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m)};
+  const int last_x = FloorDivide(middle[0] + 1, kBlock),
+            last_y = FloorDivide(middle[1] + 1, kBlock);
+  for (int x = FloorDivide(middle[0] - 1, kBlock); x <= last_x; ++x) {
+    for (int y = FloorDivide(middle[1] - 1, kBlock); y <= last_y; ++y) {
+      const auto block = blocks_.find(Key(x, y));
+      if (block == blocks_.end()) continue;
+      if ((block->second & CellsAround(middle[0] - kBlock * x, middle[1] - kBlock * y)) != 0)
+        return true;
+    }
   }
   return false;
 }
@@ -138,6 +158,7 @@ bool PlaneSupport::IsNear(const Vector3d& p_W, double radius_m) const {
   const Vector2d xy = ToPlane(p_W);
   if (!HasCell(xy)) return false;
   const int x = CellOf(xy.x(), kCoarse_m), y = CellOf(xy.y(), kCoarse_m);
+  if (blocks_.contains(Key(x, y))) return true;  // most often
   const int reach = std::max(1, static_cast<int>(std::lround(radius_m / kCoarse_m)));
   for (int dx = -reach; dx <= reach; ++dx) {
     for (int dy = -reach; dy <= reach; ++dy) {

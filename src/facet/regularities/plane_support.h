@@ -42,7 +42,12 @@ class PlaneSupport {
   std::vector<Vector3d> Outline(const Plane& plane_W) const;
 
  private:
-  void AddCell(int x, int y);
+  // Cells come in neighbours; what the map of blocks holds stays where it is.
+  struct LastBlock {
+    std::uint64_t key = 0;
+    std::uint32_t* mask = nullptr;
+  };
+  void AddCell(int x, int y, LastBlock& last);
   Vector2d ToPlane(const Vector3d& p_W) const;
   Vector3d ToWorld(const Vector2d& xy, const Plane& plane_W) const;
 

@@ -7,6 +7,8 @@
 #include <numeric>
 
 #include "facet/geometry/plane_fit.h"
+#include "facet/regularities/face_judge.h"
+#include "facet/regularities/near_points.h"
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
 #include "facet/regularities/plane_revision.h"
@@ -25,14 +27,6 @@ constexpr double kMaxLandmarkSigma_m = 0.1;
 
 double AngleBetween(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), std::abs(a.dot(b)));
-}
-
-// One coordinate after the other, so that distances of all from a plane are cheap.
-Eigen::ArrayX3d CentresOf(const SurfaceFaces& faces) {
-  Eigen::ArrayX3d centres_W(static_cast<Eigen::Index>(faces.faces.size()), 3);
-  for (std::size_t f = 0; f < faces.faces.size(); ++f)
-    centres_W.row(static_cast<Eigen::Index>(f)) = faces.faces[f].centre_W.transpose().array();
-  return centres_W;
 }
 
 }  // namespace
@@ -105,23 +99,17 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
   plane_of_face_.assign(faces_.faces.size(), -1);
   const double min_cosine = std::cos(limits.max_face_angle_deg * kDegree);
   std::vector<double> best(faces_.faces.size(), 1.0);  // largest distance of a corner in gates
-  const Eigen::ArrayX3d centres_W = CentresOf(faces_);
-  Eigen::ArrayXd distances;
+  const NearPoints centres(faces_.faces.size(), [&](std::size_t f) -> const Vector3d& {
+    return faces_.faces[f].centre_W;
+  });
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     const KnownPlane& known = planes_[k];
     if (known.IsTentative() || ToSeconds(now_ - known.last_seen) > limits.active_s) continue;
     const Plane& plane = known.estimate.plane_W;
     const DistanceUncertainty uncertainty(known.estimate, map.latest.T_WB);
-    distances = (centres_W.col(0) * plane.n.x() + centres_W.col(1) * plane.n.y() +
-                 centres_W.col(2) * plane.n.z() - plane.d)
-                    .abs();
-    for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
-      if (!(distances[static_cast<Eigen::Index>(f)] <= limits.max_gate_m)) continue;
+    centres.ForEachNear(plane, limits.max_gate_m, [&](std::size_t f) {
       const SurfaceFace& face = faces_.faces[f];
-      if (std::abs(plane.n.dot(face.n_W)) < min_cosine ||
-          !known.support.IsNear(face.centre_W, kGrowth_m)) {
-        continue;
-      }
+      if (std::abs(plane.n.dot(face.n_W)) < min_cosine) return;
       const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
       double worst = 0;
       for (const int corner : face.corners) {
@@ -130,11 +118,12 @@ void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
         const double gate = std::clamp(
             3 * std::sqrt(sigma * sigma + variance), limits.min_gate_m, limits.max_gate_m);
         worst = std::max(worst, std::abs(plane.SignedDistance(point.p_W)) / gate);
+        if (worst >= best[f]) return;
       }
-      if (worst >= best[f]) continue;
+      if (!known.support.IsNear(face.centre_W, kGrowth_m)) return;
       best[f] = worst;
       plane_of_face_[f] = static_cast<int>(k);
-    }
+    });
   }
 }
 
@@ -282,13 +271,24 @@ void PlaneTracker::Promote(PlaneAssignments& out) {
 void PlaneTracker::JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out) {
   std::vector<int> faces_around(map.landmarks.size(), 0);
   std::vector<std::pair<int, int>> sightings;  // landmark, plane: one per face
+  // Points are sorted by id, and support points come last.
+  const int num_with_landmarks =
+      static_cast<int>(std::find_if(landmark_of_point_.rbegin(),
+                                    landmark_of_point_.rend(),
+                                    [](int landmark) { return landmark >= 0; })
+                           .base() -
+                       landmark_of_point_.begin());
   for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+    const auto& c = faces_.faces[f].corners;
+    if (std::min({c[0], c[1], c[2]}) >= num_with_landmarks) continue;
     const int plane = plane_of_face_[f];
-    for (const int corner : faces_.faces[f].corners) {
+    const bool is_on_plane = plane >= 0 && !planes_[plane].IsTentative();
+    for (const int corner : c) {
       const int landmark = landmark_of_point_[corner];
       if (landmark < 0) continue;
       ++faces_around[landmark];
-      if (plane >= 0 && !planes_[plane].IsTentative()) sightings.emplace_back(landmark, plane);
+      if (is_on_plane && !planes_[plane].Has(map.landmarks[landmark]))
+        sightings.emplace_back(landmark, plane);
     }
   }
   std::sort(sightings.begin(), sightings.end());
@@ -301,7 +301,6 @@ void PlaneTracker::JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out) 
     i = end;
     KnownPlane& known = planes_[plane];
     const LandmarkEstimate& estimate = map.landmarks[landmark];
-    if (known.Has(estimate)) continue;
     if (count < 2 && 2 * count < faces_around[landmark]) continue;
     out.joined.push_back({estimate.id, known.id, 2 * known.recognised_at_m});
     ++known.num_landmarks;
@@ -335,6 +334,17 @@ void PlaneTracker::SetFacePlanes() {
     if (plane >= 0 && !planes_[plane].IsTentative())
       face_planes_[f] = static_cast<int>(planes_[plane].id.value);
   }
+}
+
+std::vector<FaceStanding> PlaneTracker::JudgeTriangles(
+    std::span<const MeshVertex> vertices,
+    std::span<const std::array<int, 3>> triangles,
+    const SE3& T_WB) const {
+  std::vector<FacePoint> points;
+  points.reserve(vertices.size());
+  for (const MeshVertex& vertex : vertices)
+    points.push_back(MakeFacePoint(vertex.shown_W, vertex.sigma_depth_m, faces_.camera_W));
+  return JudgeFaces(points, triangles, planes_, T_WB, options_);
 }
 
 void PlaneTracker::Reset() {

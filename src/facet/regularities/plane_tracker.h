@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,11 @@ class PlaneTracker {
 
   /// By vertex of the last mesh: the factor of its distance from the camera (support_depths.h).
   const std::vector<double>& depth_scales() const { return depth_scales_; }
+
+  /// What the planes say of triangles of a mesh seen from the last keyframe (face_judge.h).
+  std::vector<FaceStanding> JudgeTriangles(std::span<const MeshVertex> vertices,
+                                           std::span<const std::array<int, 3>> triangles,
+                                           const SE3& T_WB) const;
 
   /// Every plane that was ever handed to the estimator, in the order of their ids, but for those
   /// that became part of another and those that turned out to be none.

@@ -155,11 +155,30 @@ struct SupportDepthOptions {
   }
 };
 
+/// Which faces of the mesh are shown where planes are known (face_judge.h).
+struct FaceJudgeOptions {
+  bool enabled = true;
+  /// A face with one or two corners on a plane is no surface when another is farther from the plane
+  /// than this [m]. Less: flatter, and less of it. (!)
+  double min_gap_m = 0.06;
+  /// The same for a face whose corners lie on different planes and that passes farther than this
+  /// from all of them [m].
+  double max_cut_m = 0.03;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "known planes decide which faces are shown");
+    v.Field("min_gap_m", min_gap_m, Range{0, 10}, "from the plane to the far end of a bridge [m]");
+    v.Field("max_cut_m", max_cut_m, Range{0, 10}, "a face between planes is nearer to one [m]");
+  }
+};
+
 struct RegularityOptions {
   DetectionOptions detection;
   PlaneTrackingOptions tracking;
   PlaneRelationOptions relations;
   SupportDepthOptions support_depths;
+  FaceJudgeOptions faces;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -167,6 +186,7 @@ struct RegularityOptions {
     v.Group("tracking", tracking);
     v.Group("relations", relations);
     v.Group("support_depths", support_depths);
+    v.Group("faces", faces);
   }
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "facet/mesh/mesh_view.h"
-#include "facet/regularities/plane_gate.h"
+#include "facet/regularities/seen_plane.h"
 
 namespace facet {
 
@@ -12,12 +12,6 @@ namespace {
 
 constexpr double kFlatness_m = 0.005;
 constexpr double kMinCosine = 0.05;  // between ray and normal
-
-// A plane and how well it is known from the camera.
-struct SeenPlane {
-  const KnownPlane* known;
-  DistanceUncertainty uncertainty;
-};
 
 struct FusedDepth {
   double scale = 1;
@@ -29,7 +23,7 @@ void FuseIfNearer(const FacePoint& point,
                   const SeenPlane& seen,
                   double distance_m,
                   FusedDepth& fused) {
-  const Plane& plane = seen.known->estimate.plane_W;
+  const Plane& plane = seen.plane_W();
   const double cosine = plane.n.dot(point.ray_W);
   // From behind it is another surface: the far side of a thin wall.
   if (cosine > -kMinCosine) return;
@@ -44,15 +38,6 @@ void FuseIfNearer(const FacePoint& point,
   const double scale = 1 + own / (own + by_plane) * step_m / distance_m;
   if (!(square < fused.square && scale > 0 && seen.known->support.HasSurface(on_plane_W))) return;
   fused = {scale, square};
-}
-
-std::vector<SeenPlane> SolvedPlanes(const std::vector<KnownPlane>& planes, const SE3& T_WB) {
-  std::vector<SeenPlane> seen;
-  for (const KnownPlane& plane : planes) {
-    const bool is_solved = !plane.IsTentative() && plane.estimate.covariance(9, 9) > 0;
-    if (is_solved) seen.push_back({&plane, DistanceUncertainty(plane.estimate, T_WB)});
-  }
-  return seen;
 }
 
 // By the plane that explains the depth best.

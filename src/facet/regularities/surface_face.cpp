@@ -35,28 +35,24 @@ std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot
 void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
   const TriangleMesh& source = mesh.mesh;
   out.camera_W = mesh.T_WC.p;
-  out.points.clear();
-  out.faces.clear();
-  for (std::size_t i = 0; i < source.vertices.size(); ++i) {
-    out.points.push_back(MakeFacePoint(source.vertices[i], mesh.sigma_depth_m[i], out.camera_W));
-  }
+  out.points.resize(source.vertices.size());
+  out.faces.resize(source.faces.size());
+  for (std::size_t i = 0; i < source.vertices.size(); ++i)
+    out.points[i] = MakeFacePoint(source.vertices[i], mesh.sigma_depth_m[i], out.camera_W);
   for (std::size_t f = 0; f < source.faces.size(); ++f) {
-    SurfaceFace face;
+    SurfaceFace& face = out.faces[f];
     face.corners = source.faces[f];
-    const Vector3d& a = out.points[face.corners[0]].p_W;
-    const Vector3d& b = out.points[face.corners[1]].p_W;
-    const Vector3d& c = out.points[face.corners[2]].p_W;
+    const Vector3d& a = source.vertices[face.corners[0]];
+    const Vector3d& b = source.vertices[face.corners[1]];
+    const Vector3d& c = source.vertices[face.corners[2]];
     const Vector3d n = (b - a).cross(c - a);
     const double norm = n.norm();
     face.centre_W = (a + b + c) / 3;
     const bool has_area = norm > 1e-12 && std::isfinite(norm);
-    if (has_area) {
-      face.area_m2 = 0.5 * norm;
-      face.n_W = n / norm;
-    }
+    face.area_m2 = has_area ? 0.5 * norm : 0;
+    face.n_W = has_area ? Vector3d(n / norm) : Vector3d::UnitZ();
     face.may_vote = mesh.may_vote[f] != 0 && has_area;
     face.in_view = mesh.in_view[f] != 0;
-    out.faces.push_back(face);
   }
 }
 

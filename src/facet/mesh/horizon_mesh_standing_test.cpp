@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What known planes change of the horizon mesh, and what they must not change.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "facet/mesh/mesh_snapshot.h"
+
+namespace facet {
+namespace {
+
+constexpr std::size_t kNumTriangles = 32;  // of the wall
+
+/// A wall of 5 x 5 points, 2 m before the camera; the sides of its triangles are 30 and 42 cm.
+MeshView WallView(std::int64_t frame) {
+  MeshView view;
+  view.frame = FrameId{frame};
+  view.focal_px = 458;
+  for (int i = 0; i < 25; ++i) {
+    const Vector3d p(0.3 * (i % 5) - 0.6, 0.3 * (i / 5) - 0.6, 2);
+    view.points.push_back({LandmarkId{i}, p.head<2>() / p.z(), p, 0.01, 100});
+  }
+  return view;
+}
+
+MapSnapshot SnapshotOf(const MeshView& view) {
+  MapSnapshot snapshot;
+  snapshot.keyframes.push_back({view.frame, view.t, view.T_WC});
+  for (const MeshPoint& point : view.points)
+    snapshot.landmarks.push_back({point.id, point.p_C, 5, point.sigma_depth_m});
+  return snapshot;
+}
+
+/// Every triangle of the wall is too large.
+MeshOptions TooLarge() {
+  MeshOptions options;
+  options.faces.max_side_per_depth = 0.15;
+  options.plane_rescue.enabled = false;
+  return options;
+}
+
+class HorizonMeshStandingTest : public ::testing::Test {
+ protected:
+  static void Update(HorizonMesh& mesh, std::int64_t frame = 0) {
+    const MeshView view = WallView(frame);
+    mesh.Update(view, SnapshotOf(view), SE3());
+  }
+  static std::size_t NumSearched(const HorizonMesh& mesh) {
+    return MakeMeshSnapshot(WallView(0), mesh).mesh.faces.size();
+  }
+  static MeshSnapshot Shown(const HorizonMesh& mesh) {
+    return MakeShownSnapshot(WallView(0), mesh);
+  }
+  // The first `count` of all triangles.
+  static std::vector<FaceStanding> First(std::size_t count, FaceStanding standing) {
+    std::vector<FaceStanding> out(kNumTriangles);
+    std::fill_n(out.begin(), count, standing);
+    return out;
+  }
+};
+
+TEST_F(HorizonMeshStandingTest, RejectedTrianglesOnAPlaneAreShown) {
+  HorizonMesh mesh(TooLarge(), true);
+  Update(mesh);
+  EXPECT_TRUE(mesh.faces().empty());
+  ASSERT_EQ(mesh.Triangles().size(), kNumTriangles);
+  EXPECT_TRUE(Shown(mesh).vertex_ids.empty()) << "a vertex without a face is not shown";
+  mesh.SetStandings(First(1, {5, false}));
+  const MeshSnapshot shown = Shown(mesh);
+  EXPECT_EQ(shown.mesh.plane_ids, std::vector<int>{5});
+  EXPECT_EQ(shown.mesh.vertices.size(), 3u);
+  EXPECT_EQ(shown.vertex_ids.size(), 3u);
+  EXPECT_EQ(shown.mesh.normals.size(), 3u);
+  EXPECT_EQ(shown.in_view, std::vector<char>{1});
+  EXPECT_EQ(NumSearched(mesh), 0u) << "no plane confirms itself";
+}
+
+TEST_F(HorizonMeshStandingTest, TheyStayAsLongAsTheyAreOnIt) {
+  HorizonMesh mesh(TooLarge(), true);
+  Update(mesh);
+  mesh.SetStandings(First(kNumTriangles, {5, false}));
+  mesh.SetFacePlanes({});  // of the faces that were searched
+  Update(mesh, 1);
+  EXPECT_EQ(mesh.faces().size(), kNumTriangles);
+  // They are judged again, and so are the same triangles of the new view.
+  ASSERT_EQ(mesh.Triangles().size(), 2 * kNumTriangles);
+  std::vector<FaceStanding> standings(2 * kNumTriangles);
+  standings[3] = standings[kNumTriangles + 3] = {6, false};
+  standings[kNumTriangles + 4] = {7, false};
+  mesh.SetStandings(standings);
+  EXPECT_EQ(Shown(mesh).mesh.plane_ids, (std::vector<int>{6, 7}));
+  mesh.Clear();
+  ASSERT_EQ(mesh.lost().size(), 2u) << "the map gets them";
+  EXPECT_EQ(mesh.lost()[0].plane_id, 6);
+}
+
+TEST_F(HorizonMeshStandingTest, BridgesAreHiddenAndNothingElse) {
+  HorizonMesh mesh(MeshOptions(), true);
+  Update(mesh);
+  ASSERT_EQ(mesh.faces().size(), kNumTriangles);
+  mesh.SetStandings(First(3, {-1, true}));
+  EXPECT_EQ(Shown(mesh).mesh.faces.size(), kNumTriangles - 3);
+  EXPECT_EQ(NumSearched(mesh), kNumTriangles);
+  EXPECT_EQ(mesh.faces().size(), kNumTriangles);
+  mesh.SetStandings(First(0, {}));
+  EXPECT_EQ(Shown(mesh).mesh.faces.size(), kNumTriangles);
+}
+
+// Half of a bridge's area is near some surface: without bridges the map misses a point of it.
+TEST_F(HorizonMeshStandingTest, TheMapGetsWhatIsHidden) {
+  HorizonMesh mesh(MeshOptions(), true);
+  Update(mesh);
+  mesh.SetStandings(First(3, {-1, true}));
+  mesh.Clear();
+  EXPECT_EQ(mesh.lost().size(), kNumTriangles);
+}
+
+TEST_F(HorizonMeshStandingTest, NothingIsKeptForPlanesThatDoNotJudge) {
+  HorizonMesh mesh(TooLarge());
+  Update(mesh);
+  EXPECT_TRUE(mesh.Triangles().empty());
+  EXPECT_TRUE(mesh.vertices().empty());
+}
+
+// A triangle that is too narrow would be taken away again at once.
+TEST_F(HorizonMeshStandingTest, TheShapeOfATriangleIsJudgedByNoPlane) {
+  MeshOptions options = TooLarge();
+  options.faces.max_side_m = 0.4;
+  HorizonMesh mesh(options, true);
+  Update(mesh);
+  EXPECT_TRUE(mesh.Triangles().empty());
+}
+
+}  // namespace
+}  // namespace facet
