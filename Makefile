@@ -10,8 +10,8 @@ all: build
 setup:  ## install the Debian packages that are missing
 	@scripts/setup.sh
 
-build: setup  ## build/facet
-	@scripts/build.sh $(PRESET)
+build: setup  ## build/facet, without tests and benchmarks
+	@scripts/build.sh $(PRESET) facet
 
 demo: build  ## run and evaluate one sequence: make demo [SEQUENCE=dir]
 	@scripts/demo.sh "$(SEQUENCE)"
@@ -19,7 +19,8 @@ demo: build  ## run and evaluate one sequence: make demo [SEQUENCE=dir]
 test: setup  ## every test; SANITIZE=1 first runs the unit tests under the sanitizers (half an hour more)
 	@scripts/test.sh $(PRESET)
 
-bench: build  ## kernels, then the end-to-end table over every sequence found: make bench [DATA=dir]
+bench: setup  ## kernels, then the end-to-end table over every sequence found: make bench [DATA=dir]
+	@scripts/build.sh $(PRESET)
 	@scripts/bench.sh "$(DATA)"
 
 format:  ## clang-format on every source file

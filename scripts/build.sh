@@ -1,11 +1,13 @@
 #!/bin/sh
-# scripts/build.sh [PRESET]: configures a preset of CMakePresets.json and builds it, through ccache if it is there.
+# scripts/build.sh [PRESET [TARGET]...]: configures a preset of CMakePresets.json and builds it, or these targets of it, through ccache if
+# it is there.
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-release}
+[ $# -eq 0 ] || shift
 if command -v ccache >/dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache
   export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1  # other clones' results serve, too
 fi
 cmake --preset "$preset" --log-level=WARNING
-cmake --build --preset "$preset"
+cmake --build --preset "$preset" ${1:+--target "$@"}
