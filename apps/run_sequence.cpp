@@ -114,9 +114,9 @@ class SequenceRunner {
     RequireImages();
     run_.record.wall_s = 1e-3 * MsSince(start_);
     run_.record.cpu_s = ProcessCpuSeconds() - cpu_start_s;
-    run_.record.peak_rss_mb = PeakRssMb();
     recorder_.Finish(vio_.window_keyframes());
     if (vio_.map) run_.record.map = vio_.map();
+    run_.record.peak_rss_mb = PeakRssMb();
     if (vio_.planes) run_.record.planes = vio_.planes();
     SummarizeProblems();
     if (run_.end == RunEnd::kComplete) JudgeTracking();

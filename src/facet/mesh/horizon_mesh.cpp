@@ -20,6 +20,12 @@ bool IsUsable(const MeshPoint& point) {
          std::isfinite(point.sigma_depth_m) && point.xy.cwiseAbs().maxCoeff() <= kMaxSlope;
 }
 
+bool IsUsable(const MeshView& view) {
+  constexpr double kMaxFocal_px = 1e5;  // of the grid of the triangulation
+  return view.T_WC.p.allFinite() && view.T_WC.q.coeffs().allFinite() && view.focal_px > 0 &&
+         view.focal_px <= kMaxFocal_px;
+}
+
 bool ComesBefore(const MeshFace& a, const MeshFace& b) {
   return a.corners < b.corners;
 }
@@ -58,6 +64,7 @@ HorizonMesh::HorizonMesh(const MeshOptions& options, bool keeps_rejected)
 void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC) {
   lost_.clear();
   rejected_.clear();
+  if (!IsUsable(view)) return;
   newest_ = view.frame;
   camera_W_ = view.T_WC.p;
   RefreshVertices(view.t, snapshot, T_BC);

@@ -63,7 +63,8 @@ struct LostFace {
   std::optional<Vector3d> eye_W;  ///< the camera that saw it last, if known
 };
 
-/// Not thread-safe. Never throws for any content of the view.
+/// Not thread-safe. Never throws for any content of the view; without a pose or a focal length it
+/// is ignored.
 ///
 /// Between calls: vertices are sorted by id and each is a corner of some face, or of a rejected
 /// triangle that is kept; faces are sorted by

@@ -26,7 +26,7 @@ std::optional<SurfaceHit> MeshQuery::Below(const Vector3d& p_W, double max_heigh
 }
 
 std::optional<SurfaceHit> MeshQuery::Nearest(const Vector3d& p_W, double max_distance_m) const {
-  if (!p_W.allFinite()) return std::nullopt;
+  if (!p_W.allFinite() || !(max_distance_m >= 0)) return std::nullopt;
   const auto found = index_.Closest(p_W, max_distance_m);
   if (!found) return std::nullopt;
   return SurfaceHit{found->p, found->distance, found->face};

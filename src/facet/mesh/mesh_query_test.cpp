@@ -57,6 +57,32 @@ TEST(MeshQuery, FindsTheFirstFaceAlongEveryRay) {
   EXPECT_GT(hits, 100);
 }
 
+// Lines along the sides of the boxes that the search looks at.
+TEST(MeshQuery, GroundIsBelowItsOwnCorners) {
+  constexpr int kSide = 9;
+  TriangleMesh floor;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x)
+      floor.vertices.push_back(Vector3d(x, y, 0));
+  }
+  for (int y = 0; y + 1 < kSide; ++y) {
+    for (int x = 0; x + 1 < kSide; ++x) {
+      const int i = y * kSide + x;
+      floor.faces.push_back({i, i + 1, i + kSide + 1});
+      floor.faces.push_back({i, i + kSide + 1, i + kSide});
+    }
+  }
+  const MeshQuery query(floor);
+  for (int y = 0; y <= 2 * (kSide - 1); ++y) {
+    for (int x = 0; x <= 2 * (kSide - 1); ++x) {
+      const Vector3d p(0.5 * x, 0.5 * y, 1);
+      const auto hit = query.Below(p, 10);
+      ASSERT_TRUE(hit) << p.transpose();
+      EXPECT_NEAR(hit->distance_m, 1, 1e-12);
+    }
+  }
+}
+
 TEST(MeshQuery, HeightAndNearestDistance) {
   TriangleMesh floor;
   floor.vertices = {{-1, -1, 0.5}, {1, -1, 0.5}, {0, 1, 0.5}};

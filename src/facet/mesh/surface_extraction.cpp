@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "facet/mesh/hole_filling.h"
+#include "facet/mesh/mesh_cleanup.h"
 #include "facet/mesh/surface_map.h"
 #include "facet/mesh/vertex_normals.h"
 
@@ -28,6 +29,7 @@ class Extraction {
     // those whose lowest corner lies in no block; they lack that corner and have none.
     for (const SurfaceMap::Block& block : map_.blocks())
       VisitCorners(block, [this](const CubeIndex& c) { AddQuads(c); });
+    CleanUp(mesh_);
     constexpr double kRimTolerance = 0.25;  // voxels
     CloseHoles(map_.options().max_hole_m, kRimTolerance * map_.options().voxel_m, mesh_);
     SetVertexNormals(mesh_);

@@ -157,6 +157,11 @@ struct FlatFace {
   bool is_valid = true;
 };
 
+// A corner that moved across its face since the camera saw it.
+bool IsSeenFromBehind(const LostFace& face, const Vector3d& n_W) {
+  return face.eye_W && face.eye_W->allFinite() && n_W.dot(*face.eye_W - face.p_W[0]) < 0;
+}
+
 }  // namespace
 
 const SurfaceMap::Voxel* SurfaceMap::Find(const CubeIndex& corner) const {
@@ -288,7 +293,7 @@ void SurfaceMap::Add(const LostFace& face) {
   for (Vector3d& corner : p)
     corner /= options_.voxel_m;
   const FlatFace flat(p);
-  if (!flat.is_valid) return;
+  if (!flat.is_valid || IsSeenFromBehind(face, flat.n)) return;
   if (options_.carving_weight > 0 && face.eye_W && face.eye_W->allFinite())
     CarveTowards(*face.eye_W, face.p_W, flat.n);
   const double sigma = std::max(face.sigma_depth_m, 1e-3);

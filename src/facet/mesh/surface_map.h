@@ -44,7 +44,8 @@ class SurfaceMap {
   explicit SurfaceMap(const SurfaceMapOptions& options) : options_(options) {}
 
   /// Merges a face, as far as options().max_memory_mb allows, and weakens what its camera has seen
-  /// it through. Faces that are not finite are ignored.
+  /// it through. Faces that are not finite, or whose back their camera sees, are
+  /// ignored.
   void Add(const LostFace& face);
 
   /// Null where nothing is known.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -161,10 +162,10 @@ double AreaOfTwoWalls(const SurfaceMapOptions& options) {
   for (int view = 0; view < 50; ++view) {
     for (int i = 0; i < 8; ++i) {
       const double y = 0.5 * i, x = 0.25 * i;
-      for (LostFace face : {FaceOf({0, y, 0}, {0, y + 0.5, 2}, {0, y + 0.5, 0}),
-                            FaceOf({0, y, 0}, {0, y, 2}, {0, y + 0.5, 2}),
-                            FaceOf({x, 4, 0}, {x, 4, 2}, {x + 0.25, 4, 0}),
-                            FaceOf({x + 0.25, 4, 0}, {x, 4, 2}, {x + 0.25, 4, 2})}) {
+      for (LostFace face : {FaceOf({0, y, 0}, {0, y + 0.5, 0}, {0, y + 0.5, 2}),
+                            FaceOf({0, y, 0}, {0, y + 0.5, 2}, {0, y, 2}),
+                            FaceOf({x, 4, 0}, {x + 0.25, 4, 0}, {x, 4, 2}),
+                            FaceOf({x + 0.25, 4, 0}, {x + 0.25, 4, 2}, {x, 4, 2})}) {
         face.eye_W = Vector3d(1, 0, 1.2);
         map.Add(face);
       }
@@ -196,6 +197,35 @@ TEST(SurfaceMap, NoSightLineIsTooStrange) {
     map.Add(face);
   }
   EXPECT_FALSE(ExtractSurface(map).faces.empty());
+}
+
+TEST(SurfaceMap, FacesSeenFromBehindAreLeftOut) {
+  SurfaceMap map{SurfaceMapOptions()};
+  LostFace face = FaceOf({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
+  face.eye_W = Vector3d(0, 0, -2);
+  map.Add(face);
+  EXPECT_TRUE(map.blocks().empty());
+}
+
+TEST(SurfaceMap, FacesHaveAreaAndAreThereOnce) {
+  Rng rng(8);
+  SurfaceMap map{SurfaceMapOptions()};
+  for (int i = 0; i < 400; ++i) {
+    const Vector3d a(rng.Uniform(-1, 1), rng.Uniform(-1, 1), rng.Uniform(-1, 1));
+    map.Add(FaceOf(a, a + 0.5 * rng.Normal3(), a + 0.5 * rng.Normal3()));
+  }
+  const TriangleMesh mesh = ExtractSurface(map);
+  ASSERT_GT(mesh.faces.size(), 1000u);
+  std::set<std::array<int, 3>> faces;
+  std::set<int> used;
+  for (std::array<int, 3> face : mesh.faces) {
+    const Vector3d& a = mesh.vertices[face[0]];
+    EXPECT_GT((mesh.vertices[face[1]] - a).cross(mesh.vertices[face[2]] - a).norm(), 0);
+    used.insert(face.begin(), face.end());
+    std::sort(face.begin(), face.end());
+    EXPECT_TRUE(faces.insert(face).second);
+  }
+  EXPECT_EQ(used.size(), mesh.vertices.size());
 }
 
 TEST(SurfaceMap, PlaneIdsReachTheFaces) {

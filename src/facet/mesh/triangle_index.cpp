@@ -38,10 +38,13 @@ bool LineMeetsBox(const Vector3d& p,
                   double t_max,
                   const Eigen::AlignedBox3d& box) {
   for (int i = 0; i < 3; ++i) {
+    if (!std::isfinite(inverse_direction[i])) {  // the line runs along this side of the box
+      if (p[i] < box.min()[i] || p[i] > box.max()[i]) return false;
+      continue;
+    }
     double t0 = (box.min()[i] - p[i]) * inverse_direction[i];
     double t1 = (box.max()[i] - p[i]) * inverse_direction[i];
     if (t0 > t1) std::swap(t0, t1);
-    // A comparison with NaN (a line inside the plane of a box side) is false and excludes nothing.
     if (t0 > t_min) t_min = t0;
     if (t1 < t_max) t_max = t1;
     if (t_min > t_max) return false;
