@@ -27,7 +27,7 @@ SIZE, SCALE = (752, 480), 0.5
 TESTS = {
     "all tests": ["plane_rescue.enabled=false"],
     "uncertain depth": ["faces.max_depth_sigma=1000"],
-    "size": ["faces.max_side_m=1000", "faces.max_side_per_depth=1000"],
+    "size": ["faces.max_side_m=1000", "faces.max_side_per_depth=1000", "support.max_side_per_depth=1000"],
     "side ratio, angle": ["faces.min_side_ratio=0", "faces.min_angle_deg=0"],
     "elongation": ["faces.min_elongation=0"],
     "grazing angle": ["faces.max_grazing_deg=90"],
