@@ -162,6 +162,13 @@ bool IsSeenFromBehind(const LostFace& face, const Vector3d& n_W) {
   return face.eye_W && face.eye_W->allFinite() && n_W.dot(*face.eye_W - face.p_W[0]) < 0;
 }
 
+// Whether distances fall from one voxel to the next where a face would let them rise: they are of a
+// surface that looks the other way. Merged, the two sides of something thin would cancel.
+bool RunsAgainst(const SurfaceMap::Voxel& a, const SurfaceMap::Voxel& b, float step) {
+  constexpr float kClear = 0.25F;  // of a step; less is noise, or an edge
+  return a.weight > 0 && b.weight > 0 && (b.distance - a.distance) * step < -kClear * step * step;
+}
+
 }  // namespace
 
 const SurfaceMap::Voxel* SurfaceMap::Find(const CubeIndex& corner) const {
@@ -231,8 +238,13 @@ void SurfaceMap::MergeColumn(const Column& column, Sample sample) {
     }
     Touch(block, corner, column.axis, count);
     Voxel* voxel = &blocks_[block].voxels[VoxelOf(corner, index)];
-    for (std::int32_t k = 0; k < count; ++k, voxel += kStride[column.axis]) {
-      Merge(sample, *voxel);
+    const std::ptrdiff_t stride = kStride[column.axis];
+    Voxel before;
+    for (std::int32_t k = 0; k < count; ++k, voxel += stride) {
+      const bool is_back = RunsAgainst(before, *voxel, column.step) ||
+                           (k + 1 < count && RunsAgainst(*voxel, voxel[stride], column.step));
+      before = *voxel;
+      if (!is_back) Merge(sample, *voxel);
       sample.distance += column.step;
     }
   }
