@@ -66,10 +66,10 @@ struct LostFace {
 /// Not thread-safe. Never throws for any content of the view; without a pose or a focal length it
 /// is ignored.
 ///
-/// Between calls: vertices are sorted by id and each is a corner of some face, or of a rejected
-/// triangle that is kept; faces are sorted by
-/// their corners, no two are the same, and every vertex is a landmark of the last snapshot, a
-/// support point of one of its keyframes, or was so at most options.horizon_s ago.
+/// Between calls: vertices are sorted by id and each is a corner of some face, or was one of a
+/// rejected triangle of the last view; faces are sorted by their corners, no two are the same, and
+/// every vertex is a landmark of the last snapshot, a support point of one of its keyframes, or was
+/// so at most options.horizon_s ago.
 class HorizonMesh {
  public:
   /// `keeps_rejected`: so that known planes can judge them.
@@ -89,8 +89,7 @@ class HorizonMesh {
   /// What known planes may judge: faces(), then the newest view's triangles that were rejected.
   std::vector<std::array<int, 3>> Triangles() const;
   /// What they say of each of Triangles(). Bridges are hidden, and stay otherwise what they were;
-  /// rejected triangles on a plane become faces, for as long as they are
-  /// on one.
+  /// rejected triangles on a plane become faces, for as long as they are on one.
   void SetStandings(std::span<const FaceStanding> standings);
 
   /// Every face leaves: the world has changed or the run is over.

@@ -13,11 +13,10 @@ constexpr double kAgreement = 0.75;
 constexpr std::size_t kMinKeyframes = 8;
 // Too few corners say nothing about the rest of the image.
 constexpr int kMinFeatures = 15;
-// Good recordings: 0.4 and more in single keyframes, the median 0.6 to 0.95. Wrong extrinsics: 0.03
-// at most.
+// Far below what good recordings have (frontend_report prints it), far above what wrong extrinsics
+// leave (wrong_calibration_test).
 constexpr double kMinStereoShare = 0.1;
-// Good recordings: 1.6 at most in single keyframes, the median 0.8 to 1. 20 ms of time offset: 7
-// and more.
+// A good calibration is at about 1; wrong_calibration_test has those that must be beyond.
 constexpr double kMaxImuErrorSigma = 5;
 
 std::string StereoWarning(double share) {
