@@ -104,7 +104,10 @@ void ExtractTemplate(
   }
   const Eigen::LLT<Eigen::Matrix<float, N, N>> llt(H);
   if (llt.info() != Eigen::Success) return;
-  const Eigen::Matrix<float, N, N> inverse = llt.solve(Eigen::Matrix<float, N, N>::Identity());
+  // Column by column: for a vector Eigen unrolls the solve, for a matrix it packs and blocks.
+  Eigen::Matrix<float, N, N> inverse;
+  for (int k = 0; k < N; ++k)
+    inverse.col(k) = llt.solve(Eigen::Matrix<float, N, 1>::Unit(k));
   const float xx = inverse(0, 0), xy = inverse(0, 1), yy = inverse(1, 1);
   const float half_trace = 0.5F * (xx + yy);
   const float max_variance = half_trace + std::sqrt(0.25F * (xx - yy) * (xx - yy) + xy * xy);

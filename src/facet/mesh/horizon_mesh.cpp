@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "facet/base/check.h"
 #include "facet/mesh/vertex_normals.h"
@@ -36,6 +35,7 @@ void SortCorners(MeshFace& face) {
   const auto swap_if = [&](int i, int j) {
     if (c[i] <= c[j]) return;
     std::swap(c[i], c[j]);
+    std::swap(face.is_rim[i], face.is_rim[j]);
     face.is_flipped = !face.is_flipped;
   };
   swap_if(0, 1);
@@ -97,6 +97,8 @@ LostFace HorizonMesh::MakeLost(const MeshFace& face) const {
   lost.p_W = Corners(face);
   lost.plane_id = face.plane_id;
   lost.eye_W = face.eye_W.cast<double>();
+  lost.is_rim = face.is_rim;
+  if (face.is_flipped) std::swap(lost.is_rim[1], lost.is_rim[2]);
   const std::array<int, 3> corners = face.CounterClockwise();
   for (std::size_t i = 0; i < 3; ++i) {
     lost.intensity[i] = vertices_[corners[i]].intensity;
@@ -213,50 +215,48 @@ void HorizonMesh::JudgeTriangles(const MeshView& view) {
   }
 }
 
-// Lists the triangles around each point.
-void HorizonMesh::FindStars() {
-  first_in_star_.assign(points_.size() + 1, 0);
-  for (const PlacedTriangle& triangle : triangles_) {
-    for (int point : triangle.points)
-      ++first_in_star_[point + 1];
-  }
-  std::partial_sum(first_in_star_.begin(), first_in_star_.end(), first_in_star_.begin());
-  star_.resize(3 * triangles_.size());
-  next_in_star_.assign(first_in_star_.begin(), first_in_star_.end() - 1);
-  for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    for (int point : triangles_[t].points)
-      star_[next_in_star_[point]++] = static_cast<int>(t);
-  }
-}
-
 // Whether all points around one of the corners lie in the triangle's plane.
 bool HorizonMesh::HasPlaneCorner(const MeshView& view, const PlacedTriangle& triangle) const {
-  constexpr int kMinStar = 4;  // fewer triangles around a corner say little
+  constexpr std::size_t kMinStar = 4;  // fewer triangles around a corner say little
   const auto& [a, b, c] = triangle.seen.p_C;
   const Vector3d n_C = (b - a).cross(c - a).normalized();
   const double slope = std::tan(options_.plane_rescue.max_deviation_deg * std::numbers::pi / 180);
   for (std::size_t corner = 0; corner < 3; ++corner) {
     const int centre = triangle.points[corner];
-    const int begin = first_in_star_[centre], end = first_in_star_[centre + 1];
-    if (end - begin < kMinStar) continue;
-    bool is_plane = true;
-    for (int k = begin; k < end && is_plane; ++k) {
-      for (int other : triangles_[star_[k]].points) {
-        const MeshPoint& point = view.points[points_[other]];
-        const Vector3d d = point.p_C - triangle.seen.p_C[corner];
-        const double noise = std::abs(n_C.dot(point.p_C)) / point.p_C.z() * point.sigma_depth_m;
-        if (!(std::abs(n_C.dot(d)) <= slope * d.norm() + noise)) is_plane = false;
-      }
-    }
+    const std::span<const int> star = stars_.Around(centre);
+    if (star.size() < kMinStar) continue;
+    const auto lies_in_plane = [&](int other) {
+      const MeshPoint& point = view.points[points_[other]];
+      const Vector3d d = point.p_C - triangle.seen.p_C[corner];
+      const double noise = std::abs(n_C.dot(point.p_C)) / point.p_C.z() * point.sigma_depth_m;
+      return std::abs(n_C.dot(d)) <= slope * d.norm() + noise;
+    };
+    const bool is_plane = std::all_of(star.begin(), star.end(), [&](int t) {
+      const auto& points = triangles_[t].points;
+      return std::all_of(points.begin(), points.end(), lies_in_plane);
+    });
     if (is_plane) return true;
   }
   return false;
 }
 
+// Whether no accepted triangle lies beyond the side opposite to a corner.
+bool HorizonMesh::IsRim(const PlacedTriangle& triangle, std::size_t corner) const {
+  const int from = triangle.points[(corner + 1) % 3], to = triangle.points[(corner + 2) % 3];
+  const std::span<const int> star = stars_.Around(from);
+  return std::none_of(star.begin(), star.end(), [&](int t) {
+    const PlacedTriangle& other = triangles_[t];
+    return other.verdict == FaceVerdict::kAccepted && other.points != triangle.points &&
+           std::find(other.points.begin(), other.points.end(), to) != other.points.end();
+  });
+}
+
 HorizonMesh::ViewFace HorizonMesh::MakeViewFace(const PlacedTriangle& triangle) const {
   ViewFace made;
-  for (std::size_t i = 0; i < 3; ++i)
+  for (std::size_t i = 0; i < 3; ++i) {
     made.face.corners[i] = vertex_of_point_[triangle.points[i]];
+    made.face.is_rim[i] = IsRim(triangle, i);
+  }
   // In the image y points down: turning from x to y is clockwise seen by the camera.
   made.face.is_flipped = true;
   SortCorners(made.face);
@@ -274,6 +274,10 @@ void HorizonMesh::TriangulateView(const MeshView& view) {
                      static_cast<std::int32_t>(std::lround(place.y()))});
   }
   JudgeTriangles(view);
+  stars_.Build(
+      points_.size(), triangles_.size(), [this](std::size_t t) -> const auto& {
+        return triangles_[t].points;
+      });
   if (options_.plane_rescue.enabled) RescuePlanes(view);
   view_faces_.clear();
   verdicts_.fill(0);
@@ -289,7 +293,6 @@ void HorizonMesh::TriangulateView(const MeshView& view) {
 }
 
 void HorizonMesh::RescuePlanes(const MeshView& view) {
-  FindStars();
   for (PlacedTriangle& triangle : triangles_) {
     if (triangle.verdict == FaceVerdict::kAccepted || triangle.verdict == FaceVerdict::kNotFinite)
       continue;

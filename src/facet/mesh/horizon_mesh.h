@@ -16,6 +16,7 @@
 #include "facet/mesh/face_standing.h"
 #include "facet/mesh/mesh_view.h"
 #include "facet/mesh/triangle_mesh.h"
+#include "facet/mesh/triangle_stars.h"
 #include "facet/mesh/view_check.h"
 
 namespace facet {
@@ -44,6 +45,9 @@ struct MeshFace {
   int plane_id = -1;
   bool by_plane = false;   ///< rejected by the tests, shown because a known plane says so
   bool is_hidden = false;  ///< known planes say that there is no surface
+  /// Of the sides opposite to the corners: whether the newest view that has it shows nothing
+  /// beyond.
+  std::array<bool, 3> is_rim{};
   /// The camera of the newest keyframe whose triangulation has it.
   Eigen::Vector3f eye_W = Eigen::Vector3f::Zero();
 
@@ -61,6 +65,7 @@ struct LostFace {
   double sigma_depth_m = 0;  ///< mean of the vertices
   int plane_id = -1;
   std::optional<Vector3d> eye_W;  ///< the camera that saw it last, if known
+  std::array<bool, 3> is_rim{};   ///< of the sides opposite to p_W: no surface was seen beyond
 };
 
 /// Not thread-safe. Never throws for any content of the view; without a pose or a focal length it
@@ -128,7 +133,7 @@ class HorizonMesh {
   void AddViewVertices(const MeshView& view);
   void TriangulateView(const MeshView& view);
   void JudgeTriangles(const MeshView& view);
-  void FindStars();
+  bool IsRim(const PlacedTriangle& triangle, std::size_t corner) const;
   bool HasPlaneCorner(const MeshView& view, const PlacedTriangle& triangle) const;
   ViewFace MakeViewFace(const PlacedTriangle& triangle) const;
   void DropUntriangulated();
@@ -163,8 +168,7 @@ class HorizonMesh {
   std::vector<int> new_index_;
   std::vector<MeshVertex> merged_vertices_;
   std::vector<PlacedTriangle> triangles_;
-  std::vector<int> first_in_star_;  // by point: triangles with that corner, in star_
-  std::vector<int> star_, next_in_star_;
+  TriangleStars stars_;  // of triangles_, by point
   std::vector<ViewFace> view_faces_;
   std::vector<MeshFace> merged_faces_;
 };

@@ -110,6 +110,26 @@ TEST(HorizonMesh, CoversAWallAndLooksAtTheCamera) {
       mesh.faces().begin(), mesh.faces().end(), [](const MeshFace& f) { return f.may_vote; }));
 }
 
+TEST(HorizonMesh, LostFacesKnowTheRimOfTheirSurface) {
+  HorizonMesh mesh{MeshOptions()};
+  const MeshView view = ViewOf(WallPoints(2));
+  mesh.Update(view, SnapshotOf(view), SE3());
+  mesh.Clear();
+  ASSERT_EQ(mesh.lost().size(), 32u);
+  const auto on_same_border = [](const Vector3d& a, const Vector3d& b) {
+    return (std::abs(a.x()) > 0.59 && std::abs(a.x() - b.x()) < 0.01) ||
+           (std::abs(a.y()) > 0.59 && std::abs(a.y() - b.y()) < 0.01);
+  };
+  int rims = 0;
+  for (const LostFace& face : mesh.lost()) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(face.is_rim[i], on_same_border(face.p_W[(i + 1) % 3], face.p_W[(i + 2) % 3]));
+      rims += face.is_rim[i] ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(rims, 16);
+}
+
 TEST(HorizonMesh, FacesOfALandmarkThatLeftTheHorizonLeaveToo) {
   HorizonMesh mesh(StrictHorizon());
   const MeshView view = ViewOf(WallPoints(2));

@@ -129,6 +129,11 @@ struct SurfaceMapOptions {
   /// Weight below which a voxel is not part of the surface; a face whose depth is known to 2 cm
   /// adds 1, to 14 cm 0.02.
   double min_weight = 0.02;
+  /// Beyond a side where nothing was seen a surface is expected to go on this far [m]: the corners
+  /// between which faces hang are rarely at the rim of things. More: more complete, less exact. (!)
+  double rim_m = 0.2;
+  /// That part counts by this share of the face's weight.
+  double rim_weight = 0.2;
   /// What each sight line takes from the weight of a surface that it passes through. More: wrong
   /// surfaces go sooner, and with them some of the thin and the seldom seen ones. 0: nothing.
   double carving_weight = 1;
@@ -144,6 +149,8 @@ struct SurfaceMapOptions {
     v.Field("voxel_m", voxel_m, Range{0.01, 1}, "side of a voxel [m]");
     v.Field("truncation_m", truncation_m, Range{0.01, 5}, "surfaces nearer than this merge [m]");
     v.Field("min_weight", min_weight, Range{0, 1e6}, "weight of a voxel that counts");
+    v.Field("rim_m", rim_m, Range{0, 5}, "surfaces go on beyond what was seen [m]");
+    v.Field("rim_weight", rim_weight, Range{0, 1}, "weight of that part over the face's");
     v.Field("carving_weight",
             carving_weight,
             Range{0, 1e6},

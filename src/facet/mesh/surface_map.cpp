@@ -15,7 +15,7 @@ constexpr float kMaxWeight = 50;
 constexpr double kUnitSigma_m = 0.02;
 constexpr double kMinFaceWeight = 1e-3, kMaxFaceWeight = 4;
 // Faces reach this many voxels beyond their border: neighbours must meet.
-constexpr double kBorderVoxels = 0.75;
+constexpr double kBorderVoxels = 0.4;
 constexpr double kMaxCoordinate = 1e7, kMinTwiceArea = 1e-7;  // voxels
 constexpr WholeNumbers kAnywhere = {std::numeric_limits<int>::min(),
                                     std::numeric_limits<int>::max()};
@@ -143,9 +143,9 @@ struct FlatFace {
     return sum;
   }
 
-  /// The columns of the grid that meet the face or pass at most `border` beside it.
-  TriangleRows Inside(double border) const {
-    return {inward, {offset[0] - border, offset[1] - border, offset[2] - border}};
+  /// The columns of the grid that meet the face or pass at most `border` beside each side.
+  TriangleRows Inside(const std::array<double, 3>& border) const {
+    return {inward, {offset[0] - border[0], offset[1] - border[1], offset[2] - border[2]}};
   }
 
   Vector3d n = Vector3d::Zero();
@@ -155,6 +155,33 @@ struct FlatFace {
   std::array<double, 3> offset{};
   std::array<Linear, 3> share;  // barycentric coordinates
   bool is_valid = true;
+};
+
+/// The columns of the grid along which a face is merged.
+struct Footprint {
+  Footprint(const FlatFace& flat,
+            const std::array<Vector3d, 3>& p,
+            const std::array<bool, 3>& is_rim,
+            double rim)
+      : own(flat.Inside({kBorderVoxels, kBorderVoxels, kBorderVoxels})),
+        all(flat.Inside(Borders(is_rim, rim))) {
+    const auto widest = Vector3d::Constant(std::max(kBorderVoxels, rim));
+    const Vector3d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]) - widest;
+    const Vector3d high = p[0].cwiseMax(p[1]).cwiseMax(p[2]) + widest;
+    columns = WholeNumbersBetween(low[flat.u], high[flat.u], kAnywhere);
+    rows = WholeNumbersBetween(low[flat.v], high[flat.v], kAnywhere);
+  }
+
+  static std::array<double, 3> Borders(const std::array<bool, 3>& is_rim, double rim) {
+    std::array<double, 3> borders{};
+    std::transform(is_rim.begin(), is_rim.end(), borders.begin(), [rim](bool is) {
+      return is ? std::max(kBorderVoxels, rim) : kBorderVoxels;
+    });
+    return borders;
+  }
+
+  TriangleRows own, all;  // all: with what is expected beyond its rim
+  WholeNumbers columns, rows;
 };
 
 // A corner that moved across its face since the camera saw it.
@@ -309,27 +336,25 @@ void SurfaceMap::Add(const LostFace& face) {
   if (options_.carving_weight > 0 && face.eye_W && face.eye_W->allFinite())
     CarveTowards(*face.eye_W, face.p_W, flat.n);
   const double sigma = std::max(face.sigma_depth_m, 1e-3);
-  Sample sample;
-  sample.weight = static_cast<float>(
+  const auto weight = static_cast<float>(
       std::clamp(std::pow(kUnitSigma_m / sigma, 2), kMinFaceWeight, kMaxFaceWeight));
+  const float rim_weight = weight * static_cast<float>(options_.rim_weight);
+  Sample sample;
   sample.plane_id = face.plane_id;
   const auto [darkest, brightest] =
       std::minmax_element(face.intensity.begin(), face.intensity.end());
   const Linear intensity = flat.Interpolate(face.intensity);
   const auto [u, v, w] = std::array{flat.u, flat.v, flat.w};
-  const Vector3d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]) - Vector3d::Constant(kBorderVoxels);
-  const Vector3d high = p[0].cwiseMax(p[1]).cwiseMax(p[2]) + Vector3d::Constant(kBorderVoxels);
-  const WholeNumbers columns = WholeNumbersBetween(low[u], high[u], kAnywhere);
-  const WholeNumbers rows = WholeNumbersBetween(low[v], high[v], kAnywhere);
-  const TriangleRows inside = flat.Inside(kBorderVoxels);
+  const Footprint footprint(flat, p, face.is_rim, options_.rim_m / options_.voxel_m);
   // Along a column, what lies within the truncation is merged.
   const double reach = options_.truncation_m / options_.voxel_m / std::abs(flat.n[w]);
   const double step = flat.n[w] * options_.voxel_m;
   Column column;
   column.axis = w;
   column.step = static_cast<float>(step);
-  for (int y = rows.first; y <= rows.last; ++y) {
-    const auto [first, last] = inside.Columns(y, columns);
+  for (int y = footprint.rows.first; y <= footprint.rows.last; ++y) {
+    const auto [first, last] = footprint.all.Columns(y, footprint.columns);
+    const WholeNumbers own = footprint.own.Columns(y, {first, last});
     for (int x = first; x <= last; ++x) {
       const double centre = flat.plane(x, y);
       column.first[u] = x;
@@ -337,6 +362,7 @@ void SurfaceMap::Add(const LostFace& face) {
       column.first[w] = FloorOf(centre - reach) + 1;
       column.end = FloorOf(centre + reach) + 1;
       column.distance = static_cast<float>(step * (column.first[w] - centre));
+      sample.weight = own.first <= x && x <= own.last ? weight : rim_weight;
       sample.intensity =
           static_cast<float>(std::clamp<double>(intensity(x, y), *darkest, *brightest));
       MergeColumn(column, sample);

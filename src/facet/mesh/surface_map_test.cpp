@@ -20,7 +20,17 @@ LostFace FaceOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   face.p_W = {a, b, c};
   face.intensity = {50, 100, 150};
   face.sigma_depth_m = 0.02;
+  face.is_rim = {true, true, true};
   return face;
+}
+
+/// Surfaces that end where their faces end: three quarters of a voxel further, as only whole cells
+/// of the grid are extracted.
+SurfaceMapOptions EndingWithTheFaces() {
+  SurfaceMapOptions options;
+  options.rim_m = 0.75 * options.voxel_m;
+  options.rim_weight = 1;
+  return options;
 }
 
 /// A square floor of side 2 m at height z, in `cells` x `cells` squares of two faces each; the
@@ -60,7 +70,7 @@ double AreaOf(const TriangleMesh& mesh) {
 TEST(SurfaceMap, AFloorComesBackWhereItWasAndLooksUp) {
   Rng rng(1);
   for (double z : {0.0, 0.031, -1.2345}) {
-    SurfaceMap map{SurfaceMapOptions()};
+    SurfaceMap map{EndingWithTheFaces()};
     AddFloor(z, 0, rng, map);
     const TriangleMesh mesh = ExtractSurface(map);
     EXPECT_NEAR(AreaOf(mesh), 4, 0.3);
@@ -78,7 +88,7 @@ TEST(SurfaceMap, SlantedPlanesInEveryDirectionComeBack) {
   for (int trial = 0; trial < 50; ++trial) {
     const Quaterniond q(Eigen::AngleAxisd(rng.Uniform(0, 3), rng.UnitVector()));
     const Vector3d t = rng.Normal3();
-    SurfaceMap map{SurfaceMapOptions()};
+    SurfaceMap map{EndingWithTheFaces()};
     const Vector3d a = q * Vector3d(-1, -1, 0) + t, b = q * Vector3d(1, -1, 0) + t,
                    c = q * Vector3d(0, 1, 0) + t, n = q * Vector3d::UnitZ();
     map.Add(FaceOf(a, b, c));
@@ -95,9 +105,52 @@ TEST(SurfaceMap, SlantedPlanesInEveryDirectionComeBack) {
   }
 }
 
+double LowestY(const SurfaceMap& map) {
+  double low = 0;
+  for (const Vector3d& p : ExtractSurface(map).vertices)
+    low = std::min(low, p.y());
+  return low;
+}
+
+TEST(SurfaceMap, ASurfaceGoesOnBeyondItsRimAndOnlyThere) {
+  LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+  const SurfaceMapOptions options;
+  SurfaceMap plain{options}, grown{options}, other{options};
+  face.is_rim = {};
+  plain.Add(face);
+  face.is_rim = {false, false, true};  // the side at y = -1
+  grown.Add(face);
+  face.is_rim = {true, false, false};
+  other.Add(face);
+  EXPECT_NEAR(LowestY(plain), -1, 1.01 * options.voxel_m);
+  EXPECT_NEAR(LowestY(grown), -1 - options.rim_m, options.voxel_m);
+  EXPECT_DOUBLE_EQ(LowestY(other), LowestY(plain));
+  for (const Vector3d& p : ExtractSurface(grown).vertices)
+    ASSERT_NEAR(p.z(), 0, 1e-5);
+}
+
+TEST(SurfaceMap, WhatWasSeenCountsMoreThanWhatWasExpected) {
+  // The floor ends at y = -1 as far as it was seen; beyond that it is 4 cm lower.
+  LostFace floor = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+  floor.is_rim = {false, false, true};
+  const LostFace step = FaceOf({-1.5, -0.9, -0.04}, {0, -3, -0.04}, {1.5, -0.9, -0.04});
+  const SurfaceMapOptions options;
+  SurfaceMap map{options};
+  map.Add(floor);
+  map.Add(step);
+  int beyond = 0;
+  for (const Vector3d& p : ExtractSurface(map).vertices) {
+    if (p.y() > -1.1 || std::abs(p.x()) > 0.8) continue;
+    EXPECT_LT(p.z(), -0.04 / (1 + options.rim_weight) + 1e-3) << p.transpose();
+    EXPECT_GT(p.z(), -0.041) << p.transpose();
+    ++beyond;
+  }
+  EXPECT_GT(beyond, 20);
+}
+
 TEST(SurfaceMap, ReturningWithDriftMakesOneSurfaceAndNoMoreMemory) {
   Rng rng(3);
-  SurfaceMap map{SurfaceMapOptions()};
+  SurfaceMap map{EndingWithTheFaces()};
   AddFloor(0, 0.01, rng, map);
   const double area_m2 = AreaOf(ExtractSurface(map));
   const std::size_t blocks = map.blocks().size();
@@ -112,7 +165,7 @@ TEST(SurfaceMap, ReturningWithDriftMakesOneSurfaceAndNoMoreMemory) {
 
 TEST(SurfaceMap, GrowsNoMoreWhenItIsFullAndIsStillImproved) {
   Rng rng(5);
-  SurfaceMapOptions options;
+  SurfaceMapOptions options = EndingWithTheFaces();
   SurfaceMap large(options);
   AddFloor(0, 0, rng, large);
   EXPECT_FALSE(large.memory().is_full);
@@ -131,7 +184,7 @@ TEST(SurfaceMap, GrowsNoMoreWhenItIsFullAndIsStillImproved) {
 
 TEST(SurfaceMap, ParallelSurfacesFarApartStayTwo) {
   Rng rng(4);
-  SurfaceMap map{SurfaceMapOptions()};
+  SurfaceMap map{EndingWithTheFaces()};
   AddFloor(0, 0, rng, map);
   AddFloor(0.72, 0, rng, map);
   EXPECT_NEAR(AreaOf(ExtractSurface(map)), 8, 0.6);
@@ -150,7 +203,7 @@ TEST(SurfaceMap, CarvesWhatItsCameraSawThrough) {
     return std::count_if(
         mesh.vertices.begin(), mesh.vertices.end(), [](const Vector3d& p) { return p.z() > 0.5; });
   };
-  SurfaceMapOptions options;
+  SurfaceMapOptions options = EndingWithTheFaces();
   const auto carved = wrong_vertices(options);
   options.carving_weight = 0;
   EXPECT_LT(10 * carved, wrong_vertices(options));
@@ -175,7 +228,7 @@ double AreaOfTwoWalls(const SurfaceMapOptions& options) {
 }
 
 TEST(SurfaceMap, CarvingLeavesWallsBesideTheSightLinesAlone) {
-  SurfaceMapOptions options;
+  SurfaceMapOptions options = EndingWithTheFaces();
   const double carved_m2 = AreaOfTwoWalls(options);
   options.carving_weight = 0;
   const double whole_m2 = AreaOfTwoWalls(options);
@@ -185,7 +238,7 @@ TEST(SurfaceMap, CarvingLeavesWallsBesideTheSightLinesAlone) {
 
 TEST(SurfaceMap, NoSightLineIsTooStrange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  SurfaceMap map{SurfaceMapOptions()};
+  SurfaceMap map{EndingWithTheFaces()};
   LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
   map.Add(face);
   for (const Vector3d& eye : {Vector3d(nan, 0, 1),
@@ -202,7 +255,7 @@ TEST(SurfaceMap, NoSightLineIsTooStrange) {
 /// Of a board that is seen equally often from above and from below.
 double AreaOfBoard(double thickness_m) {
   Rng rng(9);
-  SurfaceMap map{SurfaceMapOptions()};
+  SurfaceMap map{EndingWithTheFaces()};
   for (int view = 0; view < 10; ++view) {
     for (int x = 0; x < 8; ++x) {
       const auto corner = [&](double dx, double y) {
@@ -227,7 +280,7 @@ TEST(SurfaceMap, ThinThingsStay) {
 }
 
 TEST(SurfaceMap, FacesSeenFromBehindAreLeftOut) {
-  SurfaceMap map{SurfaceMapOptions()};
+  SurfaceMap map{EndingWithTheFaces()};
   LostFace face = FaceOf({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
   face.eye_W = Vector3d(0, 0, -2);
   map.Add(face);
@@ -236,7 +289,7 @@ TEST(SurfaceMap, FacesSeenFromBehindAreLeftOut) {
 
 TEST(SurfaceMap, FacesHaveAreaAndAreThereOnce) {
   Rng rng(8);
-  SurfaceMap map{SurfaceMapOptions()};
+  SurfaceMap map{EndingWithTheFaces()};
   for (int i = 0; i < 400; ++i) {
     const Vector3d a(rng.Uniform(-1, 1), rng.Uniform(-1, 1), rng.Uniform(-1, 1));
     map.Add(FaceOf(a, a + 0.5 * rng.Normal3(), a + 0.5 * rng.Normal3()));
@@ -256,7 +309,7 @@ TEST(SurfaceMap, FacesHaveAreaAndAreThereOnce) {
 }
 
 TEST(SurfaceMap, PlaneIdsReachTheFaces) {
-  SurfaceMap map{SurfaceMapOptions()};
+  SurfaceMap map{EndingWithTheFaces()};
   LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
   face.plane_id = 7;
   map.Add(face);
@@ -267,7 +320,7 @@ TEST(SurfaceMap, PlaneIdsReachTheFaces) {
 }
 
 TEST(SurfaceMap, IgnoresFacesThatAreNoFaces) {
-  SurfaceMap map{SurfaceMapOptions()};
+  SurfaceMap map{EndingWithTheFaces()};
   const double nan = std::numeric_limits<double>::quiet_NaN();
   map.Add(FaceOf({0, 0, nan}, {1, 0, 0}, {0, 1, 0}));
   map.Add(FaceOf({0, 0, 1e300}, {1, 0, 0}, {0, 1, 0}));

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
+#include "facet/mesh/triangle_stars.h"
 #include "facet/regularities/near_points.h"
 #include "facet/regularities/seen_plane.h"
 
@@ -40,7 +40,9 @@ class Judge {
       : points_(points), triangles_(triangles), planes_(std::move(planes)), options_(options) {
     if (planes_.size() > kMaxPlanes) planes_.erase(planes_.begin() + kMaxPlanes, planes_.end());
     FindPointsOnPlanes();
-    FindStars();
+    stars_.Build(points_.size(), triangles_.size(), [this](std::size_t i) -> const Triangle& {
+      return triangles_[i];
+    });
   }
 
   FaceStanding Of(const Triangle& t) const {
@@ -74,22 +76,6 @@ class Judge {
         if (std::abs(plane.SignedDistance(point.p_W)) > gate_m) return;
         if (planes_[k].known->support.IsNear(point.p_W, kGrowth_m)) on_[i] |= Planes{1} << k;
       });
-    }
-  }
-
-  // Lists the triangles around each point.
-  void FindStars() {
-    first_in_star_.assign(points_.size() + 1, 0);
-    for (const Triangle& t : triangles_) {
-      for (const int corner : t)
-        ++first_in_star_[corner + 1];
-    }
-    std::partial_sum(first_in_star_.begin(), first_in_star_.end(), first_in_star_.begin());
-    star_.resize(3 * triangles_.size());
-    std::vector<int> next(first_in_star_.begin(), first_in_star_.end() - 1);
-    for (std::size_t i = 0; i < triangles_.size(); ++i) {
-      for (const int corner : triangles_[i])
-        star_[next[corner]++] = static_cast<int>(i);
     }
   }
 
@@ -160,8 +146,8 @@ class Judge {
     Triangle off{};
     const auto end = std::remove_copy_if(t.begin(), t.end(), off.begin(), is_on);
     if (end - off.begin() != 2) return false;
-    for (int k = first_in_star_[off[0]]; k < first_in_star_[off[0] + 1]; ++k) {
-      const Triangle& other = triangles_[star_[k]];
+    for (const int i : stars_.Around(off[0])) {
+      const Triangle& other = triangles_[i];
       if (std::find(other.begin(), other.end(), off[1]) != other.end() &&
           std::none_of(other.begin(), other.end(), is_on) &&
           std::abs(NormalOf(other).dot(NormalOf(t))) > same_surface_cosine_) {
@@ -178,7 +164,7 @@ class Judge {
   const double min_cosine_ = std::cos(options_.tracking.max_face_angle_deg * kDegree);
   const double same_surface_cosine_ = std::cos(15 * kDegree);
   std::vector<Planes> on_;  // by point: planes that have it within the gate, by known surface
-  std::vector<int> first_in_star_, star_;
+  TriangleStars stars_;
 };
 
 }  // namespace
