@@ -253,15 +253,15 @@ bool HorizonMesh::IsRim(const PlacedTriangle& triangle, std::size_t corner) cons
 
 HorizonMesh::ViewFace HorizonMesh::MakeViewFace(const PlacedTriangle& triangle) const {
   ViewFace made;
+  made.is_accepted = triangle.verdict == FaceVerdict::kAccepted;
   for (std::size_t i = 0; i < 3; ++i) {
     made.face.corners[i] = vertex_of_point_[triangle.points[i]];
-    made.face.is_rim[i] = IsRim(triangle, i);
+    if (made.is_accepted || keeps_rejected_) made.face.is_rim[i] = IsRim(triangle, i);
   }
   // In the image y points down: turning from x to y is clockwise seen by the camera.
   made.face.is_flipped = true;
   SortCorners(made.face);
   made.face.in_view = true;
-  made.is_accepted = triangle.verdict == FaceVerdict::kAccepted;
   made.face.may_vote = made.is_accepted && voting_.Judge(triangle.seen) == FaceVerdict::kAccepted;
   return made;
 }

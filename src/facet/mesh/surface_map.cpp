@@ -15,7 +15,7 @@ constexpr float kMaxWeight = 50;
 constexpr double kUnitSigma_m = 0.02;
 constexpr double kMinFaceWeight = 1e-3, kMaxFaceWeight = 4;
 // Faces reach this many voxels beyond their border: neighbours must meet.
-constexpr double kBorderVoxels = 0.4;
+constexpr double kBorderVoxels = 0.3;
 constexpr double kMaxCoordinate = 1e7, kMinTwiceArea = 1e-7;  // voxels
 constexpr WholeNumbers kAnywhere = {std::numeric_limits<int>::min(),
                                     std::numeric_limits<int>::max()};
@@ -157,31 +157,39 @@ struct FlatFace {
   bool is_valid = true;
 };
 
-/// The columns of the grid along which a face is merged.
-struct Footprint {
+/// The columns of the grid along which a face is merged: its own, and what is expected beyond its
+/// rim.
+class Footprint {
+ public:
   Footprint(const FlatFace& flat,
             const std::array<Vector3d, 3>& p,
             const std::array<bool, 3>& is_rim,
             double rim)
-      : own(flat.Inside({kBorderVoxels, kBorderVoxels, kBorderVoxels})),
-        all(flat.Inside(Borders(is_rim, rim))) {
-    const auto widest = Vector3d::Constant(std::max(kBorderVoxels, rim));
-    const Vector3d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]) - widest;
-    const Vector3d high = p[0].cwiseMax(p[1]).cwiseMax(p[2]) + widest;
-    columns = WholeNumbersBetween(low[flat.u], high[flat.u], kAnywhere);
-    rows = WholeNumbersBetween(low[flat.v], high[flat.v], kAnywhere);
+      : own_(flat.Inside({kBorderVoxels, kBorderVoxels, kBorderVoxels})), all_(own_) {
+    double widest = kBorderVoxels;
+    if (is_rim[0] || is_rim[1] || is_rim[2]) {
+      widest = std::max(kBorderVoxels, rim);
+      const auto border = [&](std::size_t i) { return is_rim[i] ? widest : kBorderVoxels; };
+      all_ = flat.Inside({border(0), border(1), border(2)});
+      has_rim_ = true;
+    }
+    const Vector3d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]) - Vector3d::Constant(widest);
+    const Vector3d high = p[0].cwiseMax(p[1]).cwiseMax(p[2]) + Vector3d::Constant(widest);
+    columns_ = WholeNumbersBetween(low[flat.u], high[flat.u], kAnywhere);
+    rows_ = WholeNumbersBetween(low[flat.v], high[flat.v], kAnywhere);
   }
 
-  static std::array<double, 3> Borders(const std::array<bool, 3>& is_rim, double rim) {
-    std::array<double, 3> borders{};
-    std::transform(is_rim.begin(), is_rim.end(), borders.begin(), [rim](bool is) {
-      return is ? std::max(kBorderVoxels, rim) : kBorderVoxels;
-    });
-    return borders;
+  const WholeNumbers& rows() const { return rows_; }
+  WholeNumbers Columns(int row) const { return all_.Columns(row, columns_); }
+  /// Those of them that are the face's own.
+  WholeNumbers Own(int row, const WholeNumbers& columns) const {
+    return has_rim_ ? own_.Columns(row, columns) : columns;
   }
 
-  TriangleRows own, all;  // all: with what is expected beyond its rim
-  WholeNumbers columns, rows;
+ private:
+  TriangleRows own_, all_;
+  WholeNumbers columns_, rows_;
+  bool has_rim_ = false;
 };
 
 // A corner that moved across its face since the camera saw it.
@@ -352,10 +360,9 @@ void SurfaceMap::Add(const LostFace& face) {
   Column column;
   column.axis = w;
   column.step = static_cast<float>(step);
-  for (int y = footprint.rows.first; y <= footprint.rows.last; ++y) {
-    const auto [first, last] = footprint.all.Columns(y, footprint.columns);
-    const WholeNumbers own = footprint.own.Columns(y, {first, last});
-    for (int x = first; x <= last; ++x) {
+  for (int y = footprint.rows().first; y <= footprint.rows().last; ++y) {
+    const WholeNumbers columns = footprint.Columns(y), own = footprint.Own(y, columns);
+    for (int x = columns.first; x <= columns.last; ++x) {
       const double centre = flat.plane(x, y);
       column.first[u] = x;
       column.first[v] = y;
