@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
-#include <vector>
+#include <span>
 
 namespace facet {
 
 /// Of an even number the upper of the middle two; empty without values. Reorders them.
-inline std::optional<double> Median(std::vector<double>& values) {
+inline std::optional<double> Median(std::span<double> values) {
   if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());

@@ -2,6 +2,8 @@
 #include "facet/imu/imu_buffer.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 
 #include "facet/base/median.h"
 
@@ -87,8 +89,9 @@ ImuInterval ImuBuffer::Between(Timestamp t0,
 }
 
 Duration ImuBuffer::LongestUsualStep() const {
-  std::vector<double> steps_s(steps_s_.begin(), steps_s_.end());
-  const double usual_s = Median(steps_s).value_or(0);
+  std::array<double, kNumSteps> steps_s{};
+  std::copy(steps_s_.begin(), steps_s_.end(), steps_s.begin());
+  const double usual_s = Median(std::span(steps_s).first(steps_s_.size())).value_or(0);
   return FromSeconds(std::min(kUsualSteps * usual_s, kLongestStep_s));
 }
 
