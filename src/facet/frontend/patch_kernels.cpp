@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "facet/frontend/patch_kernel_loops.h"
-
 namespace facet {
 namespace {
 
@@ -38,9 +36,56 @@ void Sample(const ImageLevel& image, const PatchWarp& warp, float* values) {
   }
 }
 
+void SampleUpright(const ImageLevel& image, float x, float y, float* values) {
+  const float left = x - kPatchHalf, top = y - kPatchHalf;
+  const int ix = static_cast<int>(left), iy = static_cast<int>(top);
+  const float fx = left - static_cast<float>(ix), fy = top - static_cast<float>(iy);
+  alignas(32) float rows[2][kPatchSide];
+  const std::uint8_t* p = image.data + static_cast<std::ptrdiff_t>(iy) * image.step + ix;
+  for (int r = 0; r <= kPatchSide; ++r, p += image.step) {
+    float* below = rows[r & 1];
+    for (int c = 0; c < kPatchSide; ++c) {
+      const float a = p[c], b = p[c + 1];
+      below[c] = a + fx * (b - a);
+    }
+    if (r == 0) continue;
+    const float* above = rows[1 - (r & 1)];
+    float* out = values + (r - 1) * kPatchSide;
+    for (int c = 0; c < kPatchSide; ++c)
+      out[c] = above[c] + fy * (below[c] - above[c]);
+  }
+}
+
 void SampleGradient(
     const ImageLevel& image, float x, float y, float* values, float* grad_x, float* grad_y) {
-  internal::SampleGradientLoop(image, x, y, values, grad_x, grad_y);
+  // Two columns and rows more than the patch for the differences.
+  constexpr int kSide = kPatchSide + 2;
+  const float left = x - kPatchHalf - 1, top = y - kPatchHalf - 1;
+  const int ix = static_cast<int>(left), iy = static_cast<int>(top);
+  const float fx = left - static_cast<float>(ix), fy = top - static_cast<float>(iy);
+  float above[kSide], below[kSide];
+  float patch[kSide * kSide];
+  const std::uint8_t* p = image.data + static_cast<std::ptrdiff_t>(iy) * image.step + ix;
+  for (int r = 0; r <= kSide; ++r, p += image.step) {
+    float* row = (r & 1) != 0 ? below : above;
+    const float* other = (r & 1) != 0 ? above : below;
+    for (int c = 0; c < kSide; ++c) {
+      const float a = p[c], b = p[c + 1];
+      row[c] = a + fx * (b - a);
+    }
+    if (r == 0) continue;
+    float* out = patch + (r - 1) * kSide;
+    for (int c = 0; c < kSide; ++c)
+      out[c] = other[c] + fy * (row[c] - other[c]);
+  }
+  for (int r = 0; r < kPatchSide; ++r) {
+    const float* centre = patch + (r + 1) * kSide + 1;
+    for (int c = 0; c < kPatchSide; ++c) {
+      values[r * kPatchSide + c] = centre[c];
+      grad_x[r * kPatchSide + c] = 0.5F * (centre[c + 1] - centre[c - 1]);
+      grad_y[r * kPatchSide + c] = 0.5F * (centre[c + kSide] - centre[c - kSide]);
+    }
+  }
 }
 
 void DotRows(const float* values, const float* rows, int num_rows, float* out) {
@@ -77,7 +122,7 @@ void Combine(const float* rows, const float* factors, int num_rows, float* out) 
 }
 
 constexpr PatchKernels kScalarKernels = {
-    "scalar", Sample, SampleGradient, DotRows, Moments, Combine};
+    "scalar", Sample, SampleUpright, SampleGradient, DotRows, Moments, Combine};
 
 }  // namespace
 
@@ -90,7 +135,6 @@ bool CanSample(const ImageLevel& image, const PatchWarp& warp) {
 }
 
 bool CanSampleGradient(const ImageLevel& image, float x, float y) {
-  // The kernels read 17 pixels of each of 11 rows; reading on into the next row does no harm.
   constexpr float kReach = kPatchHalf + 1;
   return x - kReach >= 0 && x + kReach < static_cast<float>(image.width) - 1.5F &&
          y - kReach >= 0 && y + kReach < static_cast<float>(image.height) - 2.5F;

@@ -29,6 +29,11 @@ struct PatchWarp {
   float x = 0, y = 0;
 };
 
+/// Whether the map only shifts.
+inline bool IsUpright(const PatchWarp& warp) {
+  return warp.a00 == 1 && warp.a01 == 0 && warp.a10 == 0 && warp.a11 == 1;
+}
+
 /// Whether all bilinear samples of the warped patch can be read; false for NaN.
 bool CanSample(const ImageLevel& image, const PatchWarp& warp);
 
@@ -40,6 +45,8 @@ struct PatchKernels {
   const char* name;
   /// Bilinear samples of the warped patch. Requires CanSample.
   void (*sample)(const ImageLevel& image, const PatchWarp& warp, float* values);
+  /// Bilinear samples of the upright patch around (x, y). Requires CanSample.
+  void (*sample_upright)(const ImageLevel& image, float x, float y, float* values);
   /// Bilinear samples of the upright patch around (x, y), and their central differences. Requires
   /// CanSampleGradient.
   void (*sample_gradient)(

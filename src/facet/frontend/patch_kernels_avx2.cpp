@@ -4,11 +4,10 @@
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
+#include <cstddef>
 #include <cstring>
 
 #include <immintrin.h>
-
-#include "facet/frontend/patch_kernel_loops.h"
 
 #define FACET_AVX2 __attribute__((target("avx2")))
 
@@ -64,9 +63,77 @@ FACET_AVX2 void Sample(const ImageLevel& image, const PatchWarp& warp, float* va
   }
 }
 
+// The compiler would convert them one by one.
+FACET_AVX2 __m256 LoadPixels(const std::uint8_t* p) {
+  const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p));
+  return _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(bytes));
+}
+
+FACET_AVX2 __m256 Lerp(__m256 a, __m256 b, __m256 f) {
+  return _mm256_add_ps(a, _mm256_mul_ps(f, _mm256_sub_ps(b, a)));
+}
+
+// The place of an upright patch whose first sample is at (x, y).
+struct UprightPlace {
+  UprightPlace(const ImageLevel& image, float x, float y) {
+    const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+    first = image.data + static_cast<std::ptrdiff_t>(iy) * image.step + ix;
+    fx = x - static_cast<float>(ix);
+    fy = y - static_cast<float>(iy);
+  }
+  const std::uint8_t* first;
+  float fx, fy;
+};
+
+FACET_AVX2 void SampleUpright(const ImageLevel& image, float x, float y, float* values) {
+  const UprightPlace place(image, x - kPatchHalf, y - kPatchHalf);
+  const __m256 fx = _mm256_set1_ps(place.fx), fy = _mm256_set1_ps(place.fy);
+  const std::uint8_t* p = place.first;
+  __m256 above = Lerp(LoadPixels(p), LoadPixels(p + 1), fx);
+  for (int r = 0; r < kPatchSide; ++r) {
+    p += image.step;
+    const __m256 below = Lerp(LoadPixels(p), LoadPixels(p + 1), fx);
+    _mm256_store_ps(values + r * kLanes, Lerp(above, below, fy));
+    above = below;
+  }
+}
+
+// A row of samples, and those one pixel to the left and to the right.
+struct WideRow {
+  __m256 left, centre, right;
+};
+
+FACET_AVX2 WideRow LerpColumns(const std::uint8_t* p, __m256 fx) {
+  const __m256 a = LoadPixels(p), b = LoadPixels(p + 1), c = LoadPixels(p + 2);
+  return {Lerp(a, b, fx), Lerp(b, c, fx), Lerp(c, LoadPixels(p + 3), fx)};
+}
+
 FACET_AVX2 void SampleGradient(
     const ImageLevel& image, float x, float y, float* values, float* grad_x, float* grad_y) {
-  SampleGradientLoop(image, x, y, values, grad_x, grad_y);
+  const UprightPlace place(image, x - kPatchHalf - 1, y - kPatchHalf - 1);
+  const __m256 fx = _mm256_set1_ps(place.fx), fy = _mm256_set1_ps(place.fy);
+  const __m256 half = _mm256_set1_ps(0.5F);
+  const std::uint8_t* p = place.first;
+  WideRow above = LerpColumns(p, fx);
+  __m256 previous = half, before = half;  // the two rows of samples above
+  for (int r = -1; r <= kPatchSide; ++r) {
+    p += image.step;
+    const WideRow below = LerpColumns(p, fx);
+    const __m256 centre = Lerp(above.centre, below.centre, fy);
+    if (r >= 0 && r < kPatchSide) {
+      const __m256 left = Lerp(above.left, below.left, fy);
+      const __m256 right = Lerp(above.right, below.right, fy);
+      _mm256_store_ps(values + r * kLanes, centre);
+      _mm256_store_ps(grad_x + r * kLanes, _mm256_mul_ps(half, _mm256_sub_ps(right, left)));
+    }
+    if (r >= 1) {
+      const __m256 step = _mm256_sub_ps(centre, before);
+      _mm256_store_ps(grad_y + (r - 1) * kLanes, _mm256_mul_ps(half, step));
+    }
+    before = previous;
+    previous = centre;
+    above = below;
+  }
 }
 
 FACET_AVX2 float SumLanes(__m256 s) {
@@ -114,7 +181,8 @@ FACET_AVX2 void Combine(const float* rows, const float* factors, int num_rows, f
   }
 }
 
-constexpr PatchKernels kKernels = {"avx2", Sample, SampleGradient, DotRows, Moments, Combine};
+constexpr PatchKernels kKernels = {
+    "avx2", Sample, SampleUpright, SampleGradient, DotRows, Moments, Combine};
 
 }  // namespace
 

@@ -3,11 +3,10 @@
 
 #if defined(__SSE2__)
 
+#include <cstddef>
 #include <cstring>
 
 #include <emmintrin.h>
-
-#include "facet/frontend/patch_kernel_loops.h"
 
 namespace facet::internal {
 namespace {
@@ -88,9 +87,87 @@ void Sample(const ImageLevel& image, const PatchWarp& warp, float* values) {
   }
 }
 
+// Four pixels. The compiler would convert them one by one.
+__m128 LoadPixels(const std::uint8_t* p) {
+  int bytes = 0;
+  std::memcpy(&bytes, p, sizeof(bytes));
+  const __m128i zero = _mm_setzero_si128();
+  const __m128i words = _mm_unpacklo_epi8(_mm_cvtsi32_si128(bytes), zero);
+  return _mm_cvtepi32_ps(_mm_unpacklo_epi16(words, zero));
+}
+
+__m128 Lerp(__m128 a, __m128 b, __m128 f) {
+  return _mm_add_ps(a, _mm_mul_ps(f, _mm_sub_ps(b, a)));
+}
+
+// The place of an upright patch whose first sample is at (x, y).
+struct UprightPlace {
+  UprightPlace(const ImageLevel& image, float x, float y) {
+    const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+    first = image.data + static_cast<std::ptrdiff_t>(iy) * image.step + ix;
+    fx = _mm_set1_ps(x - static_cast<float>(ix));
+    fy = _mm_set1_ps(y - static_cast<float>(iy));
+  }
+  const std::uint8_t* first;
+  __m128 fx, fy;
+};
+
+// Half of the columns at a time.
+void SampleUpright(const ImageLevel& image, float x, float y, float* values) {
+  const UprightPlace place(image, x - kPatchHalf, y - kPatchHalf);
+  for (int first = 0; first < kLanes; first += kLanes / 2) {
+    const std::uint8_t* p = place.first + first;
+    __m128 above = Lerp(LoadPixels(p), LoadPixels(p + 1), place.fx);
+    for (int r = 0; r < kPatchSide; ++r) {
+      p += image.step;
+      const __m128 below = Lerp(LoadPixels(p), LoadPixels(p + 1), place.fx);
+      _mm_store_ps(values + r * kLanes + first, Lerp(above, below, place.fy));
+      above = below;
+    }
+  }
+}
+
+// Some columns of a row of samples, and those one pixel to the left and to the right.
+struct WideRow {
+  __m128 left, centre, right;
+};
+
+WideRow LerpColumns(const std::uint8_t* p, __m128 fx) {
+  const __m128 a = LoadPixels(p), b = LoadPixels(p + 1), c = LoadPixels(p + 2);
+  return {Lerp(a, b, fx), Lerp(b, c, fx), Lerp(c, LoadPixels(p + 3), fx)};
+}
+
+void SampleGradientColumns(
+    const UprightPlace& place, int step, float* values, float* grad_x, float* grad_y) {
+  const __m128 half = _mm_set1_ps(0.5F);
+  const std::uint8_t* p = place.first;
+  WideRow above = LerpColumns(p, place.fx);
+  __m128 previous = half, before = half;  // the two rows of samples above
+  for (int r = -1; r <= kPatchSide; ++r) {
+    p += step;
+    const WideRow below = LerpColumns(p, place.fx);
+    const __m128 centre = Lerp(above.centre, below.centre, place.fy);
+    if (r >= 0 && r < kPatchSide) {
+      const __m128 left = Lerp(above.left, below.left, place.fy);
+      const __m128 right = Lerp(above.right, below.right, place.fy);
+      _mm_store_ps(values + r * kLanes, centre);
+      _mm_store_ps(grad_x + r * kLanes, _mm_mul_ps(half, _mm_sub_ps(right, left)));
+    }
+    if (r >= 1)
+      _mm_store_ps(grad_y + (r - 1) * kLanes, _mm_mul_ps(half, _mm_sub_ps(centre, before)));
+    before = previous;
+    previous = centre;
+    above = below;
+  }
+}
+
 void SampleGradient(
     const ImageLevel& image, float x, float y, float* values, float* grad_x, float* grad_y) {
-  SampleGradientLoop(image, x, y, values, grad_x, grad_y);
+  UprightPlace place(image, x - kPatchHalf - 1, y - kPatchHalf - 1);
+  SampleGradientColumns(place, image.step, values, grad_x, grad_y);
+  constexpr int kHalf = kLanes / 2;
+  place.first += kHalf;
+  SampleGradientColumns(place, image.step, values + kHalf, grad_x + kHalf, grad_y + kHalf);
 }
 
 float SumLanes(__m128 low, __m128 high) {
@@ -141,7 +218,8 @@ void Combine(const float* rows, const float* factors, int num_rows, float* out) 
   }
 }
 
-constexpr PatchKernels kKernels = {"sse2", Sample, SampleGradient, DotRows, Moments, Combine};
+constexpr PatchKernels kKernels = {
+    "sse2", Sample, SampleUpright, SampleGradient, DotRows, Moments, Combine};
 
 }  // namespace
 

@@ -226,13 +226,18 @@ bool PatchTracker::AlignLevel(const PatchTemplate& patch,
   // Smaller gains amplify noise into steps.
   constexpr float kMinGain = 0.1F;
   const PatchWarp start = warp;
+  const bool is_upright = num_parameters_ == 2 && IsUpright(warp);  // and stays so
   PatchRow value;
   std::array<float, 1 + kMaxWarpParameters> product{};
   const auto min_update2 = static_cast<float>(options_.min_update_px * options_.min_update_px);
   bool converged = false;
   for (int i = 0; i < options_.max_iterations && !converged; ++i) {
     if (!CanSample(image, warp)) return false;
-    kernels_->sample(image, warp, value.data());
+    if (is_upright) {
+      kernels_->sample_upright(image, warp.x, warp.y, value.data());
+    } else {
+      kernels_->sample(image, warp, value.data());
+    }
     kernels_->dot_rows(value.data(), patch.rows.data(), 1 + num_parameters_, product.data());
     const float gain = product[0];
     if (!(gain > kMinGain)) return false;

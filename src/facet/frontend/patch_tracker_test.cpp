@@ -201,6 +201,14 @@ void ExpectSameBits(const PatchKernels& a, const PatchKernels& b) {
       b.sample(image, warp, out[1][0].values);
       ASSERT_EQ(std::memcmp(&out[0][0], &out[1][0], sizeof(AlignedPatch)), 0);
     }
+    if (const PatchWarp upright = {1, 0, 0, 1, warp.x, warp.y}; CanSample(image, upright)) {
+      a.sample_upright(image, warp.x, warp.y, out[0][0].values);
+      b.sample_upright(image, warp.x, warp.y, out[1][0].values);
+      ASSERT_EQ(std::memcmp(&out[0][0], &out[1][0], sizeof(AlignedPatch)), 0);
+      b.sample(image, upright, out[1][1].values);
+      for (int i = 0; i < kPatchSize; ++i)
+        ASSERT_NEAR(out[1][0].values[i], out[1][1].values[i], 0.02);
+    }
     if (CanSampleGradient(image, warp.x, warp.y)) {
       for (int k = 0; k < 2; ++k) {
         const PatchKernels& kernels = k == 0 ? a : b;
@@ -247,7 +255,10 @@ TEST(PatchKernels, SampleTouchesNothingOutsideTheImage) {
     for (float y = 0; y < 30; y += 0.25F) {
       for (float x = 0; x < 40; x += 0.25F) {
         const PatchWarp warp = {1, 0, 0, 1, x, y};
-        if (CanSample(image, warp)) kernels->sample(image, warp, out[0].values);
+        if (CanSample(image, warp)) {
+          kernels->sample(image, warp, out[0].values);
+          kernels->sample_upright(image, x, y, out[1].values);
+        }
         if (!CanSampleGradient(image, x, y)) continue;
         kernels->sample_gradient(image, x, y, out[0].values, out[1].values, out[2].values);
       }
