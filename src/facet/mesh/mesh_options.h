@@ -170,7 +170,7 @@ struct SupportOptions {
   double min_contrast = 1.5;
   /// A triangle whose corners' inverse depths differ by more is also searched around the nearest
   /// and the farthest of them [1/m].
-  double min_depth_step = 0.06;
+  double min_depth_step = 0.12;
   /// Largest 1-sigma of the depth over the depth.
   double max_depth_sigma = 0.05;
   /// Takes the place of the faces' limit: where points are dense, a large face is a gap in which
