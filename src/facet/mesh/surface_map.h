@@ -18,6 +18,8 @@
 
 namespace facet {
 
+struct FlatFace;
+
 /// What a map takes up.
 struct MapMemory {
   double used_mb = 0;
@@ -59,31 +61,45 @@ class SurfaceMap {
   MapMemory memory() const { return {MegabytesOf(blocks_.size()), is_full_}; }
 
  private:
-  /// What one face says about one voxel.
-  struct Sample {
-    float distance = 0, weight = 0, intensity = 0;
+  /// What all columns of a face have in common.
+  struct Columns {
+    int axis = 0;    // along them
+    int stride = 1;  // from one voxel to the next
+    float step = 0;  // from one corner to the next [m]
     int plane_id = -1;
   };
-  /// The corners first, first + 1, ... along one axis of the grid.
+  /// The corners first, first + 1, ... along one axis of the grid, and what a face says about them.
   struct Column {
     std::array<std::int32_t, 3> first{};
-    int axis = 0;
     std::int32_t end = 0;  // behind the last one, along the axis
     float distance = 0;    // of the first corner to the face [m]
-    float step = 0;        // from one corner to the next [m]
+    float weight = 0, intensity = 0;
   };
-  static void Merge(const Sample& sample, Voxel& voxel);
-  void MergeColumn(const Column& column, Sample sample);
+  /// The part of a column that lies in one block.
+  struct Run {
+    Voxel* first = nullptr;
+    int count = 0;
+    float distance = 0, weight = 0, intensity = 0;
+  };
+  void SplitColumn(const Columns& all, const Column& column);
+  static void Merge(const Columns& all, const Run& run);
   static double MegabytesOf(std::size_t blocks) {
     return 1e-6 * static_cast<double>(blocks * sizeof(Block));
   }
   /// Marks corners in one block, along an axis.
   void Touch(int block, const CubeIndex& first, int axis, int count);
+  struct KnownBlock;
+  /// Whether a block is there.
+  KnownBlock& Know(const CubeIndex& index);
   /// CubeMap::kNone where a new block would be more than the map may have.
   int BlockAt(const CubeIndex& index);
   int AddBlock(const CubeIndex& index);
-  void CarveTowards(const Vector3d& eye_W, const std::array<Vector3d, 3>& p_W, const Vector3d& n_W);
-  void CarveSight(const Vector3d& from_W, const Vector3d& to_W, double begin_m);
+  void FollowColumns(const LostFace& face,
+                     const std::array<Vector3d, 3>& p,
+                     const FlatFace& flat,
+                     const Columns& all);
+  void FollowSights(const Vector3d& eye_W, const std::array<Vector3d, 3>& p_W, const Vector3d& n_W);
+  void FollowSight(const Vector3d& from_W, const Vector3d& to_W, double begin_m);
 
   SurfaceMapOptions options_;
   std::deque<Block> blocks_;  // in the order in which they were needed; never moved
@@ -91,12 +107,19 @@ class SurfaceMap {
   // much that is empty, and this fits the processor's cache.
   std::vector<std::uint64_t> touched_;
   CubeMap index_;  // of blocks_
+  // Columns and sight lines come back to the same blocks again and again: what index_ says of the
+  // last ones. Neighbours never take each other's place.
+  static constexpr int kKnownSide = 4;
   struct KnownBlock {
     CubeIndex index;
     int block = CubeMap::kNone;
   };
-  std::array<KnownBlock, 8> cache_;  // of BlockAt; neighbours never take each other's place
+  std::array<KnownBlock, kKnownSide * kKnownSide * kKnownSide> known_;
   bool is_full_ = false;
+  double unseen_area_ = 0;  // of faces to which no sight line was followed yet, in sight lines
+  // Of Add.
+  std::vector<Run> runs_;
+  std::vector<Voxel*> seen_through_;
 };
 
 /// The surface of the map as triangles of about the size of a voxel, with normals, colours and

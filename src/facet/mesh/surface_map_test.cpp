@@ -129,6 +129,23 @@ TEST(SurfaceMap, ASurfaceGoesOnBeyondItsRimAndOnlyThere) {
     ASSERT_NEAR(p.z(), 0, 1e-5);
 }
 
+TEST(SurfaceMap, ARimWithoutWeightIsNoRim) {
+  SurfaceMapOptions options;
+  options.rim_weight = 0;
+  const auto area = [&](bool is_rim) {
+    SurfaceMap map(options);
+    LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+    face.is_rim.fill(is_rim);
+    map.Add(face);
+    const TriangleMesh mesh = ExtractSurface(map);
+    for (const Vector3d& p : mesh.vertices)
+      EXPECT_TRUE(p.allFinite());
+    return AreaOf(mesh);
+  };
+  EXPECT_GT(area(false), 1);
+  EXPECT_EQ(area(true), area(false));
+}
+
 TEST(SurfaceMap, WhatWasSeenCountsMoreThanWhatWasExpected) {
   // The floor ends at y = -1 as far as it was seen; beyond that it is 4 cm lower.
   LostFace floor = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
@@ -207,6 +224,26 @@ TEST(SurfaceMap, CarvesWhatItsCameraSawThrough) {
   const auto carved = wrong_vertices(options);
   options.carving_weight = 0;
   EXPECT_LT(10 * carved, wrong_vertices(options));
+}
+
+// Faces that are too small for a sight line of their own share them.
+TEST(SurfaceMap, SmallFacesCarveTogether) {
+  const auto highest = [](const SurfaceMapOptions& options) {
+    Rng rng(7);
+    SurfaceMap map(options);
+    map.Add(FaceOf({-0.5, -0.5, 1.1}, {0.5, -0.5, 1}, {0, 0.5, 1.2}));
+    constexpr int kCells = 32;  // of 6 cm: each face has 5 % of the area of one sight line
+    for (int view = 0; view < 10; ++view)
+      AddFloor(0, 0.002, rng, map, kCells, Vector3d(0.05 * view, 0.03 * view, 2));
+    double z = -1;
+    for (const Vector3d& p : ExtractSurface(map).vertices)
+      z = std::max(z, p.z());
+    return z;
+  };
+  SurfaceMapOptions options = EndingWithTheFaces();
+  EXPECT_LT(highest(options), 0.1);
+  options.carving_weight = 0;
+  EXPECT_GT(highest(options), 1);
 }
 
 /// Walls that meet at a right angle, seen 50 times from 1 m beside one of them.
