@@ -51,6 +51,21 @@ FaceLimits RescueLimits(const MeshOptions& options) {
   return limits;
 }
 
+struct CameraPlace {
+  Matrix3d R_WC;
+  Vector3d p_W;
+  Vector3d operator()(const Vector3d& p_C) const { return R_WC * p_C + p_W; }
+};
+
+std::optional<CameraPlace> FindCamera(const MapSnapshot& snapshot, FrameId id, const SE3& T_BC) {
+  const auto found = std::find_if(snapshot.keyframes.begin(),
+                                  snapshot.keyframes.end(),
+                                  [&](const KeyframePose& k) { return k.id == id; });
+  if (found == snapshot.keyframes.end()) return std::nullopt;
+  const SE3 T_WC = found->T_WB * T_BC;
+  return CameraPlace{T_WC.R(), T_WC.p};
+}
+
 }  // namespace
 
 HorizonMesh::HorizonMesh(const MeshOptions& options, bool keeps_rejected)
@@ -108,21 +123,25 @@ LostFace HorizonMesh::MakeLost(const MeshFace& face) const {
 }
 
 // Newest positions. A vertex that the estimator has forgotten keeps its last one, and expires.
+// Support points of one keyframe follow each other.
 void HorizonMesh::RefreshVertices(Timestamp t, const MapSnapshot& snapshot, const SE3& T_BC) {
   is_expired_.assign(vertices_.size(), 0);
   const Duration horizon = FromSeconds(options_.horizon_s);
   auto landmark = snapshot.landmarks.begin();
+  FrameId host;
+  std::optional<CameraPlace> to_W;  // of the host
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     MeshVertex& vertex = vertices_[i];
     bool is_known = false;
     if (vertex.host.IsValid()) {
-      const auto host = std::find_if(snapshot.keyframes.begin(),
-                                     snapshot.keyframes.end(),
-                                     [&](const KeyframePose& k) { return k.id == vertex.host; });
-      is_known = host != snapshot.keyframes.end();
+      if (vertex.host != host) {
+        host = vertex.host;
+        to_W = FindCamera(snapshot, host, T_BC);
+      }
+      is_known = to_W.has_value();
       if (is_known) {
-        vertex.p_W = host->T_WB * (T_BC * vertex.p_H);
-        vertex.shown_W = host->T_WB * (T_BC * (vertex.depth_scale * vertex.p_H));
+        vertex.p_W = (*to_W)(vertex.p_H);
+        vertex.shown_W = (*to_W)(vertex.depth_scale * vertex.p_H);
       }
     } else {
       while (landmark != snapshot.landmarks.end() && landmark->id < vertex.id)
@@ -343,7 +362,10 @@ void HorizonMesh::DropContradicted(const MeshView& view) {
     const FaceSighting sighting =
         check_.Judge(projection(face), {vertices_[a].id, vertices_[b].id, vertices_[c].id});
     face.votes_against += sighting.votes_against;
-    if (sighting.is_replaced) lost_.push_back(MakeLost(face));
+    if (sighting.is_replaced) {
+      lost_.push_back(MakeLost(face));
+      lost_.back().is_rim.fill(false);
+    }
     return sighting.is_replaced || face.votes_against >= options_.contradictions.min_votes;
   });
 }

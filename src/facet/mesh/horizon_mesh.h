@@ -65,7 +65,9 @@ struct LostFace {
   double sigma_depth_m = 0;  ///< mean of the vertices
   int plane_id = -1;
   std::optional<Vector3d> eye_W;  ///< the camera that saw it last, if known
-  std::array<bool, 3> is_rim{};   ///< of the sides opposite to p_W: no surface was seen beyond
+  /// Of the sides opposite to p_W: no surface was seen beyond. Faces that newer ones cover have no
+  /// rim, as it is for these to say what lies beyond.
+  std::array<bool, 3> is_rim{};
 };
 
 /// Not thread-safe. Never throws for any content of the view; without a pose or a focal length it

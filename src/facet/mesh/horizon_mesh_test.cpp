@@ -130,6 +130,21 @@ TEST(HorizonMesh, LostFacesKnowTheRimOfTheirSurface) {
   EXPECT_EQ(rims, 16);
 }
 
+TEST(HorizonMesh, FacesThatNewerOnesCoverHaveNoRim) {
+  HorizonMesh mesh{MeshOptions()};
+  MeshView view = ViewOf(WallPoints(2));
+  mesh.Update(view, SnapshotOf(view), SE3());
+  std::vector<MeshPoint> others = WallPoints(2);
+  for (MeshPoint& point : others)
+    point.id.value += 100;
+  view = ViewOf(others, 1);
+  mesh.Update(view, SnapshotOf(view), SE3());
+  EXPECT_EQ(mesh.faces().size(), 32u);
+  ASSERT_EQ(mesh.lost().size(), 32u);
+  for (const LostFace& face : mesh.lost())
+    EXPECT_EQ(face.is_rim, (std::array<bool, 3>{}));
+}
+
 TEST(HorizonMesh, FacesOfALandmarkThatLeftTheHorizonLeaveToo) {
   HorizonMesh mesh(StrictHorizon());
   const MeshView view = ViewOf(WallPoints(2));

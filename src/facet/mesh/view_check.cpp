@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "facet/mesh/triangle_rows.h"
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kMinDepth_m = 0.05;
 constexpr int kMaxSide = 400;    // cells
+constexpr int kCellsPerBin = 4;  // along the side of a bin of points
 constexpr double kFlat = 1e-12;  // twice the area below which a face is seen from its edge
 // A cell before the view's surface counts this little: the surface itself is only interpolated.
 constexpr double kMinFrontShare = 0.3;
@@ -74,7 +76,7 @@ void ViewCheck::Begin(const MeshView& view) {
     low = low.cwiseMin(xy);
     high = high.cwiseMax(xy);
     points_.push_back(
-        {point.id, xy, q, q * options_.depth_tolerance + 2 * point.sigma_depth_m * q * q});
+        {point.id, xy, q, q * options_.depth_tolerance + 2 * point.sigma_depth_m * q * q, 0});
   }
   columns_ = rows_ = 0;
   if (points_.empty()) return;
@@ -83,17 +85,24 @@ void ViewCheck::Begin(const MeshView& view) {
   columns_ = 1 + static_cast<int>((high.x() - low.x()) / cell_);
   rows_ = 1 + static_cast<int>((high.y() - low.y()) / cell_);
   inverse_depth_.assign(static_cast<std::size_t>(columns_ * rows_), 0.0F);
+  bins_ = {1 + columns_ / kCellsPerBin, 1 + rows_ / kCellsPerBin};
+  for (SeenPoint& point : points_)
+    point.bin = BinOf(point.xy);
   std::sort(points_.begin(), points_.end(), [](const SeenPoint& a, const SeenPoint& b) {
-    if (a.xy.y() != b.xy.y()) return a.xy.y() < b.xy.y();
-    return a.id < b.id;
+    return a.bin != b.bin ? a.bin < b.bin : a.id < b.id;
   });
-  first_in_row_.assign(static_cast<std::size_t>(rows_ + 1), static_cast<int>(points_.size()));
-  for (int i = static_cast<int>(points_.size()) - 1; i >= 0; --i) {
-    const int row = static_cast<int>((points_[i].xy.y() - corner_.y()) / cell_);
-    first_in_row_[std::min(row, rows_ - 1)] = i;
-  }
-  for (int row = rows_ - 1; row >= 0; --row)
-    first_in_row_[row] = std::min(first_in_row_[row], first_in_row_[row + 1]);
+  first_in_bin_.assign(static_cast<std::size_t>(bins_.columns * bins_.rows + 1), 0);
+  for (const SeenPoint& point : points_)
+    ++first_in_bin_[point.bin + 1];
+  std::partial_sum(first_in_bin_.begin(), first_in_bin_.end(), first_in_bin_.begin());
+}
+
+// The nearest one for places outside.
+int ViewCheck::BinOf(const Vector2d& xy) const {
+  const Vector2d place = (xy - corner_) / (kCellsPerBin * cell_);
+  const auto column = static_cast<int>(std::clamp<double>(place.x(), 0, bins_.columns - 1));
+  const auto row = static_cast<int>(std::clamp<double>(place.y(), 0, bins_.rows - 1));
+  return row * bins_.columns + column;
 }
 
 // Calls visit(first cell, number of cells, inverse depth at the first, step to the next) for the
@@ -129,32 +138,37 @@ void ViewCheck::Draw(const ProjectedFace& face) {
   });
 }
 
+// Whether it lies beyond all points of the view.
+bool ViewCheck::IsBeside(const ProjectedFace& face) const {
+  const Vector2d low = (LowOf(face) - corner_) / cell_, high = HighOf(face) - corner_;
+  return low.x() > columns_ || low.y() > rows_ || high.x() < 0 || high.y() < 0;
+}
+
 int ViewCheck::CountSightingsThrough(const ProjectedFace& face,
                                      const std::array<LandmarkId, 3>& corners) const {
   const LinearFace linear(face);
   if (linear.is_flat) return 0;
-  const Vector2d low = LowOf(face), high = HighOf(face);
-  const double first_row = std::floor((low.y() - corner_.y()) / cell_);
-  if (first_row >= rows_ || high.y() < corner_.y()) return 0;
-  int votes = 0;
-  for (int i = first_in_row_[std::max(static_cast<int>(first_row), 0)];
-       i < static_cast<int>(points_.size()) && points_[i].xy.y() <= high.y();
-       ++i) {
-    const SeenPoint& point = points_[i];
-    if (point.xy.x() < low.x() || point.xy.x() > high.x()) continue;
-    if (!linear.Contains(point.xy)) continue;
+  const auto is_passed = [&](const SeenPoint& point) {
+    if (!linear.Contains(point.xy)) return false;
     const double q = linear.at_c + linear.slope.dot(point.xy - linear.c);
-    const bool is_before = q > point.inverse_depth + point.margin;
     const bool is_corner = std::find(corners.begin(), corners.end(), point.id) != corners.end();
-    votes += is_before && !is_corner ? 1 : 0;
+    return q > point.inverse_depth + point.margin && !is_corner;
+  };
+  const int first = BinOf(LowOf(face)), last = BinOf(HighOf(face));
+  const int width = last % bins_.columns - first % bins_.columns;
+  std::ptrdiff_t votes = 0;
+  for (int bin = first; bin <= last; bin += bins_.columns) {
+    const auto begin = points_.begin() + first_in_bin_[bin];
+    const auto end = points_.begin() + first_in_bin_[bin + width + 1];
+    votes += std::count_if(begin, end, is_passed);
   }
-  return votes;
+  return static_cast<int>(votes);
 }
 
 FaceSighting ViewCheck::Judge(const ProjectedFace& face,
                               const std::array<LandmarkId, 3>& corners) const {
   FaceSighting sighting;
-  if (columns_ == 0 || !IsInFront(face)) return sighting;
+  if (columns_ == 0 || !IsInFront(face) || IsBeside(face)) return sighting;
   int covered = 0, before = 0, all = 0;
   VisitRows(face, [&](int cell, int count, double q, double step) {
     const auto q_first = static_cast<float>(q), q_step = static_cast<float>(step);

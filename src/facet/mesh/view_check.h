@@ -48,8 +48,11 @@ class ViewCheck {
     Vector2d xy;
     double inverse_depth;
     double margin;  ///< of the inverse depth
+    int bin;
   };
 
+  bool IsBeside(const ProjectedFace& face) const;
+  int BinOf(const Vector2d& xy) const;
   int CountSightingsThrough(const ProjectedFace& face,
                             const std::array<LandmarkId, 3>& corners) const;
   template <class Visit>
@@ -60,8 +63,12 @@ class ViewCheck {
   Vector2d corner_ = Vector2d::Zero();
   int columns_ = 0, rows_ = 0;
   std::vector<float> inverse_depth_;  // of the faces, by cell; 0: none
-  std::vector<SeenPoint> points_;     // by row of cells
-  std::vector<int> first_in_row_;     // into points_
+  // The points in bins of some cells.
+  struct {
+    int columns = 1, rows = 1;
+  } bins_;
+  std::vector<SeenPoint> points_;  // by bin
+  std::vector<int> first_in_bin_;  // into points_; one more at the end
 };
 
 }  // namespace facet
