@@ -21,10 +21,10 @@ KltOptions NearKltOptions(KltOptions options) {
   return options;
 }
 
-// What a shape within a few per cent of the upright one changes is a tenth of a pixel at the rim of
+// What a shape within 2.5 % of the upright one changes is a tenth of a pixel at the rim of
 // the patch and nothing in the middle, and upright patches are sampled in a quarter of the time.
 void NeglectSlightShape(PatchWarp& warp) {
-  constexpr float kSlight = 0.04F;
+  constexpr float kSlight = 0.025F;
   const float largest = std::max(
       {std::abs(warp.a00 - 1), std::abs(warp.a01), std::abs(warp.a10), std::abs(warp.a11 - 1)});
   if (!(largest <= kSlight)) return;
