@@ -172,6 +172,12 @@ TEST_F(BadInputTest, ValueOutOfRange) {
   ExpectFailure(2, "key.path=value is expected", "--set frontend.max_features");
 }
 
+TEST_F(BadInputTest, ValuesThatDoNotFitTogether) {
+  ExpectFailure(2,
+                "mesh.map.truncation_m = 0.02 is below mesh.map.voxel_m = 0.08",
+                "--set mesh.map.truncation_m=0.02");
+}
+
 TEST_F(BadInputTest, WrongUsage) {
   ExpectFailure(2, "--start", "--start yesterday");
   ExpectFailure(2, "the sequence lasts 0.6 s", "--start 100");

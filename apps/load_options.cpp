@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "load_options.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
 
@@ -13,6 +15,15 @@ VioOptions LoadOptions(const std::string& file, const std::vector<std::string>& 
   ApplyOverrides(overrides, fields);
   if (options.pipeline != "S" && options.pipeline != "SP" && options.pipeline != "SPR") {
     throw ConfigError("pipeline: '" + options.pipeline + "' is unknown; S, SP and SPR are known");
+  }
+  // Surfaces nearer than half a voxel to the corners of the grid would be missing.
+  const SurfaceMapOptions& map = options.mesh.map;
+  if (map.enabled && map.truncation_m < map.voxel_m) {
+    throw ConfigError(
+        fmt::format("mesh.map.truncation_m = {} is below mesh.map.voxel_m = {}: the map "
+                    "would have holes everywhere; twice the voxel is usual",
+                    map.truncation_m,
+                    map.voxel_m));
   }
   return options;
 }
