@@ -21,8 +21,9 @@ KltOptions NearKltOptions(KltOptions options) {
   return options;
 }
 
-// What a shape within 2.5 % of the upright one changes is a tenth of a pixel at the rim of
-// the patch and nothing in the middle, and upright patches are sampled in a quarter of the time.
+// What a shape whose entries are within 2.5 % of the upright one changes is at most a quarter of a
+// pixel in the corners of the patch and nothing in the middle, and upright patches are sampled in a
+// quarter of the time.
 void NeglectSlightShape(PatchWarp& warp) {
   constexpr float kSlight = 0.025F;
   const float largest = std::max(
@@ -74,7 +75,7 @@ std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
       PredictWarp(track.ray, start.inverse_depth, T_C1C0_, right_camera_);
   if (!warp) return std::nullopt;
   const PatchTracker& tracker = start.tracker;
-  if (&tracker == &near_tracker_) NeglectSlightShape(*warp);
+  if (&tracker == &near_tracker_ && options_.near_parameters == 2) NeglectSlightShape(*warp);
   const Alignment found = tracker.Align(patch_, right, {start.coarsest_level, track.level}, *warp);
   *zncc = found.zncc;
   if (!found.ok || found.zncc < static_cast<float>(options_.min_zncc)) return std::nullopt;

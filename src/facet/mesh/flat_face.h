@@ -13,7 +13,7 @@
 namespace facet {
 
 /// A linear function of a place across the columns of the grid.
-struct Linear {
+struct ColumnFunction {
   Vector2d slope = Vector2d::Zero();
   double at_origin = 0;
   double operator()(double x, double y) const { return at_origin + slope.x() * x + slope.y() * y; }
@@ -49,8 +49,8 @@ struct FlatFace {
   }
 
   /// Continued beyond the border.
-  Linear Interpolate(const std::array<std::uint8_t, 3>& values) const {
-    Linear sum;
+  ColumnFunction Interpolate(const std::array<std::uint8_t, 3>& values) const {
+    ColumnFunction sum;
     for (std::size_t i = 0; i < 3; ++i) {
       sum.slope += values[i] * share[i].slope;
       sum.at_origin += values[i] * share[i].at_origin;
@@ -65,10 +65,10 @@ struct FlatFace {
 
   Vector3d n = Vector3d::Zero();
   int u = 0, v = 1, w = 2;         // axes across the columns, and along them
-  Linear plane;                    // where the columns meet it
+  ColumnFunction plane;            // where the columns meet it
   std::array<Vector2d, 3> inward;  // of the side opposite to corner i, across the columns
   std::array<double, 3> offset{};
-  std::array<Linear, 3> share;  // barycentric coordinates
+  std::array<ColumnFunction, 3> share;  // barycentric coordinates
   bool is_valid = true;
 };
 

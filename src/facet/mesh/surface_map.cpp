@@ -202,17 +202,26 @@ void SurfaceMap::FollowSight(const Vector3d& from_W, const Vector3d& to_W, doubl
   }
 }
 
-// Rows of one, two, ... sight lines, as many as the face's area asks for together with what the
-// faces before left over. The face's own surface, up to where it is certain to end, is left alone.
+// A face that is too small for a sight line shares one with others, and no face is looked through
+// more often than its size asks for.
+int SurfaceMap::RowsOfSights(double area_m2) {
+  const double lines = area_m2 / (kSightArea * options_.voxel_m * options_.voxel_m);
+  if (lines >= 1) {
+    const double rows = std::sqrt(2 * lines + 0.25) - 0.5;  // with one, two, ... lines
+    return static_cast<int>(std::min<double>(rows + 0.5, kMaxSightRows));
+  }
+  shared_sight_ += lines;
+  if (!(shared_sight_ >= 1)) return 0;
+  shared_sight_ -= 1;
+  return 1;
+}
+
+// The face's own surface, up to where it is certain to end, is left alone.
 void SurfaceMap::FollowSights(const Vector3d& eye_W,
                               const std::array<Vector3d, 3>& p_W,
                               const Vector3d& n_W) {
   const Vector3d &a = p_W[0], u = p_W[1] - a, v = p_W[2] - a;
-  unseen_area_ += 0.5 * u.cross(v).norm() / (kSightArea * options_.voxel_m * options_.voxel_m);
-  const double rows = std::sqrt(2 * unseen_area_ + 0.25) - 0.5;  // of rows (rows + 1) / 2 lines
-  const int count = static_cast<int>(std::min<double>(rows, kMaxSightRows));
-  if (count == 0) return;
-  unseen_area_ = rows < kMaxSightRows ? unseen_area_ - 0.5 * count * (count + 1) : 0;
+  const int count = RowsOfSights(0.5 * u.cross(v).norm());
   for (int i = 0; i < count; ++i) {
     for (int j = 0; i + j < count; ++j) {
       const Vector3d place = a + (i + 1.0 / 3) / count * u + (j + 1.0 / 3) / count * v;
@@ -232,11 +241,11 @@ void SurfaceMap::FollowColumns(const LostFace& face,
   const auto weight = static_cast<float>(
       std::clamp(std::pow(kUnitSigma_m / sigma, 2), kMinFaceWeight, kMaxFaceWeight));
   const float rim_weight = weight * static_cast<float>(options_.rim_weight);
-  const double rim = options_.rim_weight > 0 ? options_.rim_m / options_.voxel_m : 0;
+  const double rim = rim_weight > 0 ? options_.rim_m / options_.voxel_m : 0;
   const Footprint footprint(flat, p, face.is_rim, rim);
   const auto [darkest, brightest] =
       std::minmax_element(face.intensity.begin(), face.intensity.end());
-  const Linear intensity = flat.Interpolate(face.intensity);
+  const ColumnFunction intensity = flat.Interpolate(face.intensity);
   const auto [u, v, w] = std::array{flat.u, flat.v, flat.w};
   const double reach = options_.truncation_m / options_.voxel_m / std::abs(flat.n[w]);
   const double step = flat.n[w] * options_.voxel_m;
@@ -266,8 +275,6 @@ void SurfaceMap::Add(const LostFace& face) {
     corner /= options_.voxel_m;
   const FlatFace flat(p);
   if (!flat.is_valid || IsSeenFromBehind(face, flat.n)) return;
-  seen_through_.clear();
-  runs_.clear();
   if (options_.carving_weight > 0 && face.eye_W && face.eye_W->allFinite())
     FollowSights(*face.eye_W, face.p_W, flat.n);
   constexpr std::array<int, 3> kStride = {1, kBlockSide, kBlockSide * kBlockSide};
@@ -279,6 +286,8 @@ void SurfaceMap::Add(const LostFace& face) {
     Weaken(carving_weight, *voxel);
   for (const Run& run : runs_)
     Merge(all, run);
+  seen_through_.clear();
+  runs_.clear();
 }
 
 SurfaceMap WithHorizon(SurfaceMap map, HorizonMesh horizon) {

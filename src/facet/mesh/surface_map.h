@@ -99,6 +99,7 @@ class SurfaceMap {
                      const FlatFace& flat,
                      const Columns& all);
   void FollowSights(const Vector3d& eye_W, const std::array<Vector3d, 3>& p_W, const Vector3d& n_W);
+  int RowsOfSights(double area_m2);
   void FollowSight(const Vector3d& from_W, const Vector3d& to_W, double begin_m);
 
   SurfaceMapOptions options_;
@@ -116,7 +117,7 @@ class SurfaceMap {
   };
   std::array<KnownBlock, kKnownSide * kKnownSide * kKnownSide> known_;
   bool is_full_ = false;
-  double unseen_area_ = 0;  // of faces to which no sight line was followed yet, in sight lines
+  double shared_sight_ = 0;  // the part of a sight line that small faces have added up to
   // Of Add.
   std::vector<Run> runs_;
   std::vector<Voxel*> seen_through_;

@@ -130,20 +130,20 @@ TEST(SurfaceMap, ASurfaceGoesOnBeyondItsRimAndOnlyThere) {
 }
 
 TEST(SurfaceMap, ARimWithoutWeightIsNoRim) {
-  SurfaceMapOptions options;
-  options.rim_weight = 0;
-  const auto area = [&](bool is_rim) {
-    SurfaceMap map(options);
-    LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
-    face.is_rim.fill(is_rim);
-    map.Add(face);
-    const TriangleMesh mesh = ExtractSurface(map);
-    for (const Vector3d& p : mesh.vertices)
-      EXPECT_TRUE(p.allFinite());
-    return AreaOf(mesh);
-  };
-  EXPECT_GT(area(false), 1);
-  EXPECT_EQ(area(true), area(false));
+  for (const double weight : {0.0, 1e-60}) {  // as a float both are nothing
+    SurfaceMapOptions options;
+    options.rim_weight = weight;
+    const auto area = [&](bool is_rim) {
+      SurfaceMap map(options);
+      LostFace small = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+      small.is_rim.fill(is_rim);
+      map.Add(small);
+      map.Add(FaceOf({-2, -2, 0}, {2, -2, 0}, {0, 2, 0}));
+      return AreaOf(ExtractSurface(map));
+    };
+    EXPECT_GT(area(false), 7);
+    EXPECT_EQ(area(true), area(false)) << weight;
+  }
 }
 
 TEST(SurfaceMap, WhatWasSeenCountsMoreThanWhatWasExpected) {
@@ -244,6 +244,28 @@ TEST(SurfaceMap, SmallFacesCarveTogether) {
   EXPECT_LT(highest(options), 0.1);
   options.carving_weight = 0;
   EXPECT_GT(highest(options), 1);
+}
+
+// A large face elsewhere leaves no sight lines to the small one after it.
+TEST(SurfaceMap, ASmallFaceIsLookedThroughOnceAtMost) {
+  for (double side = 0.25; side < 4; side += 0.25) {
+    SurfaceMapOptions options = EndingWithTheFaces();
+    SurfaceMap map(options);
+    const LostFace wall = FaceOf({-0.5, -0.5, 1}, {0.5, -0.5, 1}, {0, 0.5, 1});
+    for (int i = 0; i < 3; ++i)
+      map.Add(wall);
+    const double area = AreaOf(ExtractSurface(map));
+    LostFace far = FaceOf({100, 0, 0}, {100 + side, 0, 0}, {100, side, 0});
+    far.eye_W = Vector3d(100, 0, 5);
+    map.Add(far);
+    const double with_far = AreaOf(ExtractSurface(map));
+    LostFace near = FaceOf({0, 0, 0}, {0.06, 0, 0}, {0, 0.06, 0});
+    near.eye_W = Vector3d(0, 0, 2);
+    map.Add(near);
+    // One sight line takes 1 of 3 from what it meets: nothing goes.
+    EXPECT_GT(with_far, area - 1e-9);
+    EXPECT_GT(AreaOf(ExtractSurface(map)), with_far - 1e-9) << side;
+  }
 }
 
 /// Walls that meet at a right angle, seen 50 times from 1 m beside one of them.
