@@ -16,7 +16,7 @@ VioOptions LoadOptions(const std::string& file, const std::vector<std::string>& 
   if (options.pipeline != "S" && options.pipeline != "SP" && options.pipeline != "SPR") {
     throw ConfigError("pipeline: '" + options.pipeline + "' is unknown; S, SP and SPR are known");
   }
-  // Surfaces nearer than half a voxel to the corners of the grid would be missing.
+  // Else only corners of the grid that happen to be near a surface would know it.
   const SurfaceMapOptions& map = options.mesh.map;
   if (map.enabled && map.truncation_m < map.voxel_m) {
     throw ConfigError(

@@ -22,8 +22,8 @@ KltOptions NearKltOptions(KltOptions options) {
 }
 
 // What a shape whose entries are within 2.5 % of the upright one changes is at most a quarter of a
-// pixel in the corners of the patch and nothing in the middle, and upright patches are sampled in a
-// quarter of the time.
+// pixel in the corners of the patch and nothing in the middle, and upright patches are sampled row
+// by row.
 void NeglectSlightShape(PatchWarp& warp) {
   constexpr float kSlight = 0.025F;
   const float largest = std::max(

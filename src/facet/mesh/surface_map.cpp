@@ -151,7 +151,7 @@ void SurfaceMap::SplitColumn(const Columns& all, const Column& column) {
       Voxel* const first = &blocks_[block].voxels[VoxelOf(corner, index)];
       for (int k = 0; k < count; ++k)
         Prefetch(first + k * all.stride);
-      runs_.emplace_back(first, count, distance, column.weight, column.intensity);
+      runs_.push_back({first, count, distance, column.weight, column.intensity});
     }
     distance += static_cast<float>(count) * all.step;
   }
