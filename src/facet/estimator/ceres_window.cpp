@@ -191,6 +191,25 @@ struct RelationCost {
   }
 };
 
+// Section 9 of docs/math.md.
+struct SightingCost {
+  PlaneSighting sighting;
+  Vector3d anchor;
+
+  template <class T>
+  bool operator()(const T* plane, const T* q, const T* p, T* residual) const {
+    const Vec3<T> n(plane[0], plane[1], plane[2]);
+    const Quat<T> q_WB = Eigen::Map<const Quat<T>>(q);
+    const Vec3<T> c_W = q_WB * Vec3<T>(sighting.centre_B.cast<T>()) + Eigen::Map<const Vec3<T>>(p);
+    residual[0] = (n.dot(c_W - anchor.cast<T>()) - plane[3]) / T(sighting.sigma_m);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Vec3<T> along_W = q_WB * Vec3<T>(sighting.along_B[k].cast<T>());
+      residual[1 + k] = n.dot(along_W) / T(sighting.sigma_rad[k]);
+    }
+    return true;
+  }
+};
+
 // Reprojection of a point of the world.
 struct ReprojectionCost {
   SE3 T_BC;
@@ -399,6 +418,15 @@ class CeresWindow {
           new ceres::HuberLoss(options_.robust.relations.huber_sigma),
           std::vector<double*>{
               planes_[a].data(), planes_[b].data(), frame.q.data(), frame.p.data()});
+    }
+    for (const PlaneSighting& sighting : window_.sightings) {
+      const auto k = static_cast<std::size_t>(window_.IndexOf(sighting.plane));
+      FrameBlock& frame = blocks_[window_.IndexOf(sighting.frame)];
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<SightingCost, 3, 4, 4, 3>(
+              new SightingCost{sighting, window_.planes[k].anchor_W}),
+          new ceres::HuberLoss(options_.robust.sighting_huber_sigma),
+          std::vector<double*>{planes_[k].data(), frame.q.data(), frame.p.data()});
     }
   }
 

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <map>
 #include <optional>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -33,6 +34,7 @@ constexpr std::size_t kReplaceEvery = 25;
 enum class Planes {
   kNone,
   kKept,     ///< one for each true surface, for the whole run
+  kSighted,  ///< the same, and every keyframe that sees one sights it
   kRelated,  ///< related to each other and to gravity, re-anchored, one of them replaced at times
 };
 
@@ -60,6 +62,7 @@ class KeyframeSmoother {
       if (!landmark.has_depth) InitializeDepth(geometry_, landmark);
     }
     if (planes_ != Planes::kNone) TieToSurfaces();
+    if (planes_ == Planes::kSighted) SightPlanes(rng);
     if (planes_ == Planes::kRelated) {
       RelatePlanes();
       num_moved_anchors_ += FollowSupport(kAnchorDistance, window_);
@@ -83,6 +86,7 @@ class KeyframeSmoother {
   int num_marginalizations() const { return num_marginalizations_; }
   int num_moved_anchors() const { return num_moved_anchors_; }
   int num_relations_used() const { return num_relations_used_; }
+  int num_sightings() const { return num_sightings_; }
 
  private:
   void AppendFrame(std::size_t i, Rng& rng) {
@@ -160,6 +164,20 @@ class KeyframeSmoother {
     }
   }
 
+  // The newest frame measures the planes whose landmarks it sees.
+  void SightPlanes(Rng& rng) {
+    const int newest = static_cast<int>(window_.frames.size()) - 1;
+    std::set<int> seen;
+    for (const WindowLandmark& landmark : window_.landmarks()) {
+      if (!landmark.IsOnPlanes() || landmark.observations.back().frame != newest) continue;
+      const int k = landmark.planes.index[0];
+      if (!seen.insert(k).second) continue;
+      window_.sightings.push_back(testing::MakeSighting(
+          window_.frames.back(), window_.planes[k], window_.PositionOf(landmark), 1, rng));
+      ++num_sightings_;
+    }
+  }
+
   // True relations between the planes that exist, as stars around the first plane of their kind.
   void RelatePlanes() {
     using enum PlaneRelationKind;
@@ -226,6 +244,7 @@ class KeyframeSmoother {
   FrameGeometry geometry_;
   std::map<std::int64_t, std::int64_t> generation_;
   int num_marginalizations_ = 0, num_moved_anchors_ = 0, num_relations_used_ = 0;
+  int num_sightings_ = 0;
 };
 
 MatrixXd PriorDirections(const SlidingWindow& window, const Vector3d& pivot_W) {
@@ -260,6 +279,7 @@ struct GaugeHistory {
   int num_marginalizations = 0;
   int num_planes = 0;
   int num_relations = 0, num_relations_used = 0, num_moved_anchors = 0;
+  int num_sightings = 0;
 };
 
 GaugeHistory RunSmoother(const SimulatedRun& run,
@@ -294,6 +314,7 @@ GaugeHistory RunSmoother(const SimulatedRun& run,
   history.num_planes = static_cast<int>(smoother.window().planes.size());
   history.num_relations = static_cast<int>(smoother.window().relations.size());
   history.num_relations_used = smoother.num_relations_used();
+  history.num_sightings = smoother.num_sightings();
   history.num_moved_anchors = smoother.num_moved_anchors();
   history.position_error =
       (smoother.window().frames.back().x.T_WB.p - run.truth[i - 1].T_WB.p).norm();
@@ -354,6 +375,15 @@ TEST(GaugeTest, PlanesThatStayGainNothingEither) {
   Print("with planes", history);
   EXPECT_GE(history.num_planes, 5);
   ExpectNothingGained(history, 0.9);
+}
+
+TEST(GaugeTest, NorDoTheirSightings) {
+  const SimulatedRun run = Simulate();
+  const GaugeHistory history = RunSmoother(run, true, 500, Planes::kSighted);
+  Print("with sightings", history);
+  EXPECT_GE(history.num_planes, 5);
+  EXPECT_GE(history.num_sightings, 500);
+  ExpectNothingGained(history, 0.95);
 }
 
 TEST(GaugeTest, NeitherDoRelatedPlanesWhoseAnchorsMove) {

@@ -80,6 +80,22 @@ void UseRelations(const MarginalizationPlan& plan,
   });
 }
 
+// Adds what leaving frames have sighted.
+void UseSightings(const MarginalizationPlan& plan,
+                  const StateLayout& layout,
+                  double huber_sigma,
+                  const SlidingWindow& window,
+                  Involved& involved,
+                  MatrixXd& H,
+                  VectorXd& b) {
+  for (const PlaneSighting& sighting : window.sightings) {
+    const int frame = window.IndexOf(sighting.frame);
+    if (!plan.drop_frame[frame]) continue;
+    AddPlaneSighting(window, layout, sighting, huber_sigma, &H, &b);
+    involved.pose[frame] = involved.plane[window.IndexOf(sighting.plane)] = 1;
+  }
+}
+
 void UseLandmarks(const MarginalizationPlan& plan,
                   const StereoRig& rig,
                   const RobustOptions& robust,
@@ -202,6 +218,7 @@ void Marginalize(const MarginalizationPlan& plan,
   }
   UseImuLinks(plan, layout, window, involved, H, b);
   UseRelations(plan, layout, robust.relations, window, involved, H, b);
+  UseSightings(plan, layout, robust.sighting_huber_sigma, window, involved, H, b);
   UseLandmarks(plan, rig, robust, layout, window, involved, H, b);
 
   const Partition partition = MakePartition(plan, layout, involved, window);

@@ -14,7 +14,7 @@ struct MarginalizationPlan {
   std::vector<char> drop_frame;     ///< pose (and motion, if any) leave
   std::vector<char> drop_motion;    ///< velocity and biases leave, the pose stays
   std::vector<char> drop_landmark;  ///< leaves with all its observations and plane rows
-  std::vector<char> drop_plane;     ///< leaves; the rows of landmarks that stay go with it
+  std::vector<char> drop_plane;     ///< leaves; rows and sightings of what stays go with it
 
   explicit MarginalizationPlan(const SlidingWindow& window)
       : drop_frame(window.frames.size(), 0),
@@ -27,7 +27,7 @@ struct MarginalizationPlan {
 
 /// Carries out the plan. Every factor that touches a leaving variable is used once, here, and
 /// removed: the IMU links of leaving motions, all observations of leaving landmarks, the relations
-/// of leaving planes, the old prior. A landmark that stays but was seen in a leaving frame loses
+/// of leaving planes, what leaving frames have sighted, the old prior. A landmark that stays but was seen in a leaving frame loses
 /// that one observation. Variables that the new prior touches are frozen at the present estimate,
 /// unless they already are.
 void Marginalize(const MarginalizationPlan& plan,

@@ -49,6 +49,10 @@ SlidingWindow WithoutLostObservations(SlidingWindow window, const Marginalizatio
     if (landmark.observations.empty()) continue;
     if (plan.drop_frame[landmark.host]) window.Rehost(landmark, landmark.observations[0].frame);
   }
+  std::erase_if(window.sightings, [&](const PlaneSighting& sighting) {
+    return plan.drop_plane[window.IndexOf(sighting.plane)] &&
+           !plan.drop_frame[window.IndexOf(sighting.frame)];
+  });
   return window;
 }
 
@@ -92,6 +96,10 @@ void AddPlanes(TestWindow& test, int num_planes, std::uint64_t seed) {
         PlaneId{k}, Plane{n, n.dot(p_W)}, Vector3d(p_W + rng.Normal3()));
     for (WindowLandmark& landmark : test.window.landmarks()) {
       if (is_near(landmark, n, p_W)) landmark.planes.Add(k);
+    }
+    for (const WindowFrame& frame : test.window.frames) {
+      test.window.sightings.push_back(
+          testing::MakeSighting(frame, test.window.planes.back(), p_W + rng.Normal3(), 0.1, rng));
     }
     ++k;
   }

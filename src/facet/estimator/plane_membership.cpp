@@ -81,6 +81,10 @@ void ApplyAssignments(const PlaneAssignments& assignments,
     window.RemoveRelation(relation);
   for (const PlaneRelation& relation : assignments.related)
     window.AddRelation(relation);
+  for (const PlaneSighting& sighting : assignments.sighted) {
+    if (window.IndexOf(sighting.plane) >= 0 && window.IndexOf(sighting.frame) >= 0)
+      window.sightings.push_back(sighting);
+  }
 }
 
 void ApplyProjections(const PlaneAssignments& assignments,
@@ -177,6 +181,13 @@ void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow
   }
 }
 
+void CutUnsettledSightings(const std::vector<char>& leaving_frames, SlidingWindow& window) {
+  std::erase_if(window.sightings, [&](const PlaneSighting& sighting) {
+    return leaving_frames[static_cast<std::size_t>(window.IndexOf(sighting.frame))] != 0 &&
+           !window.planes[window.IndexOf(sighting.plane)].settled;
+  });
+}
+
 void CutUnsettledRelations(const std::vector<char>& leaving_planes, SlidingWindow& window) {
   const auto is_unsettled = [&](PlaneId id) {
     const int plane = window.IndexOf(id);
@@ -195,8 +206,14 @@ void CutUnsettledRelations(const std::vector<char>& leaving_planes, SlidingWindo
 
 void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window) {
   const std::vector<int> members = CountMembers(window);
+  const auto is_sighted = [&](PlaneId id) {
+    return std::any_of(window.sightings.begin(), window.sightings.end(), [&](const auto& sighting) {
+      return sighting.plane == id;
+    });
+  };
   for (int k = static_cast<int>(window.planes.size()) - 1; k >= 0; --k) {
-    if (!window.planes[k].frozen && members[k] < min_landmarks) window.RemovePlane(k);
+    const WindowPlane& plane = window.planes[k];
+    if (!plane.frozen && members[k] < min_landmarks && !is_sighted(plane.id)) window.RemovePlane(k);
   }
 }
 

@@ -14,8 +14,9 @@ struct JoinLimits {
   double max_distance_m = 0;  ///< a landmark nearer than this, or than 3 sigma, may join
 };
 
-/// Adds the created planes, the links and the relations, and takes back what left. Landmarks that
-/// are not in the window or beyond the limits, and unknown planes, are passed over. `geometry` must
+/// Adds the created planes, the links, the relations and the sightings, and takes back what left.
+/// Landmarks that are not in the window or beyond the limits, and unknown planes and frames, are
+/// passed over. `geometry` must
 /// be up to date.
 void ApplyAssignments(const PlaneAssignments& assignments,
                       const JoinLimits& limits,
@@ -36,8 +37,8 @@ int DetachOutliers(const FrameGeometry& geometry,
                    double max_sigma,
                    SlidingWindow& window);
 
-/// Removes planes that fewer than `min_landmarks` lie on and that the prior knows nothing of:
-/// nothing but those landmarks would determine them.
+/// Removes planes that fewer than `min_landmarks` lie on, that no frame of the window has sighted
+/// and that the prior knows nothing of: nothing but those landmarks would determine them.
 void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window);
 
 /// Limits for a plane to count as known: 1-sigma of its offset, and of its normal either as an
@@ -48,7 +49,7 @@ struct SettledLimits {
   double sigma_offset_m = 0;
 };
 
-/// Marks the planes that their landmarks determine well enough; `information` as from
+/// Marks the planes that their landmarks and sightings determine well enough; `information` as from
 /// WindowSystem::PlaneInformation. What is settled stays settled.
 void MarkSettledPlanes(const std::vector<Matrix3d>& information,
                        const SettledLimits& limits,
@@ -57,6 +58,9 @@ void MarkSettledPlanes(const std::vector<Matrix3d>& information,
 /// Cuts the links of leaving landmarks to planes that are not settled: their rows would freeze the
 /// plane where it happens to be.
 void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow& window);
+
+/// The same for what leaving frames have sighted.
+void CutUnsettledSightings(const std::vector<char>& leaving_frames, SlidingWindow& window);
 
 /// Removes the relations of leaving planes to planes that are neither settled nor frozen, for the
 /// same reason.

@@ -115,6 +115,40 @@ TEST(PlaneMembershipTest, OnlySettledPlanesKeepTheRowsOfLeavingLandmarks) {
   EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{1, 0}));
 }
 
+// A sighting is worth as much as landmarks are, and as little once its frame leaves.
+TEST(PlaneMembershipTest, SightingsKeepAPlaneUntilTheirFrameLeaves) {
+  Scene scene(7);
+  PlaneAssignments assignments;
+  assignments.created = {scene.PlaneAt(1, 0.0), scene.PlaneAt(2, 0.0), scene.PlaneAt(3, 0.0)};
+  const FrameId seen_by = scene.window().frames[1].id;
+  PlaneSighting sighting{seen_by, PlaneId{1}};
+  sighting.sigma_m = 0.01;
+  sighting.sigma_rad = {0.01, 0.01};
+  assignments.sighted.assign(5, sighting);
+  assignments.sighted[1].plane = PlaneId{2};
+  assignments.sighted[2].plane = PlaneId{9};  // of a plane and of a frame that nobody knows
+  assignments.sighted[3].frame = FrameId{999};
+  assignments.sighted[4].plane = PlaneId{3};
+  scene.Apply(assignments);
+  ASSERT_EQ(scene.window().sightings.size(), 3u);
+  RemoveUnsupportedPlanes(1, scene.window());
+  EXPECT_EQ(scene.window().planes.size(), 3u);
+
+  scene.window().planes[1].settled = true;
+  std::vector<char> leaving(scene.window().frames.size(), 0);
+  CutUnsettledSightings(leaving, scene.window());
+  EXPECT_EQ(scene.window().sightings.size(), 3u);
+  leaving[1] = 1;
+  CutUnsettledSightings(leaving, scene.window());
+  ASSERT_EQ(scene.window().sightings.size(), 1u);
+  EXPECT_EQ(scene.window().sightings[0].plane, PlaneId{2});
+  RemoveUnsupportedPlanes(1, scene.window());
+  ASSERT_EQ(scene.window().planes.size(), 1u);
+  EXPECT_EQ(scene.window().planes[0].id, PlaneId{2});
+  scene.window().RemovePlane(0);
+  EXPECT_TRUE(scene.window().sightings.empty());
+}
+
 // Both planes have one landmark; it lies 5 cm and 1 m from their anchors.
 TEST(PlaneMembershipTest, SmallPlanesSettleByTheirDistanceAtTheLandmarks) {
   Scene scene(6);

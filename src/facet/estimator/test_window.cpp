@@ -201,6 +201,32 @@ void Disturb(SlidingWindow& window, const StepSigmas& sigmas, Rng& rng) {
   }
 }
 
+PlaneSighting MakeSighting(const WindowFrame& frame,
+                           const WindowPlane& plane,
+                           const Vector3d& near_W,
+                           double noise,
+                           Rng& rng) {
+  PlaneSighting sighting;
+  sighting.frame = frame.id;
+  sighting.plane = plane.id;
+  sighting.sigma_m = rng.Uniform(0.005, 0.02);
+  sighting.sigma_rad = {rng.Uniform(0.005, 0.02), rng.Uniform(0.005, 0.02)};
+  const Matrix<3, 2> tangents = TangentBasis(plane.n);
+  const double turn = rng.Uniform(-3, 3);
+  const Vector3d a_W = tangents * Vector2d(std::cos(turn), std::sin(turn));
+  const Vector3d b_W = plane.n.cross(a_W);
+  const double slope_a = noise * sighting.sigma_rad[0] * rng.Normal();
+  const double slope_b = noise * sighting.sigma_rad[1] * rng.Normal();
+  // Small turns of the measured surface about its own directions.
+  const Eigen::AngleAxisd error_a(slope_b, a_W), error_b(-slope_a, b_W);
+  const Quaterniond q_BW = frame.x.T_WB.q.conjugate();
+  const Quaterniond error(error_a * error_b);
+  const double distance = plane.SignedDistance(near_W) + noise * sighting.sigma_m * rng.Normal();
+  sighting.centre_B = frame.x.T_WB.Inverse() * Vector3d(near_W - distance * plane.n);
+  sighting.along_B = {q_BW * (error * a_W), q_BW * (error * b_W)};
+  return sighting;
+}
+
 Vector3d PointOf(const SlidingWindow& window, const WindowLandmark& landmark) {
   const SE3 T_WH = window.frames[landmark.host].x.T_WB * window.T_BC0;
   return T_WH * (landmark.bearing_H / landmark.inverse_distance);
@@ -228,6 +254,10 @@ DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double r
   }
   for (const WindowRelation& relation : window.relations)
     AddPlaneRelation(window, out.layout, relation, RelationNoise{}, &out.H, &out.b);
+  for (const PlaneSighting& sighting : window.sightings) {
+    AddPlaneSighting(
+        window, out.layout, sighting, RobustOptions{}.sighting_huber_sigma, &out.H, &out.b);
+  }
   FrameGeometry geometry(rig);
   geometry.Update(window.frames);
   MatrixXd lower = MatrixXd::Zero(out.layout.dim, out.layout.dim);

@@ -115,6 +115,7 @@ void VioEstimator::Assign(const PlaneAssignments& assignments) {
   append(assignments.ended, ended_planes_);
   append(assignments.related, assignments_.related);
   append(assignments.unrelated, assignments_.unrelated);
+  append(assignments.sighted, assignments_.sighted);
   append(assignments.projected, assignments_.projected);
   append(assignments.unprojected, assignments_.unprojected);
 }
@@ -486,6 +487,7 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     EndPlanes(plan);
     if (plan.IsEmpty()) return;
     CutUnsettledLinks(plan.drop_landmark, window_);
+    CutUnsettledSightings(plan.drop_frame, window_);
     CutUnsettledRelations(plan.drop_plane, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
       const WindowFrame& frame = window_.frames[i];

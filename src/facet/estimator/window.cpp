@@ -136,6 +136,7 @@ void SlidingWindow::RemoveFrame(int index) {
   for (WindowRelation& relation : relations) {
     if (relation.frame == frames[index].id) AttachRelation(relation, index);
   }
+  std::erase_if(sightings, [&](const PlaneSighting& s) { return s.frame == frames[index].id; });
   frames.erase(frames.begin() + index);
   if (frames.empty()) relations.clear();
   RemoveLandmarks(gone);
@@ -152,6 +153,7 @@ void SlidingWindow::RemovePlane(int index) {
   }
   std::erase_if(relations,
                 [&](const WindowRelation& r) { return r.relation.Involves(planes[index].id); });
+  std::erase_if(sightings, [&](const PlaneSighting& s) { return s.plane == planes[index].id; });
   planes.erase(planes.begin() + index);
 }
 
@@ -191,6 +193,7 @@ void SlidingWindow::Clear() {
   frames.clear();
   planes.clear();
   relations.clear();
+  sightings.clear();
   landmarks_.clear();
   index_.clear();
   prior = MarginalPrior();

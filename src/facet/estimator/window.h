@@ -12,6 +12,7 @@
 #include "facet/geometry/plane.h"
 #include "facet/map/observation.h"
 #include "facet/map/plane_relation.h"
+#include "facet/map/plane_sighting.h"
 
 namespace facet {
 
@@ -151,6 +152,7 @@ class SlidingWindow {
   std::vector<WindowFrame> frames;  ///< oldest first
   std::vector<WindowPlane> planes;
   std::vector<WindowRelation> relations;
+  std::vector<PlaneSighting> sightings;  ///< of these frames and planes
   MarginalPrior prior;
   StartPrior start_prior;
 
@@ -172,7 +174,8 @@ class SlidingWindow {
   /// observation, those without any observation go. The prior must not contain the frame.
   void RemoveFrame(int index);
 
-  /// Removes a plane, the links to it and its relations. The prior must not contain it.
+  /// Removes a plane, the links to it, its relations and its sightings. The prior must not contain
+  /// it.
   void RemovePlane(int index);
 
   /// False if the relation exists, or a plane of it does not, or there is no frame to tie it to.

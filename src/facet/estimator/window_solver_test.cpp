@@ -100,8 +100,9 @@ TEST(WindowSolverTest, OptimumEqualsCeres) {
   Print("without prior", worst);
 }
 
-// Three planes through groups of landmarks, related in every way, and some landmarks of pipeline
-// SP. The landmarks are moved onto the planes and observed anew, some a little beside them.
+// Three planes through groups of landmarks, related in every way and sighted by every frame, and
+// some landmarks of pipeline SP. The landmarks are moved onto the planes and observed anew, some a
+// little beside them.
 void AddPlanes(TestWindow& test, Rng& rng) {
   using enum PlaneRelationKind;
   SlidingWindow& window = test.window;
@@ -129,6 +130,12 @@ void AddPlanes(TestWindow& test, Rng& rng) {
                                         PlaneRelation{kParallel, b, c},
                                         PlaneRelation{kHeadingParallel, b, c}}) {
     EXPECT_TRUE(window.AddRelation(relation));
+  }
+  for (const WindowFrame& frame : window.frames) {
+    for (const WindowPlane& plane : window.planes) {
+      window.sightings.push_back(
+          testing::MakeSighting(frame, plane, centre_W + rng.Normal3(), 1.5, rng));
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 #include "facet/estimator/relation_factor.h"
 #include "facet/estimator/robust_loss.h"
 #include "facet/estimator/schur_kernel.h"
+#include "facet/estimator/sighting_factor.h"
 
 namespace facet {
 
@@ -169,6 +170,29 @@ double AddPlaneRelation(const SlidingWindow& window,
   return rows.cost;
 }
 
+double AddPlaneSighting(const SlidingWindow& window,
+                        const StateLayout& layout,
+                        const PlaneSighting& sighting,
+                        double huber_sigma,
+                        MatrixXd* H,
+                        VectorXd* b) {
+  const int index = window.IndexOf(sighting.plane), frame = window.IndexOf(sighting.frame);
+  const WindowPlane& plane = window.planes[index];
+  if (H == nullptr) {
+    return HuberLoss(SightingError(sighting, plane, window.frames[frame]).norm(), huber_sigma).cost;
+  }
+  const SightingRows rows = LinearizeSighting(sighting, plane, window.frames[frame], huber_sigma);
+  const int column = layout.plane_column[index], pose = layout.pose_column[frame];
+  const Matrix<6, 3> product = rows.J_pose.transpose() * rows.J_plane;
+  H->block<3, 3>(column, column) += rows.J_plane.transpose() * rows.J_plane;
+  H->block<6, 6>(pose, pose) += rows.J_pose.transpose() * rows.J_pose;
+  H->block<6, 3>(pose, column) += product;
+  H->block<3, 6>(column, pose) += product.transpose();
+  b->segment<3>(column) += rows.J_plane.transpose() * rows.r;
+  b->segment<6>(pose) += rows.J_pose.transpose() * rows.r;
+  return rows.cost;
+}
+
 bool IsConstraining(const WindowLandmark& landmark) {
   return landmark.has_depth && (landmark.observations.size() >= 2 ||
                                 (landmark.IsOnPlanes() && !landmark.observations.empty()));
@@ -238,6 +262,19 @@ void WindowSystem::LinearizeVision(const SlidingWindow& window, const RobustOpti
   }
 }
 
+void WindowSystem::LinearizeSightings(const SlidingWindow& window, const RobustOptions& robust) {
+  const auto on_diagonal = [&](std::size_t plane) {
+    return H_.block<3, 3>(layout_.plane_column[plane], layout_.plane_column[plane]);
+  };
+  sighted_.resize(window.planes.size());
+  for (std::size_t k = 0; k < sighted_.size(); ++k)
+    sighted_[k] = -on_diagonal(k);
+  for (const PlaneSighting& sighting : window.sightings)
+    cost_ += AddPlaneSighting(window, layout_, sighting, robust.sighting_huber_sigma, &H_, &b_);
+  for (std::size_t k = 0; k < sighted_.size(); ++k)
+    sighted_[k] += on_diagonal(k);
+}
+
 void WindowSystem::Linearize(const SlidingWindow& window, const RobustOptions& robust) {
   layout_ = MakeLayout(window);
   geometry_.Update(window.frames);
@@ -250,6 +287,7 @@ void WindowSystem::Linearize(const SlidingWindow& window, const RobustOptions& r
   }
   for (const WindowRelation& relation : window.relations)
     cost_ += AddPlaneRelation(window, layout_, relation, robust.relations, &H_, &b_);
+  LinearizeSightings(window, robust);
   LinearizeVision(window, robust);
 }
 
@@ -278,6 +316,10 @@ double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robu
   }
   for (const WindowRelation& relation : window.relations)
     cost += AddPlaneRelation(window, layout_, relation, robust.relations, nullptr, nullptr);
+  for (const PlaneSighting& sighting : window.sightings) {
+    cost +=
+        AddPlaneSighting(window, layout_, sighting, robust.sighting_huber_sigma, nullptr, nullptr);
+  }
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (IsConstraining(landmark)) cost += LandmarkCost(geometry_, window.planes, landmark, robust);
   }
@@ -346,7 +388,7 @@ void WindowSystem::ApplyStep(SlidingWindow& window) {
 }
 
 std::vector<Matrix3d> WindowSystem::PlaneInformation() const {
-  std::vector<Matrix3d> information(layout_.plane_column.size(), Matrix3d::Zero());
+  std::vector<Matrix3d> information = sighted_;
   for (int k = 0; k < num_blocks_; ++k) {
     for (int p = 0; p < blocks_[k].num_plane_views; ++p) {
       const LandmarkBlock::PlaneView& view = blocks_[k].plane_views[static_cast<std::size_t>(p)];

@@ -37,6 +37,14 @@ double AddPlaneRelation(const SlidingWindow& window,
                         MatrixXd* H,
                         VectorXd* b);
 
+/// Adds a sighting of a plane; returns its cost. H and b may be null (cost only).
+double AddPlaneSighting(const SlidingWindow& window,
+                        const StateLayout& layout,
+                        const PlaneSighting& sighting,
+                        double huber_sigma,
+                        MatrixXd* H,
+                        VectorXd* b);
+
 /// Whether the landmark constrains anything: it has a distance and is seen from two frames, or from
 /// one and lies on a plane.
 bool IsConstraining(const WindowLandmark& landmark);
@@ -67,8 +75,8 @@ class WindowSystem {
   const StateLayout& layout() const { return layout_; }
   const FrameGeometry& geometry() const { return geometry_; }
 
-  /// What the landmarks say about each plane, poses given, from the last Solve: information on two
-  /// tangent directions and offset.
+  /// What landmarks and sightings say about each plane, poses given, from the last Solve:
+  /// information on two tangent directions and offset.
   std::vector<Matrix3d> PlaneInformation() const;
 
   /// Joint covariance of the newest pose and each plane from the last factorisation: theta p, two
@@ -80,11 +88,13 @@ class WindowSystem {
   Matrix<15, 15> NewestFrameCovariance() const;
 
  private:
+  void LinearizeSightings(const SlidingWindow& window, const RobustOptions& robust);
   void LinearizeVision(const SlidingWindow& window, const RobustOptions& robust);
 
   FrameGeometry geometry_;
   StateLayout layout_;
   std::vector<LandmarkBlock> blocks_;
+  std::vector<Matrix3d> sighted_;  // information of the sightings on each plane
   int num_blocks_ = 0;
   MatrixXd H_;  // everything but the eliminated landmarks
   VectorXd b_;

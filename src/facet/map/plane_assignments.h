@@ -9,6 +9,7 @@
 #include "facet/base/types.h"
 #include "facet/geometry/plane.h"
 #include "facet/map/plane_relation.h"
+#include "facet/map/plane_sighting.h"
 
 namespace facet {
 
@@ -34,13 +35,14 @@ struct PlaneAssignments {
   std::vector<PlaneId> ended;                        ///< planes that leave the estimator
   std::vector<PlaneRelation> related;                ///< hold from now on
   std::vector<PlaneRelation> unrelated;              ///< hold no longer
+  std::vector<PlaneSighting> sighted;                ///< by the newest keyframe
   /// Pipeline SP: landmarks that count with the paper's projection noise and loss from now on, and
   /// those that no longer do. These need no plane.
   std::vector<LandmarkId> projected, unprojected;
 
   bool IsEmpty() const {
     return created.empty() && joined.empty() && left.empty() && ended.empty() && related.empty() &&
-           unrelated.empty() && projected.empty() && unprojected.empty();
+           unrelated.empty() && sighted.empty() && projected.empty() && unprojected.empty();
   }
 };
 
