@@ -16,6 +16,9 @@ namespace facet {
 struct KnownPlane {
   PlaneId id;
   PlaneEstimate estimate;
+  /// The estimate when it was known best: what the landmarks of a small plane say fades when they
+  /// leave one by one. Empty until the estimator has solved for the plane.
+  std::optional<PlaneEstimate> best;
   PlaneOrientation orientation = PlaneOrientation::kOblique;
   PlaneSupport support;
   int sightings = 0;
@@ -29,6 +32,9 @@ struct KnownPlane {
   KnownPlane(const PlaneCandidate& candidate, Timestamp t)
       : support(candidate.plane_W, candidate.centroid_W), first_seen(t), last_seen(t) {}
 
+  /// Takes the estimator's newest word.
+  void Update(const PlaneEstimate& newest);
+
   bool IsTentative() const { return !id.IsValid(); }
 
   /// Whether the landmark lies on it, or on a plane that became part of it.
@@ -38,5 +44,15 @@ struct KnownPlane {
            });
   }
 };
+
+inline void KnownPlane::Update(const PlaneEstimate& newest) {
+  estimate = newest;
+  const auto variance = [](const PlaneEstimate& e) {
+    return e.covariance.block<3, 3>(6, 6).trace();
+  };
+  const bool is_solved = newest.covariance(9, 9) > 0;
+  if (is_solved && (!best || newest.is_settled || variance(newest) <= variance(*best)))
+    best = newest;
+}
 
 }  // namespace facet

@@ -113,6 +113,25 @@ void PlaneSupport::AddCell(int x, int y, LastBlock& last) {
   sum_ += kCell_m * Vector2d(x + 0.5, y + 0.5);
 }
 
+void PlaneSupport::Remove(const Vector3d& p_W) {
+  const Vector2d xy = ToPlane(p_W);
+  if (!HasCell(xy)) return;
+  const Cell middle = {CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m)};
+  for (int x = middle[0] - 1; x <= middle[0] + 1; ++x) {
+    for (int y = middle[1] - 1; y <= middle[1] + 1; ++y) {
+      const int block_x = FloorDivide(x, kBlock), block_y = FloorDivide(y, kBlock);
+      const auto block = blocks_.find(Key(block_x, block_y));
+      if (block == blocks_.end()) continue;
+      const std::uint32_t bit = 1U << ((x - kBlock * block_x) + kBlock * (y - kBlock * block_y));
+      if ((block->second & bit) == 0) continue;
+      block->second &= ~bit;
+      --num_cells_;
+      sum_ -= kCell_m * Vector2d(x + 0.5, y + 0.5);
+      if (block->second == 0) blocks_.erase(block);
+    }
+  }
+}
+
 // The cells of the other lie at an angle to these: a few stay empty.
 void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
   LastBlock last;

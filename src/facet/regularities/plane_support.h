@@ -20,6 +20,9 @@ class PlaneSupport {
   /// Triangles of more than 10 m, and those without finite corners, are left out.
   void AddTriangle(const std::array<Vector3d, 3>& p_W);
 
+  /// Takes back the cells around the point's projection.
+  void Remove(const Vector3d& p_W);
+
   /// Whether surface was seen within about `radius_m` (whole half metres) of the point's
   /// projection.
   bool IsNear(const Vector3d& p_W, double radius_m) const;

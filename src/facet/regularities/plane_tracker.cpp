@@ -7,11 +7,12 @@
 #include <numeric>
 
 #include "facet/geometry/plane_fit.h"
+#include "facet/regularities/face_claims.h"
 #include "facet/regularities/face_judge.h"
-#include "facet/regularities/near_points.h"
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
 #include "facet/regularities/plane_revision.h"
+#include "facet/regularities/plane_sightings.h"
 #include "facet/regularities/support_depths.h"
 
 namespace facet {
@@ -41,7 +42,7 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
     EndMisfits(map, planes_, out);
     MergeSameSurfaces(map, planes_, out);
   }
-  ClaimFaces(map);
+  plane_of_face_ = ClaimFaces(faces_, planes_, map, options_.tracking);
   std::vector<char> taken(plane_of_face_.size());
   std::transform(plane_of_face_.begin(), plane_of_face_.end(), taken.begin(), [](int plane) {
     return plane >= 0 ? 1 : 0;
@@ -52,7 +53,12 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
     Recognise(map, candidate);
   Promote(out);
   JoinLandmarks(map, out);
-  UpdateSupports();
+  TakeSurface(faces_, plane_of_face_, now_, planes_);
+  LeaveForeignSurface(map, planes_, out);
+  if (options_.sightings.enabled) {
+    out.sighted =
+        SightPlanes(faces_, plane_of_face_, landmark_of_point_, planes_, map, options_.sightings);
+  }
   Relate(out);
   SetFacePlanes();
   if (options_.support_depths.enabled) {
@@ -79,7 +85,7 @@ void PlaneTracker::Refresh(const MapSnapshot& map, PlaneAssignments& out) {
       Forget(k);
       continue;
     }
-    plane.estimate = *estimate;
+    plane.Update(*estimate);
     const double max_age = options_.tracking.max_age_s;
     if (max_age > 0 && ToSeconds(now_ - *plane.handed_over) >= max_age) {
       out.ended.push_back(plane.id);
@@ -89,46 +95,14 @@ void PlaneTracker::Refresh(const MapSnapshot& map, PlaneAssignments& out) {
 }
 
 void PlaneTracker::Forget(std::size_t plane) {
-  gone_.push_back(MakeRecord(planes_[plane]));
+  former_.Add(std::move(planes_[plane]));
   planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(plane));
-}
-
-// A face is on a plane seen a moment ago when all its corners are: the nearest such plane has it.
-void PlaneTracker::ClaimFaces(const MapSnapshot& map) {
-  const PlaneTrackingOptions& limits = options_.tracking;
-  plane_of_face_.assign(faces_.faces.size(), -1);
-  const double min_cosine = std::cos(limits.max_face_angle_deg * kDegree);
-  std::vector<double> best(faces_.faces.size(), 1.0);  // largest distance of a corner in gates
-  const NearPoints centres(faces_.faces.size(), [&](std::size_t f) -> const Vector3d& {
-    return faces_.faces[f].centre_W;
-  });
-  for (std::size_t k = 0; k < planes_.size(); ++k) {
-    const KnownPlane& known = planes_[k];
-    if (known.IsTentative() || ToSeconds(now_ - known.last_seen) > limits.active_s) continue;
-    const Plane& plane = known.estimate.plane_W;
-    const DistanceUncertainty uncertainty(known.estimate, map.latest.T_WB);
-    centres.ForEachNear(plane, limits.max_gate_m, [&](std::size_t f) {
-      const SurfaceFace& face = faces_.faces[f];
-      if (std::abs(plane.n.dot(face.n_W)) < min_cosine) return;
-      const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
-      double worst = 0;
-      for (const int corner : face.corners) {
-        const FacePoint& point = faces_.points[corner];
-        const double sigma = point.SigmaAlong(plane.n);
-        const double gate = std::clamp(
-            3 * std::sqrt(sigma * sigma + variance), limits.min_gate_m, limits.max_gate_m);
-        worst = std::max(worst, std::abs(plane.SignedDistance(point.p_W)) / gate);
-        if (worst >= best[f]) return;
-      }
-      if (!known.support.IsNear(face.centre_W, kGrowth_m)) return;
-      best[f] = worst;
-      plane_of_face_[f] = static_cast<int>(k);
-    });
-  }
 }
 
 int PlaneTracker::FindKnown(const MapSnapshot& map, const PlaneCandidate& candidate) const {
   int found = -1;
+  const double max_sigma = options_.tracking.max_sighting_sigma_deg * kDegree;
+  if (candidate.normal_covariance.trace() > max_sigma * max_sigma) return found;
   double best = options_.tracking.max_chi_square;
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     const KnownPlane& known = planes_[k];
@@ -259,7 +233,8 @@ void PlaneTracker::Promote(PlaneAssignments& out) {
       GiveUpOldFaces(static_cast<int>(k));  // another plane may need them
       continue;
     }
-    plane.id = PlaneId{next_id_++};
+    if (!MayRecall() || !former_.Recall(kSameAngle, options_.tracking.min_separation_m, plane))
+      plane.id = PlaneId{next_id_++};
     plane.estimate.id = plane.id;
     plane.handed_over = now_;
     out.created.push_back(
@@ -307,17 +282,6 @@ void PlaneTracker::JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out) 
   }
 }
 
-void PlaneTracker::UpdateSupports() {
-  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
-    if (plane_of_face_[f] < 0 || !faces_.faces[f].in_view) continue;
-    KnownPlane& plane = planes_[plane_of_face_[f]];
-    const auto& c = faces_.faces[f].corners;
-    plane.support.AddTriangle(
-        {faces_.points[c[0]].p_W, faces_.points[c[1]].p_W, faces_.points[c[2]].p_W});
-    plane.last_seen = now_;
-  }
-}
-
 void PlaneTracker::Relate(PlaneAssignments& out) {
   std::vector<RelatedPlane> planes;
   for (const KnownPlane& plane : planes_) {
@@ -348,9 +312,9 @@ std::vector<FaceStanding> PlaneTracker::JudgeTriangles(
 }
 
 void PlaneTracker::Reset() {
-  for (std::size_t k = planes_.size(); k-- > 0;) {
-    if (!planes_[k].IsTentative()) gone_.push_back(MakeRecord(planes_[k]));
-  }
+  for (KnownPlane& plane : planes_)
+    former_.Add(std::move(plane));
+  former_.StartOver();
   planes_.clear();
   relations_.Clear();
 }
@@ -358,7 +322,7 @@ void PlaneTracker::Reset() {
 PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {
   PlaneRecord record;
   record.id = plane.id;
-  record.plane_W = plane.estimate.plane_W;
+  record.plane_W = plane.best->plane_W;
   record.centroid_W = plane.support.Centroid(record.plane_W);
   record.orientation = plane.orientation;
   record.first_seen = plane.first_seen;
@@ -367,19 +331,21 @@ PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {
   record.absorbed = plane.absorbed;
   record.area_m2 = plane.support.area_m2();
   record.outline_W = plane.support.Outline(record.plane_W);
-  const Matrix<10, 10>& covariance = plane.estimate.covariance;
+  const Matrix<10, 10>& covariance = plane.best->covariance;
   record.sigma_normal_rad = std::sqrt(std::max(covariance.block<3, 3>(6, 6).trace() / 2, 0.0));
   Matrix<1, 4> J;  // d = offset + n . anchor
-  J << plane.estimate.anchor_W.transpose(), 1;
+  J << plane.best->anchor_W.transpose(), 1;
   record.sigma_d_m =
       std::sqrt(std::max((J * covariance.bottomRightCorner<4, 4>() * J.transpose())(0), 0.0));
   return record;
 }
 
 std::vector<PlaneRecord> PlaneTracker::Records() const {
-  std::vector<PlaneRecord> out = gone_;
-  for (const KnownPlane& plane : planes_) {
-    if (!plane.IsTentative()) out.push_back(MakeRecord(plane));
+  std::vector<PlaneRecord> out;
+  for (const auto* planes : {&former_.planes(), &planes_}) {
+    for (const KnownPlane& plane : *planes) {
+      if (plane.best) out.push_back(MakeRecord(plane));
+    }
   }
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   LabelPlanes(out);

@@ -11,6 +11,7 @@
 
 #include "facet/map/plane_assignments.h"
 #include "facet/map/plane_record.h"
+#include "facet/regularities/former_planes.h"
 #include "facet/regularities/known_plane.h"
 #include "facet/regularities/plane_detector.h"
 #include "facet/regularities/plane_relations.h"
@@ -56,7 +57,6 @@ class PlaneTracker {
 
  private:
   void Refresh(const MapSnapshot& map, PlaneAssignments& out);
-  void ClaimFaces(const MapSnapshot& map);
   void Recognise(const MapSnapshot& map, const PlaneCandidate& candidate);
   int FindKnown(const MapSnapshot& map, const PlaneCandidate& candidate) const;
   int FindTentative(const PlaneCandidate& candidate) const;
@@ -65,8 +65,9 @@ class PlaneTracker {
   void AddOldFaces(int plane);
   void GiveUpOldFaces(int plane);
   bool HasEnoughLandmarks(int plane) const;
+  /// Planes that have had their time are not the same when they come back.
+  bool MayRecall() const { return options_.tracking.max_age_s == 0; }
   void JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out);
-  void UpdateSupports();
   void Relate(PlaneAssignments& out);
   void SetFacePlanes();
   void Forget(std::size_t plane);
@@ -77,7 +78,7 @@ class PlaneTracker {
   PlaneSightings sightings_;  // empty: the detector's
   PlaneRelations relations_;
   std::vector<KnownPlane> planes_;
-  std::vector<PlaneRecord> gone_;  // planes that the estimator no longer has
+  FormerPlanes former_;
   std::int64_t next_id_ = 0;
   Timestamp now_;
   // Of the last keyframe

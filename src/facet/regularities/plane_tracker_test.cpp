@@ -213,7 +213,7 @@ TEST_F(PlaneTrackerTest, PlanesEndAfterTheirTimeAndMayComeBackAsOthers) {
   UseOptions(options);
   std::vector<double> ended_s;
   double created_s = 0;
-  for (int k = 0; k < 35; ++k) {
+  for (int k = 0; k < 40; ++k) {
     const PlaneAssignments found = Step({wall_});
     if (created_s == 0 && !found.created.empty()) created_s = view_.time_s;
     for (const PlaneId id : found.ended) {
@@ -229,7 +229,7 @@ TEST_F(PlaneTrackerTest, PlanesEndAfterTheirTimeAndMayComeBackAsOthers) {
   EXPECT_EQ(records[1].id, PlaneId{1});
 }
 
-TEST_F(PlaneTrackerTest, WhatTheEstimatorDroppedIsForgottenButRemembered) {
+TEST_F(PlaneTrackerTest, WhatTheEstimatorDroppedGoesOnUnderItsNameWhenItIsSeenAgain) {
   Run({wall_}, 5);
   estimator_.planes.clear();
   estimator_.memberships.clear();
@@ -237,9 +237,25 @@ TEST_F(PlaneTrackerTest, WhatTheEstimatorDroppedIsForgottenButRemembered) {
   EXPECT_TRUE(found.ended.empty());
   ASSERT_EQ(tracker_.Records().size(), 1u);
   EXPECT_EQ(tracker_.Records()[0].id, PlaneId{0});
+  const Timestamp first_seen = tracker_.Records()[0].first_seen;
   Run({wall_}, 5);
-  EXPECT_GE(num_created_, 2);
-  EXPECT_TRUE(estimator_.planes.contains(PlaneId{num_created_ - 1}));
+  EXPECT_EQ(num_created_, 2);
+  EXPECT_TRUE(estimator_.planes.contains(PlaneId{0}));
+  ASSERT_EQ(tracker_.Records().size(), 1u);
+  EXPECT_EQ(tracker_.Records()[0].first_seen, first_seen);
+  EXPECT_EQ(tracker_.Records()[0].last_seen, mesh_.t);
+}
+
+TEST_F(PlaneTrackerTest, NothingIsRecognisedInASightingThatLeansByAnUnknownAmount) {
+  RegularityOptions options;
+  options.tracking.max_sighting_sigma_deg = 0.05;  // less than any sighting's
+  UseOptions(options);
+  Run({wall_}, 5);
+  const Timestamp last_seen = mesh_.t;
+  Run({floor_}, 40);
+  Step({wall_});
+  ASSERT_EQ(tracker_.Records().size(), 2u);
+  EXPECT_EQ(tracker_.Records()[0].last_seen, last_seen);
 }
 
 TEST_F(PlaneTrackerTest, ResetForgetsAllAndNeverUsesAnIdAgain) {

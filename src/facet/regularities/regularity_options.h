@@ -80,6 +80,9 @@ struct PlaneTrackingOptions {
   double max_face_angle_deg = 25;
   /// Squared sigmas within which a sighting is a known plane (3 degrees of freedom). (!)
   double max_chi_square = 11.3;
+  /// 1-sigma of a sighting's normal above which nothing is recognised in it: it could be anything
+  /// that crosses there [deg].
+  double max_sighting_sigma_deg = 2.5;
   /// How far along the plane a sighting may be from what is known of it [m].
   double max_gap_m = 2.5;
   /// Planes nearer than this and within 5 deg of a known one are the same, or not new yet [m].
@@ -106,6 +109,10 @@ struct PlaneTrackingOptions {
     v.Field("max_gate_m", max_gate_m, Range{0, 1}, "largest gate for the corners of faces [m]");
     v.Field("max_face_angle_deg", max_face_angle_deg, Range{1, 90}, "normal of a face on a plane");
     v.Field("max_chi_square", max_chi_square, Range{0, 1e3}, "squared sigmas of recognition");
+    v.Field("max_sighting_sigma_deg",
+            max_sighting_sigma_deg,
+            Range{0.01, 90},
+            "1-sigma of the normal of a sighting that is recognised [deg]");
     v.Field("max_gap_m", max_gap_m, Range{0, 1e3}, "along the plane, to what is known of it [m]");
     v.Field("min_separation_m",
             min_separation_m,
@@ -155,6 +162,33 @@ struct SupportDepthOptions {
   }
 };
 
+/// What the support points of a keyframe tell the estimator of a plane (plane_sightings.h).
+struct SightingOptions {
+  bool enabled = true;
+  /// Fewer points tell nothing.
+  int min_points = 8;
+  /// Points that are known worse across the plane do not count [m].
+  double max_point_sigma_m = 0.05;
+  /// Errors of neighbouring points are alike, and so are those of the next keyframe: what many
+  /// points say together is worse than their own sigmas by this factor. (!)
+  double sigma_scale = 2;
+  /// Never known better than this [m], [deg]. (!)
+  double min_sigma_m = 0.003, min_sigma_deg = 0.1;
+  /// Nor used when the slope is known worse [deg].
+  double max_sigma_deg = 5;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "support points measure known planes");
+    v.Field("min_points", min_points, Range{4, 1000}, "points that a sighting needs");
+    v.Field("max_point_sigma_m", max_point_sigma_m, Range{0, 1}, "of a point across the plane [m]");
+    v.Field("sigma_scale", sigma_scale, Range{0.1, 100}, "on the sigmas of points together");
+    v.Field("min_sigma_m", min_sigma_m, Range{0, 1}, "least 1-sigma of a distance [m]");
+    v.Field("min_sigma_deg", min_sigma_deg, Range{0, 10}, "least 1-sigma of a slope [deg]");
+    v.Field("max_sigma_deg", max_sigma_deg, Range{0, 90}, "of a slope, else no sighting [deg]");
+  }
+};
+
 /// Which faces of the mesh are shown where planes are known (face_judge.h).
 struct FaceJudgeOptions {
   bool enabled = true;
@@ -177,6 +211,7 @@ struct RegularityOptions {
   DetectionOptions detection;
   PlaneTrackingOptions tracking;
   PlaneRelationOptions relations;
+  SightingOptions sightings;
   SupportDepthOptions support_depths;
   FaceJudgeOptions faces;
 
@@ -185,6 +220,7 @@ struct RegularityOptions {
     v.Group("detection", detection);
     v.Group("tracking", tracking);
     v.Group("relations", relations);
+    v.Group("sightings", sightings);
     v.Group("support_depths", support_depths);
     v.Group("faces", faces);
   }

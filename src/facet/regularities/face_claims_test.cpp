@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A board that leans on a wall crosses the wall's plane: each surface stays with its own plane.
+#include "facet/regularities/face_claims.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "facet/regularities/test_scene.h"
+
+namespace facet {
+namespace {
+
+using testing::MakeFaces;
+using testing::MakeWall;
+using testing::Patch;
+
+constexpr int kBoard = 0, kWall = 1;
+
+class FaceClaimsTest : public ::testing::Test {
+ protected:
+  FaceClaimsTest() {
+    map_.latest.t = Timestamp{1'000'000'000};
+    const Vector3d down = ExpSO3({0, 7 * std::numbers::pi / 180, 0}) * -Vector3d::UnitZ();
+    board_ = {crossing_ + 0.5 * down, 0.5 * Vector3d::UnitY(), 0.5 * down, 0.2};
+    planes_ = {Known(board_, PlaneId{4}), Known(strip_, PlaneId{7})};
+    Show(board_, kBoard);
+  }
+
+  KnownPlane Known(const Patch& patch, PlaneId id) const {
+    PlaneCandidate candidate;
+    candidate.plane_W = patch.ToPlane();
+    candidate.centroid_W = patch.centre_W;
+    KnownPlane known(candidate, map_.latest.t);
+    known.id = id;
+    known.estimate.plane_W = candidate.plane_W;
+    known.estimate.anchor_W = candidate.centroid_W;
+    known.estimate.covariance = 1e-6 * Matrix<10, 10>::Identity();
+    return known;
+  }
+  void Show(const Patch& patch, int plane) {
+    const SurfaceFaces faces = MakeFaces({patch}, view_);
+    TakeSurface(faces, std::vector<int>(faces.faces.size(), plane), map_.latest.t, planes_);
+  }
+  std::vector<int> ClaimStrip() const {
+    return ClaimFaces(MakeFaces({strip_}, view_), planes_, map_, PlaneTrackingOptions());
+  }
+  LandmarkEstimate LandmarkAt(const Vector3d& p_W, PlaneId plane) const {
+    LandmarkEstimate landmark;
+    landmark.id = LandmarkId{static_cast<std::int64_t>(map_.landmarks.size())};
+    landmark.p_W = p_W;
+    landmark.planes[0] = plane;
+    return landmark;
+  }
+
+  testing::TestView view_{{0, 0.5, 1.4}, 0.015, 1, 0, 3};
+  MapSnapshot map_;
+  const Vector3d crossing_{3, 0, 1.4};  // the wall is at x = 3; the board meets it at this height
+  Patch board_;
+  // Wall beside the board, where it is at most 4 cm from the board's plane.
+  const Patch strip_ = MakeWall({3, 0.85, 1.4}, 0, 0.6, 0.6);
+  std::vector<KnownPlane> planes_;
+};
+
+TEST_F(FaceClaimsTest, APlaneGrowsOverWhatIsWithinItsGate) {
+  planes_.pop_back();
+  const std::vector<int> claims = ClaimStrip();
+  EXPECT_GT(std::count(claims.begin(), claims.end(), kBoard), 3);
+}
+
+TEST_F(FaceClaimsTest, ButNotOntoSurfaceThatIsKnownToBeAnothers) {
+  Show(strip_, kWall);
+  const std::vector<int> claims = ClaimStrip();
+  EXPECT_EQ(std::count(claims.begin(), claims.end(), kBoard), 0);
+  EXPECT_GT(std::count(claims.begin(), claims.end(), kWall),
+            static_cast<std::ptrdiff_t>(claims.size() * 9 / 10));
+}
+
+TEST_F(FaceClaimsTest, OfTwoPlanesThatBothKnowTheSurfaceTheNearestHasIt) {
+  Show(strip_, kWall);
+  planes_[kBoard].support.Add(planes_[kWall].support, planes_[kBoard].estimate.plane_W);
+  const std::vector<int> claims = ClaimStrip();
+  EXPECT_GT(std::count(claims.begin(), claims.end(), kWall),
+            std::count(claims.begin(), claims.end(), kBoard));
+}
+
+TEST_F(FaceClaimsTest, APlaneThatSleepsClaimsNothing) {
+  Show(strip_, kWall);
+  map_.latest.t = map_.latest.t + FromSeconds(PlaneTrackingOptions().active_s + 0.1);
+  const std::vector<int> claims = ClaimStrip();
+  EXPECT_EQ(std::count(claims.begin(), claims.end(), -1),
+            static_cast<std::ptrdiff_t>(claims.size()));
+}
+
+TEST_F(FaceClaimsTest, SurfaceThatWasTakenForAnothersIsGivenUp) {
+  const Vector3d in_strip(3, 0.85, 1.3);
+  planes_[kBoard].support.AddTriangle(
+      {in_strip - Vector3d(0, 0.2, 0.2), in_strip + Vector3d(0, 0.2, -0.2), in_strip});
+  planes_[kBoard].support.AddTriangle(
+      {in_strip + Vector3d(0, 0.2, 0.2), in_strip + Vector3d(0, -0.2, 0.2), in_strip});
+  const Vector3d wrong = in_strip - Vector3d(0, 0, 0.1);  // 2.5 cm from the board's plane
+  ASSERT_TRUE(planes_[kBoard].support.HasSurface(wrong));
+  map_.landmarks = {LandmarkAt(wrong, PlaneId{4})};
+  map_.landmarks.push_back(LandmarkAt(board_.centre_W, PlaneId{4}));
+  PlaneAssignments out;
+  LeaveForeignSurface(map_, planes_, out);
+  EXPECT_TRUE(out.IsEmpty());  // it is the board's as far as anybody knows
+
+  Show(strip_, kWall);
+  EXPECT_FALSE(planes_[kBoard].support.HasSurface(wrong));
+  EXPECT_TRUE(planes_[kBoard].support.HasSurface(board_.centre_W));
+  LeaveForeignSurface(map_, planes_, out);
+  ASSERT_EQ(out.left.size(), 1u);
+  EXPECT_EQ(out.left[0], (std::pair{LandmarkId{0}, PlaneId{4}}));
+}
+
+// A vanished surface is no reason to leave, as long as nobody else has it.
+TEST_F(FaceClaimsTest, LandmarksWithoutSurfaceStay) {
+  map_.landmarks = {LandmarkAt(crossing_ + Vector3d(0, 2, 0), PlaneId{4})};
+  PlaneAssignments out;
+  LeaveForeignSurface(map_, planes_, out);
+  EXPECT_TRUE(out.IsEmpty());
+}
+
+// The corner of a room: both walls know the edge, and neither takes it from the other.
+TEST_F(FaceClaimsTest, PlanesAtALargeAngleDisputeNothing) {
+  const Patch side = MakeWall({2.5, 0, 1.4}, 0.5 * std::numbers::pi, 1, 2);
+  planes_ = {Known(side, PlaneId{4}), Known(MakeWall({3, 0.5, 1.4}, 0, 1, 2), PlaneId{7})};
+  Show(side, 0);
+  const double area_m2 = planes_[0].support.area_m2();
+  Show(MakeWall({3, 0.5, 1.4}, 0, 1, 2), 1);
+  EXPECT_EQ(planes_[0].support.area_m2(), area_m2);
+}
+
+}  // namespace
+}  // namespace facet
