@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
-#include <numeric>
+#include <optional>
+#include <set>
 
 #include "facet/eval/trajectory_error.h"
 
@@ -30,47 +32,145 @@ SupportedPlane IntoTruthFrame(const EstimatedPlane& plane, const TrajectoryAlign
   return {alignment.T_GW.q * plane.n_W, alignment * on_plane, plane.area_m2};
 }
 
+double AngleDeg(const Vector3d& n, const Vector3d& m) {
+  return std::atan2(n.cross(m).norm(), n.dot(m)) * kDegPerRad;
+}
+
 Difference Compare(const SupportedPlane& estimate, const TruePlane& truth) {
-  const double sine = estimate.n_G.cross(truth.n_G).norm();
-  const double cosine = std::abs(estimate.n_G.dot(truth.n_G));
-  return {std::atan2(sine, cosine) * kDegPerRad,
+  const double angle_deg = AngleDeg(estimate.n_G, truth.n_G);
+  return {std::min(angle_deg, 180 - angle_deg),  // an estimate's normal may point to either side
           std::abs(truth.n_G.dot(estimate.centre_G) - truth.d_G)};
 }
 
-bool Matches(const SupportedPlane& estimate,
-             const TruePlane& truth,
-             const PlaneErrorOptions& options) {
-  const Difference difference = Compare(estimate, truth);
-  return difference.angle_deg <= options.max_angle_deg &&
-         difference.offset_m <= options.max_offset_m &&
-         estimate.area_m2 <= options.max_area_ratio * truth.area_m2;
+// A true plane and what lies flat on it. A poster hides the wall behind it, so seen areas add up;
+// the area of the wall includes what is behind the poster.
+struct TrueSurface {
+  std::vector<TruePlane> planes;  // the largest first
+  double area_m2 = 0;             // of the largest
+  double seen_area_m2 = 0;        // of all
+};
+
+bool LiesFlatOn(const TruePlane& plane, const TruePlane& larger, const PlaneErrorOptions& options) {
+  return larger.area_m2 >= options.min_flat_area_ratio * plane.area_m2 &&
+         AngleDeg(plane.n_G, larger.n_G) <= options.max_flat_angle_deg &&
+         std::abs(plane.d_G - larger.d_G) <= options.max_flat_offset_m;
 }
 
-// Index of the best free estimate, -1 if none matches.
-int BestFree(const TruePlane& truth,
-             const std::vector<SupportedPlane>& estimates,
-             const std::vector<char>& is_taken,
-             const PlaneErrorOptions& options) {
-  int best = -1;
-  double least = 0;
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    if (is_taken[i] || !Matches(estimates[i], truth, options)) continue;
-    const Difference difference = Compare(estimates[i], truth);
+// Those that were seen, the largest first. Planes are compared with the largest of a surface only:
+// a pile of thin things is not followed upwards.
+std::vector<TrueSurface> GroupSurfaces(std::span<const TruePlane> truth,
+                                       const PlaneErrorOptions& options) {
+  std::vector<TruePlane> sorted(truth.begin(), truth.end());
+  std::ranges::stable_sort(sorted, std::greater{}, &TruePlane::area_m2);
+  std::vector<TrueSurface> surfaces;
+  for (const TruePlane& plane : sorted) {
+    auto surface = std::ranges::find_if(surfaces, [&](const TrueSurface& s) {
+      return LiesFlatOn(plane, s.planes.front(), options);
+    });
+    if (surface == surfaces.end())
+      surface = surfaces.insert(surface, TrueSurface{.planes = {}, .area_m2 = plane.area_m2});
+    surface->planes.push_back(plane);
+    surface->seen_area_m2 += plane.seen_area_m2;
+  }
+  std::erase_if(surfaces, [&](const TrueSurface& surface) {
+    return surface.seen_area_m2 < options.min_visible_area_m2;
+  });
+  return surfaces;
+}
+
+struct Pair {
+  std::size_t surface = 0, estimate = 0;
+  Difference difference;
+  double score = 0;
+};
+
+// With the plane of the surface that matches best.
+std::optional<Pair> Match(const SupportedPlane& estimate,
+                          const TrueSurface& surface,
+                          const PlaneErrorOptions& options) {
+  if (estimate.area_m2 > options.max_area_ratio * surface.area_m2) return std::nullopt;
+  std::optional<Pair> best;
+  for (const TruePlane& plane : surface.planes) {
+    const Difference difference = Compare(estimate, plane);
+    if (difference.angle_deg > options.max_angle_deg) continue;
+    if (difference.offset_m > options.max_offset_m) continue;
     const double score =
         difference.angle_deg / options.max_angle_deg + difference.offset_m / options.max_offset_m;
-    if (best >= 0 && score >= least) continue;
-    best = static_cast<int>(i);
-    least = score;
+    if (!best || score < best->score) best = Pair{.difference = difference, .score = score};
   }
   return best;
 }
 
-std::vector<TruePlane> LargestFirst(std::span<const TruePlane> truth) {
-  std::vector<TruePlane> sorted(truth.begin(), truth.end());
-  std::stable_sort(sorted.begin(), sorted.end(), [](const TruePlane& a, const TruePlane& b) {
-    return a.seen_area_m2 > b.seen_area_m2;
+// All that match, the best first.
+std::vector<Pair> MatchingPairs(const std::vector<SupportedPlane>& estimates,
+                                const std::vector<TrueSurface>& surfaces,
+                                const PlaneErrorOptions& options) {
+  std::vector<Pair> pairs;
+  for (std::size_t s = 0; s < surfaces.size(); ++s) {
+    for (std::size_t e = 0; e < estimates.size(); ++e) {
+      std::optional<Pair> pair = Match(estimates[e], surfaces[s], options);
+      if (!pair) continue;
+      pair->surface = s;
+      pair->estimate = e;
+      pairs.push_back(*pair);
+    }
+  }
+  std::ranges::stable_sort(pairs, [&](const Pair& a, const Pair& b) {
+    if (a.score != b.score) return a.score < b.score;
+    return surfaces[a.surface].seen_area_m2 > surfaces[b.surface].seen_area_m2;
   });
-  return sorted;
+  return pairs;
+}
+
+std::vector<Pair> OneToOne(const std::vector<Pair>& best_first,
+                           std::size_t num_estimates,
+                           std::size_t num_surfaces) {
+  std::vector<char> is_used(num_estimates, 0), is_found(num_surfaces, 0);
+  std::vector<Pair> taken;
+  for (const Pair& pair : best_first) {
+    if (is_used[pair.estimate] || is_found[pair.surface]) continue;
+    is_used[pair.estimate] = is_found[pair.surface] = 1;
+    taken.push_back(pair);
+  }
+  return taken;
+}
+
+int CountEstimates(const std::vector<Pair>& pairs) {
+  std::set<std::size_t> estimates;
+  for (const Pair& pair : pairs)
+    estimates.insert(pair.estimate);
+  return static_cast<int>(estimates.size());
+}
+
+void SetRecall(const std::vector<TrueSurface>& surfaces,
+               const std::vector<Pair>& found,
+               const PlaneErrorOptions& options,
+               PlaneError& error) {
+  const auto counts = [&](const TrueSurface& surface) {
+    return surface.area_m2 > options.min_area_m2 &&
+           surface.seen_area_m2 >= options.min_seen_area_m2;
+  };
+  double area_found = 0, area_to_find = 0;
+  for (const TrueSurface& surface : surfaces) {
+    if (!counts(surface)) continue;
+    ++error.num_true;
+    area_to_find += surface.seen_area_m2;
+  }
+  for (const Pair& pair : found) {
+    if (counts(surfaces[pair.surface])) area_found += surfaces[pair.surface].seen_area_m2;
+  }
+  if (area_to_find > 0) error.recall = area_found / area_to_find;
+}
+
+void SetErrors(const std::vector<Pair>& matched, PlaneError& error) {
+  if (matched.empty()) return;
+  std::vector<double> angles_deg, offsets_m;
+  for (const Pair& pair : matched) {
+    angles_deg.push_back(pair.difference.angle_deg);
+    offsets_m.push_back(pair.difference.offset_m);
+  }
+  error.normal_error_deg_median = Summarize(angles_deg).median;
+  error.offset_error_m_median = Summarize(offsets_m).median;
 }
 
 }  // namespace
@@ -82,38 +182,18 @@ PlaneError EvaluatePlanes(std::span<const EstimatedPlane> estimated_W,
   std::vector<SupportedPlane> estimates;
   for (const EstimatedPlane& plane : estimated_W)
     estimates.push_back(IntoTruthFrame(plane, alignment));
-  std::vector<char> is_taken(estimates.size(), 0);
-  std::vector<double> angles_deg, offsets_m;
-  double area_found = 0, area_to_find = 0;
+  const std::vector<TrueSurface> surfaces = GroupSurfaces(truth_G, options);
+  const std::vector<Pair> pairs = MatchingPairs(estimates, surfaces, options);
+  const std::vector<Pair> matched = OneToOne(pairs, estimates.size(), surfaces.size());
+
   PlaneError error;
   error.num_estimated = static_cast<int>(estimates.size());
-  for (const TruePlane& truth : LargestFirst(truth_G)) {
-    const bool counts = truth.seen_area_m2 >= options.min_seen_area_m2;
-    const int i = BestFree(truth, estimates, is_taken, options);
-    error.num_true += counts ? 1 : 0;
-    area_to_find += counts ? truth.seen_area_m2 : 0;
-    if (i < 0) continue;
-    is_taken[i] = 1;
-    area_found += counts ? truth.seen_area_m2 : 0;
-    const Difference difference = Compare(estimates[i], truth);
-    angles_deg.push_back(difference.angle_deg);
-    offsets_m.push_back(difference.offset_m);
-  }
-  error.num_matched = static_cast<int>(angles_deg.size());
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    const bool is_on_truth = std::ranges::any_of(
-        truth_G, [&](const TruePlane& t) { return Matches(estimates[i], t, options); });
-    error.num_duplicates += !is_taken[i] && is_on_truth ? 1 : 0;
-  }
-  if (area_to_find > 0) error.recall = area_found / area_to_find;
-  if (!estimates.empty()) {
-    error.precision = static_cast<double>(error.num_matched + error.num_duplicates) /
-                      static_cast<double>(estimates.size());
-  }
-  if (!angles_deg.empty()) {
-    error.normal_error_deg_median = Summarize(angles_deg).median;
-    error.offset_error_m_median = Summarize(offsets_m).median;
-  }
+  error.num_matched = static_cast<int>(matched.size());
+  const int num_on_truth = CountEstimates(pairs);
+  error.num_duplicates = num_on_truth - error.num_matched;
+  if (!estimates.empty()) error.precision = static_cast<double>(num_on_truth) / error.num_estimated;
+  SetRecall(surfaces, matched, options, error);
+  SetErrors(matched, error);
   return error;
 }
 

@@ -13,27 +13,40 @@
 namespace facet {
 
 struct PlaneErrorOptions {
-  double max_angle_deg = 10;      ///< between the normals of two planes that match
-  double max_offset_m = 0.10;     ///< distance of the support's centre from the true plane
-  double min_seen_area_m2 = 0.5;  ///< smaller true surfaces do not count for the recall
+  double max_angle_deg = 10;   ///< between the normals of two planes that match
+  double max_offset_m = 0.10;  ///< distance of the support's centre from the true plane
   /// A plane whose support is this many times as large as a true surface is not that surface.
   double max_area_ratio = 4;
+  /// Less than this is a rim seen by chance. Such a surface cannot be found, and must not take an
+  /// estimate: the back of a thin board fits as well as its front.
+  double min_visible_area_m2 = 0.01;
+  double min_area_m2 = 1;       ///< true surfaces count for the recall if they are larger ...
+  double min_seen_area_m2 = 1;  ///< ... and at least so much of them was seen
+  /// What lies flat on a larger true plane (posters, windows, carpets) is one surface with it:
+  /// facing the same way within this angle, ...
+  double max_flat_angle_deg = 0.1;
+  double max_flat_offset_m = 0.02;  ///< ... its d differs by at most this, ...
+  /// ... and the larger one has this many times its area: true planes have no outline, and two
+  /// tables of one height are two.
+  double min_flat_area_ratio = 4;
 };
 
 struct PlaneError {
-  int num_true = 0;  ///< large enough to count
+  int num_true = 0;  ///< surfaces that count for the recall
   int num_estimated = 0;
-  int num_matched = 0;     ///< one to one
+  int num_matched = 0;     ///< one to one, with surfaces of any size
   int num_duplicates = 0;  ///< more planes on a surface that another plane already has
-  /// Seen area of the true planes found, over that of all; absent when there is none to find.
+  /// Seen area of the surfaces found, over that of all that count; absent when there is none.
   std::optional<double> recall;
   /// Share of the estimated planes that lie on a true surface, however small; absent without any.
   std::optional<double> precision;
   std::optional<double> normal_error_deg_median, offset_error_m_median;
 };
 
-/// True planes take, from the largest seen area down, the best estimate (least sum of angle and
-/// offset over their limits) within the limits that is still free.
+/// An estimate matches a true surface that has a plane within the limits of angle and offset, and
+/// is compared with its best one. The score is the sum of angle and offset over their limits. Of
+/// all pairs the best score is taken first, one to one; equal scores: the surface seen more, then
+/// the larger one, then the order of the lists.
 PlaneError EvaluatePlanes(std::span<const EstimatedPlane> estimated_W,
                           std::span<const TruePlane> truth_G,
                           const TrajectoryAlignment& alignment,

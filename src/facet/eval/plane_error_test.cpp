@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/eval/plane_error.h"
 
+#include <cmath>
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +14,9 @@ namespace facet {
 namespace {
 
 using ::testing::HasSubstr;
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+const Vector3d kBoardCentre(2.96, 0, 1);
 
 TruePlane True(const Vector3d& n, double d, double seen_area, double area = 0) {
   return {n.normalized(), d, area > 0 ? area : seen_area, seen_area, ""};
@@ -67,7 +73,7 @@ TEST(PlaneErrorTest, DuplicatesAreOnTheTruthAndPhantomsAreNot) {
 TEST(PlaneErrorTest, ErrorsAreTakenAtTheSupport) {
   // Tilted by 2 deg and 3 cm too high at its support, which is 10 m away from the origin: the
   // distance at the origin would be off by a third of a metre.
-  const double tilt = 2 * 3.14159265358979 / 180;
+  const double tilt = 2 * kRadPerDeg;
   const Vector3d n(std::sin(tilt), 0, std::cos(tilt));
   const std::vector<EstimatedPlane> planes = {Estimate(n, {10, 0, 0.03})};
   const PlaneError error = EvaluatePlanes(planes, Room(), {});
@@ -95,6 +101,138 @@ TEST(PlaneErrorTest, ALargePlaneIsNotASmallThing) {
   EXPECT_EQ(*EvaluatePlanes(std::vector{Estimate({0, 1, 0}, {0, 1, 0}, 5)}, book, {}).precision, 0);
   EXPECT_EQ(*EvaluatePlanes(std::vector{Estimate({0, 1, 0}, {0, 1, 0}, 0.1)}, book, {}).precision,
             1);
+}
+
+// A wall with a poster on it and a board that leans at it by 6 deg.
+std::vector<TruePlane> WallWithPosterAndBoard() {
+  const double lean = 6 * kRadPerDeg;
+  const Vector3d board(std::cos(lean), 0, std::sin(lean));
+  return {True({1, 0, 0}, 3, 15, 20),
+          True({1, 0, 0}, 2.994, 2.5),
+          True(board, board.dot(kBoardCentre), 2.5)};
+}
+
+TEST(PlaneErrorTest, ALeaningBoardKeepsItsEstimateBesideAWall) {
+  const std::vector<TruePlane> truth = WallWithPosterAndBoard();
+  const EstimatedPlane board = Estimate(truth[2].n_G, kBoardCentre, 2);
+  const PlaneError alone = EvaluatePlanes(std::vector{board}, truth, {});
+  EXPECT_EQ(alone.num_true, 2);
+  EXPECT_DOUBLE_EQ(*alone.recall, 2.5 / 20);
+  EXPECT_NEAR(*alone.normal_error_deg_median, 0, 1e-9);
+  const PlaneError both =
+      EvaluatePlanes(std::vector{board, Estimate({1, 0, 0}, {3.08, 0, 1}, 10)}, truth, {});
+  EXPECT_DOUBLE_EQ(*both.recall, 1);
+  EXPECT_EQ(both.num_matched, 2);
+  EXPECT_EQ(both.num_duplicates, 0);
+}
+
+TEST(PlaneErrorTest, ThePosterIsTheWall) {
+  std::vector<TruePlane> truth = WallWithPosterAndBoard();
+  truth.pop_back();
+  const std::vector<EstimatedPlane> planes = {Estimate({1, 0, 0}, {3.001, 0, 1}, 10),
+                                              Estimate({1, 0, 0}, {2.99, 2, 1}, 2)};
+  const PlaneError error = EvaluatePlanes(planes, truth, {});
+  EXPECT_EQ(error.num_true, 1);
+  EXPECT_DOUBLE_EQ(*error.recall, 1);
+  EXPECT_EQ(error.num_matched, 1);
+  EXPECT_EQ(error.num_duplicates, 1);
+  EXPECT_DOUBLE_EQ(*error.precision, 1);
+}
+
+TEST(PlaneErrorTest, FloorAndCarpetAreOneSurface) {
+  // The carpet stands before the floor in the list and alone would be too small for the estimate.
+  const std::vector<TruePlane> truth = {True({0, 0, 1}, 0.01, 2), True({0, 0, 1}, 0, 8, 10)};
+  const PlaneError on_carpet =
+      EvaluatePlanes(std::vector{Estimate({0, 0, 1}, {1, 1, 0.012}, 9)}, truth, {});
+  EXPECT_EQ(on_carpet.num_true, 1);
+  EXPECT_DOUBLE_EQ(*on_carpet.recall, 1);
+  EXPECT_NEAR(*on_carpet.offset_error_m_median, 0.002, 1e-12);
+  const PlaneError above =
+      EvaluatePlanes(std::vector{Estimate({0, 0, 1}, {1, 1, 0.105}, 9)}, truth, {});
+  EXPECT_EQ(above.num_matched, 1);
+  const PlaneError too_large =
+      EvaluatePlanes(std::vector{Estimate({0, 0, 1}, {1, 1, 0}, 41)}, truth, {});
+  EXPECT_EQ(too_large.num_matched, 0);
+}
+
+TEST(PlaneErrorTest, TheUnseenBackOfABoardTakesNoEstimate) {
+  // Nearer to the back than to the front.
+  const std::vector<TruePlane> board = {True({1, 0, 0}, 1, 2), True({-1, 0, 0}, -0.97, 0.001, 2)};
+  const EstimatedPlane behind = Estimate({1, 0, 0}, {0.98, 0, 1});
+  EXPECT_DOUBLE_EQ(*EvaluatePlanes(std::vector{behind}, board, {}).recall, 1);
+  const PlaneError both =
+      EvaluatePlanes(std::vector{behind, Estimate({1, 0, 0}, {1, 0, 1})}, board, {});
+  EXPECT_EQ(both.num_matched, 1);
+  EXPECT_EQ(both.num_duplicates, 1);
+}
+
+TEST(PlaneErrorTest, OnlyWhatLiesFlatOnALargerPlaneIsPartOfIt) {
+  const auto count = [](const TruePlane& other) {
+    return EvaluatePlanes({}, std::vector{True({0, 0, 1}, 0, 16), other}, {}).num_true;
+  };
+  const double tilt = 0.2 * kRadPerDeg;
+  EXPECT_EQ(count(True({0, 0, 1}, 0.019, 4)), 1);
+  EXPECT_EQ(count(True({0, 0, 1}, -0.019, 4)), 1);
+  EXPECT_EQ(count(True({0, 0, 1}, 0.021, 4)), 2);
+  EXPECT_EQ(count(True({0, 0, 1}, 0, 4.1)), 2) << "too large to be sure that it lies on the other";
+  EXPECT_EQ(count(True({0, 0, -1}, 0, 4)), 2) << "faces the other way";
+  EXPECT_EQ(count(True({std::sin(tilt), 0, std::cos(tilt)}, 0, 4)), 2);
+  const std::vector<TruePlane> pile = {
+      True({0, 0, 1}, 0, 64), True({0, 0, 1}, 0.015, 8), True({0, 0, 1}, 0.03, 2)};
+  EXPECT_EQ(EvaluatePlanes({}, pile, {}).num_true, 2) << "measured from the largest";
+}
+
+TEST(PlaneErrorTest, TwoTablesOfEqualHeightAreTwo) {
+  const std::vector<TruePlane> tables = {True({0, 0, 1}, 0.7, 1.1, 1.2),
+                                         True({0, 0, 1}, 0.7, 1.4, 1.5)};
+  const EstimatedPlane table = Estimate({0, 0, 1}, {0, 0, 0.71}, 1);
+  const PlaneError both =
+      EvaluatePlanes(std::vector{table, Estimate({0, 0, 1}, {3, 0, 0.69}, 1)}, tables, {});
+  EXPECT_EQ(both.num_true, 2);
+  EXPECT_EQ(both.num_matched, 2);
+  EXPECT_EQ(both.num_duplicates, 0);
+  const PlaneError tie = EvaluatePlanes(std::vector{table}, tables, {});
+  EXPECT_DOUBLE_EQ(*tie.recall, 1.4 / 2.5) << "the one seen more";
+}
+
+TEST(PlaneErrorTest, EqualScoresAreDecidedBySeenAreaAndThenByOrder) {
+  // One plane halfway between two shelves, which are equally good for it.
+  const std::vector<TruePlane> shelves = {
+      True({0, 0, 1}, 0.5, 2), True({0, 0, 1}, 0.625, 3), True({0, 0, 1}, 0.5, 2)};
+  const PlaneError between =
+      EvaluatePlanes(std::vector{Estimate({0, 0, 1}, {0, 0, 0.5625})}, shelves, {});
+  EXPECT_DOUBLE_EQ(*between.recall, 3.0 / 7);
+  // Two planes equally far from one shelf, of which the upper could be another one, too.
+  const std::vector<TruePlane> two = {True({0, 0, 1}, 0.5, 2), True({0, 0, 1}, 0.65, 2)};
+  const EstimatedPlane below = Estimate({0, 0, 1}, {0, 0, 0.4375});
+  const EstimatedPlane above = Estimate({0, 0, 1}, {0, 0, 0.5625});
+  EXPECT_EQ(EvaluatePlanes(std::vector{below, above}, two, {}).num_matched, 2);
+  const PlaneError upper_first = EvaluatePlanes(std::vector{above, below}, two, {});
+  EXPECT_EQ(upper_first.num_matched, 1);
+  EXPECT_EQ(upper_first.num_duplicates, 1);
+}
+
+TEST(PlaneErrorTest, RecallCountsLargePlanesOfWhichEnoughWasSeen) {
+  const auto counts = [](const std::vector<TruePlane>& truth) {
+    return EvaluatePlanes({}, truth, {}).num_true == 1;
+  };
+  EXPECT_FALSE(counts({True({0, 0, 1}, 0, 1, 1)}));
+  EXPECT_TRUE(counts({True({0, 0, 1}, 0, 1, 1.01)}));
+  EXPECT_FALSE(counts({True({0, 0, 1}, 0, 0.99, 5)}));
+  const TruePlane hidden = True({0, 0, 1}, 0, 0.75, 1.1);
+  EXPECT_TRUE(counts({hidden, True({0, 0, 1}, 0.001, 0.25)})) << "what hides it was seen";
+  EXPECT_FALSE(counts({True({0, 0, 1}, 0, 0.9), True({0, 0, 1}, 0.001, 0.2)}))
+      << "areas of what lies on a plane are part of its own";
+}
+
+TEST(PlaneErrorTest, SurfacesTooSmallForTheRecallAreNotPhantoms) {
+  const std::vector<TruePlane> truth = {True({0, 0, 1}, 0, 10), True({0, 1, 0}, 1, 0.4)};
+  const PlaneError error =
+      EvaluatePlanes(std::vector{Estimate({0, 1, 0}, {0, 1, 0}, 0.3)}, truth, {});
+  EXPECT_EQ(*error.recall, 0);
+  EXPECT_EQ(error.num_true, 1);
+  EXPECT_EQ(error.num_matched, 1);
+  EXPECT_EQ(*error.precision, 1);
 }
 
 TEST(PlaneErrorTest, NothingFoundAndNothingToFind) {
