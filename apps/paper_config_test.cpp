@@ -47,6 +47,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
                 {"regularities.detection.world_origin", "true"},
                 {"regularities.faces.enabled", "false"},
                 {"regularities.relations.enabled", "false"},
+                {"regularities.sightings.enabled", "false"},
                 {"regularities.tracking.max_age_s", "6"},
                 {"regularities.tracking.revise", "false"},
             }));
