@@ -21,10 +21,6 @@ const double kDisputeCosine = std::cos(25 * kDegree);
 // A plane that is farther off by this gives its surface up.
 constexpr double kClearlyFarther_m = 0.01;
 
-bool IsActive(const KnownPlane& plane, Timestamp now, double active_s) {
-  return !plane.IsTentative() && ToSeconds(now - plane.last_seen) <= active_s;
-}
-
 double DistanceFrom(const KnownPlane& plane, const Vector3d& p_W) {
   return std::abs(plane.estimate.plane_W.SignedDistance(p_W));
 }
@@ -34,46 +30,35 @@ bool Disputes(const KnownPlane& a, const KnownPlane& b, const Vector3d& p_W) {
          std::abs(a.estimate.plane_W.n.dot(b.estimate.plane_W.n)) > kDisputeCosine;
 }
 
-struct Claims {
-  const SurfaceFaces& faces;
-  const std::vector<KnownPlane>& planes;
-  const PlaneTrackingOptions& options;
-  NearPoints centres;
-
-  // The nearest plane whose surface is known where a face is, -1: none.
-  std::vector<int> Owners(Timestamp now) const {
-    std::vector<int> owners(faces.faces.size(), -1);
-    std::vector<double> nearest_m(faces.faces.size(), kDispute_m);
-    for (std::size_t k = 0; k < planes.size(); ++k) {
-      const KnownPlane& known = planes[k];
-      if (!IsActive(known, now, options.active_s)) continue;
-      centres.ForEachNear(known.estimate.plane_W, kDispute_m, [&](std::size_t f) {
-        const Vector3d& centre_W = faces.faces[f].centre_W;
-        const double distance_m = DistanceFrom(known, centre_W);
-        if (distance_m >= nearest_m[f] || !known.support.HasSurface(centre_W)) return;
-        nearest_m[f] = distance_m;
-        owners[f] = static_cast<int>(k);
-      });
-    }
-    return owners;
+// Largest distance of a corner in gates; `limit` or more if it is that far.
+double WorstCorner(const SurfaceFaces& faces,
+                   const SurfaceFace& face,
+                   const Plane& plane,
+                   double plane_variance_m2,
+                   double limit,
+                   const PlaneTrackingOptions& options) {
+  double worst = 0;
+  for (const int corner : face.corners) {
+    const FacePoint& point = faces.points[corner];
+    const double sigma = std::sqrt(point.VarianceAlong(plane.n) + plane_variance_m2);
+    const double gate = std::clamp(3 * sigma, options.min_gate_m, options.max_gate_m);
+    worst = std::max(worst, std::abs(plane.SignedDistance(point.p_W)) / gate);
+    if (worst >= limit) break;
   }
+  return worst;
+}
 
-  // Largest distance of a corner in gates; `limit` or more if it is that far.
-  double WorstCorner(const SurfaceFace& face,
-                     const Plane& plane,
-                     double plane_variance_m2,
-                     double limit) const {
-    double worst = 0;
-    for (const int corner : face.corners) {
-      const FacePoint& point = faces.points[corner];
-      const double sigma = std::sqrt(point.VarianceAlong(plane.n) + plane_variance_m2);
-      const double gate = std::clamp(3 * sigma, options.min_gate_m, options.max_gate_m);
-      worst = std::max(worst, std::abs(plane.SignedDistance(point.p_W)) / gate);
-      if (worst >= limit) break;
-    }
-    return worst;
-  }
-};
+// Its own surface, or so near to it that it may grow, and known to be nobody else's.
+bool MayHave(const KnownPlane& plane,
+             const Vector3d& p_W,
+             const std::vector<const KnownPlane*>& active) {
+  if (plane.support.HasSurface(p_W)) return true;
+  if (!plane.support.IsNear(p_W, kGrowth_m)) return false;
+  return std::none_of(active.begin(), active.end(), [&](const KnownPlane* other) {
+    return other != &plane && DistanceFrom(*other, p_W) < kDispute_m &&
+           other->support.HasSurface(p_W);
+  });
+}
 
 }  // namespace
 
@@ -84,29 +69,26 @@ std::vector<int> ClaimFaces(const SurfaceFaces& faces,
   const NearPoints centres(faces.faces.size(), [&](std::size_t f) -> const Vector3d& {
     return faces.faces[f].centre_W;
   });
-  const Claims claims{faces, planes, options, centres};
   const Timestamp now = map.latest.t;
-  const std::vector<int> owners = claims.Owners(now);
+  std::vector<const KnownPlane*> active;
+  for (const KnownPlane& plane : planes) {
+    if (!plane.IsTentative() && ToSeconds(now - plane.last_seen) <= options.active_s)
+      active.push_back(&plane);
+  }
   std::vector<int> plane_of_face(faces.faces.size(), -1);
   std::vector<double> best(faces.faces.size(), 1.0);  // largest distance of a corner in gates
   const double min_cosine = std::cos(options.max_face_angle_deg * kDegree);
-  for (std::size_t k = 0; k < planes.size(); ++k) {
-    const KnownPlane& known = planes[k];
-    if (!IsActive(known, now, options.active_s)) continue;
-    const Plane& plane = known.estimate.plane_W;
-    const DistanceUncertainty uncertainty(known.estimate, map.latest.T_WB);
+  for (const KnownPlane* known : active) {
+    const Plane& plane = known->estimate.plane_W;
+    const DistanceUncertainty uncertainty(known->estimate, map.latest.T_WB);
     centres.ForEachNear(plane, options.max_gate_m, [&](std::size_t f) {
       const SurfaceFace& face = faces.faces[f];
       if (std::abs(plane.n.dot(face.n_W)) < min_cosine) return;
       const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
-      const double worst = claims.WorstCorner(face, plane, variance, best[f]);
-      if (worst >= best[f]) return;
-      const bool is_anothers = owners[f] >= 0 && owners[f] != static_cast<int>(k);
-      const bool is_near = is_anothers ? known.support.HasSurface(face.centre_W)
-                                       : known.support.IsNear(face.centre_W, kGrowth_m);
-      if (!is_near) return;
+      const double worst = WorstCorner(faces, face, plane, variance, best[f], options);
+      if (worst >= best[f] || !MayHave(*known, face.centre_W, active)) return;
       best[f] = worst;
-      plane_of_face[f] = static_cast<int>(k);
+      plane_of_face[f] = static_cast<int>(known - planes.data());
     });
   }
   return plane_of_face;
