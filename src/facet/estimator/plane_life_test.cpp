@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Planes, relations and the landmarks of pipeline SP in the running estimator.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -71,6 +72,42 @@ PlaneAssignments TruePlanes(const VioEstimator& estimator, std::int64_t per_surf
   return out;
 }
 
+// What the newest keyframe sees of these planes, exactly, although with sigmas.
+std::vector<PlaneSighting> TrueSightings(const VioEstimator& estimator,
+                                         const std::vector<NewPlane>& planes) {
+  const KeyframePose newest = estimator.Snapshot().keyframes.back();
+  const auto& truth = TheRun().truth;
+  const auto state =
+      std::find_if(truth.begin(), truth.end(), [&](const NavState& x) { return x.t == newest.t; });
+  const SE3 T_BW = state->T_WB.Inverse();
+  std::vector<PlaneSighting> out;
+  for (const NewPlane& plane : planes) {
+    const Surface& surface = TheRun().surfaces[static_cast<std::size_t>(plane.id.value)];
+    PlaneSighting sighting{newest.id, plane.id};
+    sighting.centre_B = T_BW * surface.center_W;
+    sighting.along_B = {T_BW.q * surface.u_W, T_BW.q * surface.v_W};
+    sighting.sigma_m = 0.005;
+    sighting.sigma_rad = {0.005, 0.005};
+    out.push_back(sighting);
+  }
+  return out;
+}
+
+// Angle between the newest estimate of each plane and the true surface, as the body sees both.
+double MeanNormalError(const VioEstimator& estimator) {
+  const MapSnapshot snapshot = estimator.Snapshot();
+  const auto& truth = TheRun().truth;
+  const auto state = std::find_if(
+      truth.begin(), truth.end(), [&](const NavState& x) { return x.t == snapshot.latest.t; });
+  double sum = 0;
+  for (const PlaneEstimate& plane : snapshot.planes) {
+    const Vector3d n_B = snapshot.latest.T_WB.q.conjugate() * plane.plane_W.n;
+    const Surface& surface = TheRun().surfaces[static_cast<std::size_t>(plane.id.value)];
+    sum += n_B.cross(state->T_WB.q.conjugate() * surface.n_W).norm();
+  }
+  return sum / static_cast<double>(snapshot.planes.size());
+}
+
 bool SameBits(const std::vector<EstimatorResult>& a, const std::vector<EstimatorResult>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i].state.T_WB.p != b[i].state.T_WB.p ||
@@ -96,6 +133,8 @@ TEST(PlaneLifeTest, PlanesThatNoLandmarkLiesOnLeaveNoTrace) {
         for (const PlaneJoin& join : out.joined)
           out.left.emplace_back(join.landmark, join.plane);
         out.joined.clear();
+        const std::vector<PlaneSighting> sighted = TrueSightings(estimator, out.created);
+        out.sighted.insert(out.sighted.end(), sighted.begin(), sighted.end());
         for (const NewPlane& plane : out.created) {
           out.related.push_back({PlaneRelationKind::kVertical, plane.id});
           out.related.push_back({PlaneRelationKind::kParallel, out.created.front().id, plane.id});
@@ -107,6 +146,29 @@ TEST(PlaneLifeTest, PlanesThatNoLandmarkLiesOnLeaveNoTrace) {
   const auto attached = Estimate(
       {}, [](const VioEstimator& e) { return TruePlanes(e); }, DoNotWatch);
   EXPECT_FALSE(SameBits(s, attached));
+}
+
+TEST(PlaneLifeTest, SightingsDetermineThePlanes) {
+  const auto run = [](bool is_sighted) {
+    double error = 0;
+    std::size_t num_planes = 0;
+    Estimate(
+        {},
+        [&](const VioEstimator& estimator) {
+          PlaneAssignments out = TruePlanes(estimator);
+          if (is_sighted) out.sighted = TrueSightings(estimator, out.created);
+          return out;
+        },
+        [&](const VioEstimator& estimator) {
+          error = MeanNormalError(estimator);
+          num_planes = estimator.Snapshot().planes.size();
+        });
+    EXPECT_GE(num_planes, 5u);
+    return error;
+  };
+  const double without = run(false), with = run(true);
+  EXPECT_LT(with, 0.5 * without);
+  EXPECT_LT(with, 0.003);
 }
 
 TEST(PlaneLifeTest, NoMoreThanTheBudgetStay) {

@@ -181,10 +181,31 @@ void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow
   }
 }
 
-void CutUnsettledSightings(const std::vector<char>& leaving_frames, SlidingWindow& window) {
+namespace {
+
+bool AreAtTheSamePlace(const SE3& a, const SE3& b) {
+  constexpr double kMaxDistance_m = 0.1, kMaxAngle_rad = 0.09;
+  return (a.p - b.p).norm() < kMaxDistance_m && a.q.angularDistance(b.q) < kMaxAngle_rad;
+}
+
+}  // namespace
+
+void CutSightings(const std::vector<char>& leaving_frames, SlidingWindow& window) {
+  const auto frame_of = [&](const PlaneSighting& s) { return window.IndexOf(s.frame); };
+  const auto leaves = [&](const PlaneSighting& s) {
+    return leaving_frames[static_cast<std::size_t>(frame_of(s))] != 0;
+  };
+  const auto pose_of = [&](const PlaneSighting& s) -> const SE3& {
+    return window.frames[frame_of(s)].x.T_WB;
+  };
+  std::vector<PlaneSighting> staying = window.sightings;
+  std::erase_if(staying, leaves);
   std::erase_if(window.sightings, [&](const PlaneSighting& sighting) {
-    return leaving_frames[static_cast<std::size_t>(window.IndexOf(sighting.frame))] != 0 &&
-           !window.planes[window.IndexOf(sighting.plane)].settled;
+    if (!leaves(sighting)) return false;
+    if (!window.planes[window.IndexOf(sighting.plane)].settled) return true;
+    return std::any_of(staying.begin(), staying.end(), [&](const PlaneSighting& other) {
+      return other.plane == sighting.plane && AreAtTheSamePlace(pose_of(other), pose_of(sighting));
+    });
   });
 }
 
@@ -213,7 +234,8 @@ void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window) {
   };
   for (int k = static_cast<int>(window.planes.size()) - 1; k >= 0; --k) {
     const WindowPlane& plane = window.planes[k];
-    if (!plane.frozen && members[k] < min_landmarks && !is_sighted(plane.id)) window.RemovePlane(k);
+    const int needed = is_sighted(plane.id) ? 1 : min_landmarks;
+    if (!plane.frozen && members[k] < needed) window.RemovePlane(k);
   }
 }
 

@@ -37,8 +37,8 @@ int DetachOutliers(const FrameGeometry& geometry,
                    double max_sigma,
                    SlidingWindow& window);
 
-/// Removes planes that fewer than `min_landmarks` lie on, that no frame of the window has sighted
-/// and that the prior knows nothing of: nothing but those landmarks would determine them.
+/// Removes planes that the prior knows nothing of and that fewer than `min_landmarks` lie on, or no
+/// landmark at all if a frame of the window has sighted them: too little would determine them.
 void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window);
 
 /// Limits for a plane to count as known: 1-sigma of its offset, and of its normal either as an
@@ -59,8 +59,10 @@ void MarkSettledPlanes(const std::vector<Matrix3d>& information,
 /// plane where it happens to be.
 void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow& window);
 
-/// The same for what leaving frames have sighted.
-void CutUnsettledSightings(const std::vector<char>& leaving_frames, SlidingWindow& window);
+/// Cuts what leaving frames have sighted of planes that are not settled, for the same reason, and
+/// what a frame that stays has sighted from the same place: the errors are the same, and at rest
+/// they would be counted as new with every keyframe.
+void CutSightings(const std::vector<char>& leaving_frames, SlidingWindow& window);
 
 /// Removes the relations of leaving planes to planes that are neither settled nor frozen, for the
 /// same reason.

@@ -115,38 +115,73 @@ TEST(PlaneMembershipTest, OnlySettledPlanesKeepTheRowsOfLeavingLandmarks) {
   EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{1, 0}));
 }
 
-// A sighting is worth as much as landmarks are, and as little once its frame leaves.
-TEST(PlaneMembershipTest, SightingsKeepAPlaneUntilTheirFrameLeaves) {
-  Scene scene(7);
-  PlaneAssignments assignments;
-  assignments.created = {scene.PlaneAt(1, 0.0), scene.PlaneAt(2, 0.0), scene.PlaneAt(3, 0.0)};
-  const FrameId seen_by = scene.window().frames[1].id;
-  PlaneSighting sighting{seen_by, PlaneId{1}};
+PlaneSighting SightingOf(PlaneId plane, const WindowFrame& frame) {
+  PlaneSighting sighting{frame.id, plane};
   sighting.sigma_m = 0.01;
   sighting.sigma_rad = {0.01, 0.01};
-  assignments.sighted.assign(5, sighting);
-  assignments.sighted[1].plane = PlaneId{2};
-  assignments.sighted[2].plane = PlaneId{9};  // of a plane and of a frame that nobody knows
-  assignments.sighted[3].frame = FrameId{999};
-  assignments.sighted[4].plane = PlaneId{3};
-  scene.Apply(assignments);
-  ASSERT_EQ(scene.window().sightings.size(), 3u);
-  RemoveUnsupportedPlanes(1, scene.window());
-  EXPECT_EQ(scene.window().planes.size(), 3u);
+  return sighting;
+}
 
-  scene.window().planes[1].settled = true;
-  std::vector<char> leaving(scene.window().frames.size(), 0);
-  CutUnsettledSightings(leaving, scene.window());
-  EXPECT_EQ(scene.window().sightings.size(), 3u);
-  leaving[1] = 1;
-  CutUnsettledSightings(leaving, scene.window());
-  ASSERT_EQ(scene.window().sightings.size(), 1u);
-  EXPECT_EQ(scene.window().sightings[0].plane, PlaneId{2});
-  RemoveUnsupportedPlanes(1, scene.window());
+TEST(PlaneMembershipTest, ASightedPlaneNeedsOneLandmark) {
+  Scene scene(7);
+  const WindowFrame& frame = scene.window().frames[1];
+  WindowFrame unknown;
+  unknown.id = FrameId{999};
+  PlaneAssignments assignments;
+  assignments.created = {scene.PlaneAt(1, 0.0), scene.PlaneAt(2, 0.0), scene.PlaneAt(3, 0.0)};
+  assignments.joined = {{scene.landmark, PlaneId{2}}, {scene.landmark, PlaneId{3}}};
+  assignments.sighted = {SightingOf(PlaneId{1}, frame),
+                         SightingOf(PlaneId{2}, frame),
+                         SightingOf(PlaneId{9}, frame),
+                         SightingOf(PlaneId{2}, unknown)};
+  scene.Apply(assignments);
+  EXPECT_EQ(scene.window().sightings.size(), 2u);
+  RemoveUnsupportedPlanes(3, scene.window());
   ASSERT_EQ(scene.window().planes.size(), 1u);
   EXPECT_EQ(scene.window().planes[0].id, PlaneId{2});
+  EXPECT_EQ(scene.window().sightings.size(), 1u);
   scene.window().RemovePlane(0);
   EXPECT_TRUE(scene.window().sightings.empty());
+}
+
+TEST(PlaneMembershipTest, OnlySettledPlanesKeepWhatLeavingFramesHaveSighted) {
+  Scene scene(8);
+  PlaneAssignments assignments;
+  assignments.created = {scene.PlaneAt(1, 0.0), scene.PlaneAt(2, 0.0)};
+  const auto& frames = scene.window().frames;
+  assignments.sighted = {SightingOf(PlaneId{1}, frames[0]),
+                         SightingOf(PlaneId{2}, frames[0]),
+                         SightingOf(PlaneId{1}, frames[1])};
+  scene.Apply(assignments);
+  scene.window().planes[1].settled = true;
+  std::vector<char> leaving(frames.size(), 0);
+  CutSightings(leaving, scene.window());
+  EXPECT_EQ(scene.window().sightings.size(), 3u);
+  leaving[0] = 1;
+  CutSightings(leaving, scene.window());
+  ASSERT_EQ(scene.window().sightings.size(), 2u);
+  EXPECT_EQ(scene.window().sightings[0].plane, PlaneId{2});
+  EXPECT_EQ(scene.window().sightings[1].plane, PlaneId{1});
+}
+
+// At rest every keyframe shows the same image, with the same errors.
+TEST(PlaneMembershipTest, WhatIsSightedFromOnePlaceCountsOnce) {
+  Scene scene(9);
+  PlaneAssignments assignments;
+  assignments.created = {scene.PlaneAt(1, 0.0)};
+  auto& frames = scene.window().frames;
+  assignments.sighted = {SightingOf(PlaneId{1}, frames[0]), SightingOf(PlaneId{1}, frames[1])};
+  scene.Apply(assignments);
+  scene.window().planes[0].settled = true;
+  std::vector<char> leaving(frames.size(), 0);
+  leaving[0] = 1;
+  frames[1].x.T_WB.p = frames[0].x.T_WB.p + Vector3d(0.5, 0, 0);
+  CutSightings(leaving, scene.window());
+  EXPECT_EQ(scene.window().sightings.size(), 2u);
+  frames[1].x.T_WB = frames[0].x.T_WB;
+  CutSightings(leaving, scene.window());
+  ASSERT_EQ(scene.window().sightings.size(), 1u);
+  EXPECT_EQ(scene.window().sightings[0].frame, frames[1].id);
 }
 
 // Both planes have one landmark; it lies 5 cm and 1 m from their anchors.

@@ -487,7 +487,7 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     EndPlanes(plan);
     if (plan.IsEmpty()) return;
     CutUnsettledLinks(plan.drop_landmark, window_);
-    CutUnsettledSightings(plan.drop_frame, window_);
+    CutSightings(plan.drop_frame, window_);
     CutUnsettledRelations(plan.drop_plane, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
       const WindowFrame& frame = window_.frames[i];

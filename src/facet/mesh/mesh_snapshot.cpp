@@ -12,6 +12,8 @@ MeshSnapshot MakeEmpty(const MeshView& view) {
   snapshot.frame = view.frame;
   snapshot.t = view.t;
   snapshot.T_WC = view.T_WC;
+  snapshot.first_match = view.first_match;
+  snapshot.end_match = view.end_match;
   return snapshot;
 }
 

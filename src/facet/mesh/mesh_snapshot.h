@@ -16,9 +16,12 @@ struct MeshSnapshot {
   TriangleMesh mesh;                   ///< in W, with normals, colours and plane ids
   SE3 T_WC;                            ///< left camera of the keyframe
   std::vector<LandmarkId> vertex_ids;  ///< one per vertex, ascending; see IsSupport
-  std::vector<double> sigma_depth_m;   ///< one per vertex: 1-sigma of its distance from the camera
-  std::vector<char> may_vote;          ///< one per face: passed the strict limits
-  std::vector<char> in_view;           ///< one per face: triangulated in this keyframe
+  /// Ids of the support points that this keyframe has matched: from the first to before the end.
+  /// The other support ids are of corners that the estimator has, too, and of guesses.
+  LandmarkId first_match, end_match;
+  std::vector<double> sigma_depth_m;  ///< one per vertex: 1-sigma of its distance from the camera
+  std::vector<char> may_vote;         ///< one per face: passed the strict limits
+  std::vector<char> in_view;          ///< one per face: triangulated in this keyframe
 };
 
 /// What the search for planes sees: faces that the mesh's own tests accepted, vertices as matched.

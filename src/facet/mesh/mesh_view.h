@@ -35,6 +35,8 @@ struct MeshView {
   SE3 T_WC;             ///< left camera
   double focal_px = 0;  ///< for sizes in pixels
   std::vector<MeshPoint> points;
+  /// Ids of the support points that the keyframe has matched: from the first to before the end.
+  LandmarkId first_match, end_match;
 };
 
 }  // namespace facet

@@ -106,6 +106,7 @@ void MeshStage::AddBorder() {
 }
 
 void MeshStage::AddSupport(const MeshPacket& images) {
+  view_.first_match = LandmarkId{next_support_id_};
   for (std::size_t i = 0; i < images.support.size(); ++i) {
     const DepthPoint& point = images.support[i];
     const double z = 1 / point.inverse_depth;
@@ -117,6 +118,7 @@ void MeshStage::AddSupport(const MeshPacket& images) {
                             sigma_m,
                             images.support_intensities[i]});
   }
+  view_.end_match = LandmarkId{next_support_id_};
 }
 
 std::shared_ptr<MeshSnapshot> MeshStage::Process(const FrameObservations& observations,

@@ -15,9 +15,12 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFlatness_m = 0.005;
 constexpr double kGrowth_m = 0.5;  // how far beyond its known surface a plane may claim faces
-// Planes dispute surface where they are this near to each other, at an angle below this.
+// Planes dispute surface where they cross: this near to each other, at an angle between these, and
+// facing the same way. The two sides of a door, or wall and cupboard, are parallel and dispute
+// nothing.
 constexpr double kDispute_m = 0.12;
-const double kDisputeCosine = std::cos(25 * kDegree);
+const double kMaxDisputeCosine = std::cos(3 * kDegree);
+const double kMinDisputeCosine = std::cos(25 * kDegree);
 // A plane that is farther off by this gives its surface up.
 constexpr double kClearlyFarther_m = 0.01;
 
@@ -26,8 +29,10 @@ double DistanceFrom(const KnownPlane& plane, const Vector3d& p_W) {
 }
 
 bool Disputes(const KnownPlane& a, const KnownPlane& b, const Vector3d& p_W) {
-  return &a != &b && !a.IsTentative() && !b.IsTentative() && DistanceFrom(a, p_W) < kDispute_m &&
-         std::abs(a.estimate.plane_W.n.dot(b.estimate.plane_W.n)) > kDisputeCosine;
+  const double cosine = a.estimate.plane_W.n.dot(b.estimate.plane_W.n);
+  return !a.IsTentative() && !b.IsTentative() && cosine > kMinDisputeCosine &&
+         cosine < kMaxDisputeCosine && DistanceFrom(a, p_W) < kDispute_m &&
+         DistanceFrom(b, p_W) < kDispute_m;
 }
 
 // Largest distance of a corner in gates; `limit` or more if it is that far.
@@ -55,8 +60,7 @@ bool MayHave(const KnownPlane& plane,
   if (plane.support.HasSurface(p_W)) return true;
   if (!plane.support.IsNear(p_W, kGrowth_m)) return false;
   return std::none_of(active.begin(), active.end(), [&](const KnownPlane* other) {
-    return other != &plane && DistanceFrom(*other, p_W) < kDispute_m &&
-           other->support.HasSurface(p_W);
+    return Disputes(*other, plane, p_W) && other->support.HasSurface(p_W);
   });
 }
 

@@ -14,7 +14,7 @@ namespace facet {
 /// For each face its plane, an index into `planes`, or -1. A face is on a plane when all its
 /// corners are within the gate, near the known surface; of several the nearest one has it. Where a
 /// board leans on a wall each is within the gate of the other along the line where both meet: a
-/// plane therefore does not grow onto surface that is known to be another's.
+/// plane therefore does not grow onto surface that is known to be that of one that crosses there.
 std::vector<int> ClaimFaces(const SurfaceFaces& faces,
                             const std::vector<KnownPlane>& planes,
                             const MapSnapshot& map,

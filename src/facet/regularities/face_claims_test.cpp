@@ -23,7 +23,7 @@ class FaceClaimsTest : public ::testing::Test {
   FaceClaimsTest() {
     map_.latest.t = Timestamp{1'000'000'000};
     const Vector3d down = ExpSO3({0, 7 * std::numbers::pi / 180, 0}) * -Vector3d::UnitZ();
-    board_ = {crossing_ + 0.5 * down, 0.5 * Vector3d::UnitY(), 0.5 * down, 0.2};
+    board_ = {crossing_ + 0.5 * down, -0.5 * Vector3d::UnitY(), 0.5 * down, 0.2};
     planes_ = {Known(board_, PlaneId{4}), Known(strip_, PlaneId{7})};
     Show(board_, kBoard);
   }
@@ -121,6 +121,34 @@ TEST_F(FaceClaimsTest, LandmarksWithoutSurfaceStay) {
   PlaneAssignments out;
   LeaveForeignSurface(map_, planes_, out);
   EXPECT_TRUE(out.IsEmpty());
+}
+
+// The two sides of a board, or a cupboard before a wall.
+TEST_F(FaceClaimsTest, ParallelPlanesDisputeNothing) {
+  for (const double gap_m : {0.06, 0.08, 0.1}) {
+    for (const bool is_opposite : {false, true}) {
+      const Patch near = MakeWall({3, 0, 1.4}, 0, 2, 2);
+      Patch far = MakeWall({3 + gap_m, 0, 1.4}, 0, 2, 2);
+      if (is_opposite) std::swap(far.half_a_W, far.half_b_W);
+      planes_ = {Known(near, PlaneId{4}), Known(far, PlaneId{7})};
+      Show(near, 0);
+      const double area_m2 = planes_[0].support.area_m2();
+      Show(far, 1);
+      EXPECT_EQ(planes_[0].support.area_m2(), area_m2) << gap_m;
+    }
+  }
+}
+
+// A wall that is known up to 30 cm before the corner goes on to there.
+TEST_F(FaceClaimsTest, APlaneGrowsIntoACorner) {
+  const Patch side = MakeWall({2.5, 1, 1.4}, 0.5 * std::numbers::pi, 1, 2);
+  planes_ = {Known(MakeWall({3, 0, 1.4}, 0, 1.4, 2), PlaneId{4}), Known(side, PlaneId{7})};
+  Show(MakeWall({3, 0, 1.4}, 0, 1.4, 2), 0);
+  Show(side, 1);
+  const std::vector<int> claims =
+      ClaimFaces(MakeFaces({MakeWall({3, 0.85, 1.4}, 0, 0.3, 1)}, view_), planes_, map_, {});
+  EXPECT_GT(std::count(claims.begin(), claims.end(), 0),
+            static_cast<std::ptrdiff_t>(claims.size() * 3 / 4));
 }
 
 // The corner of a room: both walls know the edge, and neither takes it from the other.

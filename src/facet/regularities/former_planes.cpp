@@ -18,13 +18,20 @@ void FormerPlanes::Add(KnownPlane plane) {
 bool FormerPlanes::Recall(double max_angle, double max_distance_m, KnownPlane& plane) {
   const Plane& plane_W = plane.estimate.plane_W;
   const Vector3d centre_W = plane.support.Centroid(plane_W);
-  const auto first = planes_.begin() + static_cast<std::ptrdiff_t>(num_unreachable_);
-  const auto former = std::find_if(first, planes_.end(), [&](const KnownPlane& known) {
-    const Plane& known_W = known.best->plane_W;
-    return std::abs(known_W.n.dot(plane_W.n)) > std::cos(max_angle) &&
-           std::abs(known_W.SignedDistance(centre_W)) < max_distance_m &&
-           known.support.IsNear(centre_W, kMaxGap_m);
-  });
+  auto former = planes_.end();
+  double nearest_m = max_distance_m;
+  for (auto known = planes_.begin() + static_cast<std::ptrdiff_t>(num_unreachable_);
+       known != planes_.end();
+       ++known) {
+    const Plane& known_W = known->best->plane_W;
+    const double distance_m = std::abs(known_W.SignedDistance(centre_W));
+    if (distance_m >= nearest_m || std::abs(known_W.n.dot(plane_W.n)) <= std::cos(max_angle) ||
+        !known->support.IsNear(centre_W, kMaxGap_m)) {
+      continue;
+    }
+    nearest_m = distance_m;
+    former = known;
+  }
   if (former == planes_.end()) return false;
   plane.id = former->id;
   plane.best = former->best;

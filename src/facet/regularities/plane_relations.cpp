@@ -42,6 +42,13 @@ void PlaneRelations::Update(const std::vector<RelatedPlane>& planes,
   if (options_.headings) RelateHeadings(planes, out);
 }
 
+void PlaneRelations::Forget(PlaneId plane) {
+  std::erase_if(evidence_, [&](const auto& entry) {
+    const auto& [a, b] = entry.first.second;
+    return a == plane || b == plane;
+  });
+}
+
 void PlaneRelations::Clear() {
   headings_.clear();
   evidence_.clear();

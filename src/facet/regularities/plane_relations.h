@@ -30,6 +30,9 @@ class PlaneRelations {
   /// After a keyframe; `planes` are those of the estimator.
   void Update(const std::vector<RelatedPlane>& planes, std::vector<PlaneRelation>& out);
 
+  /// The estimator no longer has the plane; what was proposed of it may be proposed again.
+  void Forget(PlaneId plane);
+
   void Clear();
 
  private:

@@ -131,5 +131,19 @@ TEST_F(PlaneRelationsTest, SwitchedOffNothingIsRelated) {
   EXPECT_TRUE(Update(20).empty());
 }
 
+// The estimator dropped a plane and its relations; later it is seen again under its name.
+TEST_F(PlaneRelationsTest, WhatIsForgottenMayBeProposedAgain) {
+  AddWall(20);
+  AddWall(110);
+  const auto first = Update(2 * options_.min_keyframes);
+  EXPECT_TRUE(Update(2 * options_.min_keyframes).empty());
+  relations_.Forget(PlaneId{1});
+  const auto again = Update(2 * options_.min_keyframes);
+  EXPECT_EQ(first.size(), 3u);  // both upright, and at right angles
+  EXPECT_EQ(again.size(), 2u);
+  EXPECT_TRUE(Contains(again, {PlaneRelationKind::kVertical, PlaneId{1}}));
+  EXPECT_FALSE(Contains(again, {PlaneRelationKind::kVertical, PlaneId{0}}));
+}
+
 }  // namespace
 }  // namespace facet

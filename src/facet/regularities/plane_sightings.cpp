@@ -6,9 +6,9 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
-#include <utility>
 
 #include "facet/geometry/plane_fit.h"
+#include "facet/regularities/plane_gate.h"
 
 namespace facet {
 
@@ -18,40 +18,78 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFlatness_m = 0.005;  // of real surfaces, 1-sigma
 constexpr double kMaxChiSquare = 2;    // mean over the points: more is not one plane
 
-using PlaneAndPoint = std::pair<int, int>;
+// Farther off than this nothing is on a plane, however little is known of it.
+constexpr double kMaxDistance_m = 0.15;
 
-// The corners of the planes' newest faces that are no landmarks, by plane.
-std::vector<PlaneAndPoint> FreePoints(const SurfaceFaces& faces,
-                                      std::span<const int> plane_of_face,
-                                      std::span<const int> landmark_of_point,
-                                      std::span<const KnownPlane> planes) {
-  std::vector<PlaneAndPoint> points;
-  for (std::size_t f = 0; f < faces.faces.size(); ++f) {
-    const int plane = plane_of_face[f];
-    if (plane < 0 || !faces.faces[f].in_view || planes[plane].IsTentative()) continue;
-    for (const int corner : faces.faces[f].corners) {
-      if (landmark_of_point[corner] < 0) points.emplace_back(plane, corner);
+// Which planes the faces around each matched point are on.
+class PlanesAround {
+ public:
+  PlanesAround(const SurfaceFaces& faces, const std::vector<int>& plane_of_face)
+      : planes_(faces.points.size(), kNone) {
+    for (std::size_t f = 0; f < faces.faces.size(); ++f) {
+      if (plane_of_face[f] < 0 || !faces.faces[f].in_view) continue;
+      for (const int corner : faces.faces[f].corners) {
+        int& plane = planes_[corner];
+        plane = plane == kNone || plane == plane_of_face[f] ? plane_of_face[f] : kSeveral;
+      }
     }
   }
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  return points;
+
+  bool AreOthersThan(int plane, std::size_t point) const {
+    return planes_[point] >= 0 && planes_[point] != plane;
+  }
+
+ private:
+  static constexpr int kNone = -1, kSeveral = -2;
+  std::vector<int> planes_;
+};
+
+struct PointRange {
+  std::size_t begin, end;
+};
+
+// Vertices are sorted by id.
+PointRange MatchedPoints(const MeshSnapshot& mesh) {
+  const auto place = [&](LandmarkId id) {
+    const auto at = std::lower_bound(mesh.vertex_ids.begin(), mesh.vertex_ids.end(), id);
+    return static_cast<std::size_t>(at - mesh.vertex_ids.begin());
+  };
+  return {place(mesh.first_match), place(mesh.end_match)};
 }
 
-std::optional<PlaneSighting> Sight(const SurfaceFaces& faces,
-                                   std::span<const PlaneAndPoint> points,
-                                   const Plane& known_W,
-                                   const SE3& T_WB,
-                                   const SightingOptions& options) {
+struct WeightedPoints {
   std::vector<Vector3d> p_W;
   std::vector<double> weights;
-  for (const auto& [plane, i] : points) {
+};
+
+WeightedPoints PointsOn(const KnownPlane& plane,
+                        int index,
+                        const SurfaceFaces& faces,
+                        const PointRange& matched,
+                        const PlanesAround& around,
+                        const SE3& T_WB,
+                        const SightingOptions& options) {
+  WeightedPoints out;
+  const Plane& plane_W = plane.estimate.plane_W;
+  const DistanceUncertainty uncertainty(plane.estimate, T_WB);
+  for (std::size_t i = matched.begin; i < matched.end; ++i) {
     const FacePoint& point = faces.points[i];
-    const double sigma = point.SigmaAlong(known_W.n);
-    if (!(sigma <= options.max_point_sigma_m)) continue;
-    p_W.push_back(point.p_W);
-    weights.push_back(1 / (sigma * sigma + kFlatness_m * kFlatness_m));
+    const double distance_m = std::abs(plane_W.SignedDistance(point.p_W));
+    if (!(distance_m <= kMaxDistance_m) || around.AreOthersThan(index, i)) continue;
+    const double variance = point.VarianceAlong(plane_W.n) + kFlatness_m * kFlatness_m;
+    if (!(variance <= options.max_point_sigma_m * options.max_point_sigma_m)) continue;
+    const double gate = 3 * std::sqrt(variance + uncertainty.VarianceAt(point.p_W));
+    if (distance_m > gate || !plane.support.HasSurface(point.p_W)) continue;
+    out.p_W.push_back(point.p_W);
+    out.weights.push_back(1 / variance);
   }
+  return out;
+}
+
+std::optional<PlaneSighting> Sight(const WeightedPoints& points,
+                                   const SE3& T_WB,
+                                   const SightingOptions& options) {
+  const auto& [p_W, weights] = points;
   if (static_cast<int>(p_W.size()) < options.min_points) return std::nullopt;
   const PlaneFit fit = FitPlane(p_W, weights);
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -75,27 +113,22 @@ std::optional<PlaneSighting> Sight(const SurfaceFaces& faces,
 
 }  // namespace
 
-std::vector<PlaneSighting> SightPlanes(const SurfaceFaces& faces,
-                                       std::span<const int> plane_of_face,
-                                       std::span<const int> landmark_of_point,
-                                       std::span<const KnownPlane> planes,
+std::vector<PlaneSighting> SightPlanes(const MeshSnapshot& mesh,
+                                       const SurfaceFaces& faces,
+                                       const std::vector<int>& plane_of_face,
+                                       const std::vector<KnownPlane>& planes,
                                        const MapSnapshot& map,
                                        const SightingOptions& options) {
   std::vector<PlaneSighting> sightings;
-  if (map.keyframes.empty()) return sightings;
-  const std::vector<PlaneAndPoint> points =
-      FreePoints(faces, plane_of_face, landmark_of_point, planes);
-  for (std::size_t i = 0; i < points.size();) {
-    std::size_t end = i;
-    while (end < points.size() && points[end].first == points[i].first)
-      ++end;
-    const KnownPlane& plane = planes[points[i].first];
-    std::optional<PlaneSighting> sighting = Sight(faces,
-                                                  std::span(points).subspan(i, end - i),
-                                                  plane.estimate.plane_W,
-                                                  map.latest.T_WB,
-                                                  options);
-    i = end;
+  const PointRange matched = MatchedPoints(mesh);
+  if (map.keyframes.empty() || matched.end < matched.begin + options.min_points) return sightings;
+  const PlanesAround around(faces, plane_of_face);
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    const KnownPlane& plane = planes[k];
+    if (plane.IsTentative() || plane.last_seen < mesh.t) continue;
+    const WeightedPoints points =
+        PointsOn(plane, static_cast<int>(k), faces, matched, around, map.latest.T_WB, options);
+    std::optional<PlaneSighting> sighting = Sight(points, map.latest.T_WB, options);
     if (!sighting) continue;
     sighting->frame = map.keyframes.back().id;
     sighting->plane = plane.id;

@@ -8,35 +8,40 @@
 namespace facet {
 namespace {
 
-using testing::MakeFaces;
+using testing::MakeMesh;
 using testing::MakeWall;
 using testing::Patch;
 
 class PlaneSightingsTest : public ::testing::Test {
  protected:
   PlaneSightingsTest() {
-    map_.keyframes.push_back({FrameId{77}, Timestamp{5}, T_WB_});
+    map_.keyframes.push_back({FrameId{77}, Timestamp{0}, T_WB_});
     map_.latest.T_WB = T_WB_;
     view_.camera_W = T_WB_.p;
   }
 
+  // A plane whose surface is known there, and which was seen now.
   KnownPlane Known(const Patch& patch, PlaneId id) const {
     PlaneCandidate candidate;
     candidate.plane_W = patch.ToPlane();
     candidate.centroid_W = patch.centre_W;
-    KnownPlane known(candidate, Timestamp{5});
+    KnownPlane known(candidate, Timestamp{0});
     known.estimate.plane_W = candidate.plane_W;
     known.id = id;
+    const Vector3d &c = patch.centre_W, &a = patch.half_a_W, &b = patch.half_b_W;
+    known.support.AddTriangle({c - a - b, c + a - b, c + a + b});
+    known.support.AddTriangle({c - a - b, c + a + b, c - a + b});
     return known;
   }
 
-  // All faces are on the first plane, and no point is a landmark.
+  // No face is on a plane yet; all points are support points that were matched just now.
   std::vector<PlaneSighting> Sight(const std::vector<Patch>& patches, const KnownPlane& plane) {
-    faces_ = MakeFaces(patches, view_);
-    const std::vector<int> plane_of_face(faces_.faces.size(), 0);
-    landmark_of_point_.resize(faces_.points.size(), -1);
-    return SightPlanes(
-        faces_, plane_of_face, landmark_of_point_, std::span(&plane, 1), map_, options_);
+    MeshSnapshot mesh = MakeMesh(patches, view_);
+    mesh.first_match = LandmarkId{first_match_};
+    mesh.end_match = LandmarkId{1'000'000};
+    FillSurfaceFaces(mesh, faces_);
+    plane_of_face_.resize(faces_.faces.size(), -1);
+    return SightPlanes(mesh, faces_, plane_of_face_, {plane}, map_, options_);
   }
 
   const SE3 T_WB_{ExpSO3({0.2, -0.1, 0.4}), Vector3d(0.5, 0.2, 1.3)};
@@ -44,7 +49,8 @@ class PlaneSightingsTest : public ::testing::Test {
   MapSnapshot map_;
   SightingOptions options_;
   SurfaceFaces faces_;
-  std::vector<int> landmark_of_point_;
+  std::vector<int> plane_of_face_;
+  std::int64_t first_match_ = 0;
   const Patch wall_ = MakeWall({3, 0, 1.4}, 0.1, 3, 2);
 };
 
@@ -100,15 +106,55 @@ TEST_F(PlaneSightingsTest, ScaleAndFloorsWidenTheSigmas) {
   EXPECT_NEAR(wide.sigma_rad[0], 3 * narrow.sigma_rad[0], 1e-12);
 }
 
+// Where the plane is thought to be must not draw what is measured: the mean over many keyframes is
+// where the wall is, although a third of the points are farther from the plane than a sigma.
+TEST_F(PlaneSightingsTest, ADisplacedPlaneDoesNotConfirmItself) {
+  view_.sigma_depth_m = 0.03;
+  KnownPlane displaced = Known(wall_, PlaneId{0});
+  displaced.estimate.plane_W.d += 0.02;
+  const Plane plane = wall_.ToPlane();
+  constexpr int kRuns = 200;
+  double mean_m = 0, sigma_m = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    ++view_.seed;
+    const std::vector<PlaneSighting> found = Sight({wall_}, displaced);
+    ASSERT_EQ(found.size(), 1u);
+    mean_m += plane.SignedDistance(T_WB_ * found[0].centre_B) / kRuns;
+    sigma_m += found[0].sigma_m / kRuns;
+  }
+  EXPECT_LT(std::abs(mean_m), 0.0015);
+  EXPECT_LT(std::abs(mean_m), 0.25 * sigma_m);
+}
+
 TEST_F(PlaneSightingsTest, LandmarksDoNotCount) {
   const KnownPlane known = Known(wall_, PlaneId{0});
-  faces_ = MakeFaces({wall_}, view_);
-  landmark_of_point_.assign(faces_.points.size(), 3);
+  first_match_ = 1000;  // no point of the wall
   EXPECT_TRUE(Sight({wall_}, known).empty());
-  std::fill_n(landmark_of_point_.begin(), options_.min_points - 1, -1);
-  EXPECT_TRUE(Sight({wall_}, known).empty());
-  std::fill(landmark_of_point_.begin(), landmark_of_point_.end(), -1);
+  first_match_ = 0;
   EXPECT_EQ(Sight({wall_}, known).size(), 1u);
+}
+
+TEST_F(PlaneSightingsTest, NeitherDoPointsOfOtherPlanes) {
+  const KnownPlane known = Known(wall_, PlaneId{0});
+  ASSERT_EQ(Sight({wall_}, known).size(), 1u);
+  std::fill(plane_of_face_.begin(), plane_of_face_.end(), 1);
+  EXPECT_TRUE(Sight({wall_}, known).empty());
+  // Points between faces of both count.
+  std::fill_n(plane_of_face_.begin(), plane_of_face_.size() / 2, 0);
+  EXPECT_EQ(Sight({wall_}, known).size(), 1u);
+}
+
+TEST_F(PlaneSightingsTest, OnlyWhereTheSurfaceIsKnown) {
+  KnownPlane known = Known(wall_, PlaneId{0});
+  Patch beside = wall_;
+  beside.centre_W += 4 * wall_.half_a_W;
+  EXPECT_TRUE(Sight({beside}, known).empty());
+}
+
+TEST_F(PlaneSightingsTest, APlaneThatIsNotSeenNowIsNotMeasured) {
+  KnownPlane known = Known(wall_, PlaneId{0});
+  view_.time_s = 0.2;
+  EXPECT_TRUE(Sight({wall_}, known).empty());
 }
 
 TEST_F(PlaneSightingsTest, PointsThatAreHardlyKnownDoNotCount) {
@@ -117,8 +163,14 @@ TEST_F(PlaneSightingsTest, PointsThatAreHardlyKnownDoNotCount) {
 }
 
 TEST_F(PlaneSightingsTest, TwoSurfacesAreNoPlane) {
-  Patch step = MakeWall({3.2, 3, 1.4}, 0.1, 2, 2);
-  EXPECT_TRUE(Sight({wall_, step}, Known(wall_, PlaneId{0})).empty());
+  Patch behind = wall_;
+  behind.centre_W.x() += 0.08;
+  view_.sigma_depth_m = 0.03;  // both are within the gates
+  options_.max_point_sigma_m = 1;
+  KnownPlane between = Known(wall_, PlaneId{0});
+  between.estimate.plane_W.d += 0.04;
+  ASSERT_EQ(Sight({wall_}, between).size(), 1u);
+  EXPECT_TRUE(Sight({wall_, behind}, between).empty());
 }
 
 TEST_F(PlaneSightingsTest, ANarrowStripSaysNothing) {

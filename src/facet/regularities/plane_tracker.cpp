@@ -22,7 +22,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFlatness_m = 0.005;
 constexpr double kSameAngle = 5 * kDegree;
-constexpr double kGrowth_m = 0.5;  // how far beyond its known surface a plane may claim faces
+constexpr double kGrowth_m = 0.5;  // how near to its known surface what belongs to a plane is
 constexpr double kTentativeLife_s = 1.5;
 constexpr double kMaxLandmarkSigma_m = 0.1;
 
@@ -55,10 +55,8 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   JoinLandmarks(map, out);
   TakeSurface(faces_, plane_of_face_, now_, planes_);
   LeaveForeignSurface(map, planes_, out);
-  if (options_.sightings.enabled) {
-    out.sighted =
-        SightPlanes(faces_, plane_of_face_, landmark_of_point_, planes_, map, options_.sightings);
-  }
+  if (options_.sightings.enabled)
+    out.sighted = SightPlanes(mesh, faces_, plane_of_face_, planes_, map, options_.sightings);
   Relate(out);
   SetFacePlanes();
   if (options_.support_depths.enabled) {
@@ -95,14 +93,13 @@ void PlaneTracker::Refresh(const MapSnapshot& map, PlaneAssignments& out) {
 }
 
 void PlaneTracker::Forget(std::size_t plane) {
+  relations_.Forget(planes_[plane].id);
   former_.Add(std::move(planes_[plane]));
   planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(plane));
 }
 
 int PlaneTracker::FindKnown(const MapSnapshot& map, const PlaneCandidate& candidate) const {
   int found = -1;
-  const double max_sigma = options_.tracking.max_sighting_sigma_deg * kDegree;
-  if (candidate.normal_covariance.trace() > max_sigma * max_sigma) return found;
   double best = options_.tracking.max_chi_square;
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     const KnownPlane& known = planes_[k];
@@ -151,6 +148,8 @@ bool PlaneTracker::IsNearKnown(const PlaneCandidate& candidate) const {
 void PlaneTracker::Recognise(const MapSnapshot& map, const PlaneCandidate& candidate) {
   int plane = FindKnown(map, candidate);
   if (plane >= 0) {
+    const double max_sigma = options_.tracking.max_sighting_sigma_deg * kDegree;
+    if (candidate.normal_covariance.trace() > max_sigma * max_sigma) return;
     planes_[plane].recognised_at_m =
         std::abs(planes_[plane].estimate.plane_W.SignedDistance(candidate.centroid_W));
   } else {

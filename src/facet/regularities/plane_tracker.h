@@ -48,7 +48,7 @@ class PlaneTracker {
                                            std::span<const std::array<int, 3>> triangles,
                                            const SE3& T_WB) const;
 
-  /// Every plane that was ever handed to the estimator, in the order of their ids, but for those
+  /// Every plane that the estimator has ever solved for, in the order of their ids, but for those
   /// that became part of another and those that turned out to be none.
   std::vector<PlaneRecord> Records() const;
 

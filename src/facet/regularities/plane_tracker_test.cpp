@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -244,6 +245,38 @@ TEST_F(PlaneTrackerTest, WhatTheEstimatorDroppedGoesOnUnderItsNameWhenItIsSeenAg
   ASSERT_EQ(tracker_.Records().size(), 1u);
   EXPECT_EQ(tracker_.Records()[0].first_seen, first_seen);
   EXPECT_EQ(tracker_.Records()[0].last_seen, mesh_.t);
+}
+
+TEST_F(PlaneTrackerTest, WhatItsSupportPointsMeasureIsHandedOver) {
+  Run({wall_}, 5);
+  view_.time_s += kKeyframe_s;
+  mesh_ = MakeMesh({wall_}, view_);
+  mesh_.end_match = LandmarkId{mesh_.vertex_ids.back().value + 1};  // all of them
+  mesh_.first_match = mesh_.vertex_ids.front();
+  MapSnapshot map = estimator_.Snapshot(mesh_);
+  map.keyframes.push_back({FrameId{31}, mesh_.t, map.latest.T_WB});
+  const PlaneAssignments found = tracker_.Process(mesh_, map);
+  ASSERT_EQ(found.sighted.size(), 1u);
+  EXPECT_EQ(found.sighted[0].plane, PlaneId{0});
+  EXPECT_EQ(found.sighted[0].frame, FrameId{31});
+  EXPECT_NEAR(wall_.ToPlane().SignedDistance(map.latest.T_WB * found.sighted[0].centre_B), 0, 0.01);
+}
+
+// Seen from one room, then from the other, then again.
+TEST_F(PlaneTrackerTest, BothSidesOfAThinWallStayTwoPlanes) {
+  const Patch near = MakeWall({3, 0, 1.4}, 0, 3, 2);
+  Patch far = MakeWall({3.08, 0, 1.4}, std::numbers::pi, 3, 2);
+  far.first_id = 20000;
+  for (int round = 0; round < 3; ++round) {
+    view_.camera_W = {0, 0, 1.4};
+    Run({near}, 6);
+    view_.camera_W = {6, 0, 1.4};
+    Run({far}, 6);
+    Run({floor_}, 10);
+  }
+  EXPECT_EQ(num_created_, 3);
+  for (const PlaneRecord& record : tracker_.Records())
+    EXPECT_NEAR(record.area_m2, 6, 0.8);
 }
 
 TEST_F(PlaneTrackerTest, NothingIsRecognisedInASightingThatLeansByAnUnknownAmount) {
