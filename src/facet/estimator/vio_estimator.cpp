@@ -609,6 +609,7 @@ int VioEstimator::NumPlaneConstraints() const {
 MapSnapshot VioEstimator::Snapshot() const {
   if (window_.frames.empty()) return {};
   MapSnapshot snapshot = SnapshotWindow(window_, rig_, plane_covariances_);
+  snapshot.plane_sigma_m = robust_.plane_sigma_m;
   if (passing_) snapshot.latest = passing_->x;
   return snapshot;
 }

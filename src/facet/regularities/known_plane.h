@@ -12,6 +12,17 @@
 
 namespace facet {
 
+/// Of the last ten or so values.
+struct RecentMean {
+  double mean = 0;
+  int num = 0;
+
+  void Add(double value) {
+    num = std::min(num + 1, 10);
+    mean += (value - mean) / num;
+  }
+};
+
 /// A plane that was seen; without an id it is tentative and the estimator does not know it.
 struct KnownPlane {
   PlaneId id;
@@ -24,6 +35,7 @@ struct KnownPlane {
   int sightings = 0;
   int num_landmarks = 0;
   int num_misfits = 0;  ///< keyframes in a row in which its landmarks did not fit
+  RecentMean scatter;   ///< of its landmarks across it, mean square over what is expected
   Timestamp first_seen, last_seen;
   std::optional<Timestamp> handed_over;
   double recognised_at_m = 0;     ///< how far off it was when it was recognised just now

@@ -11,7 +11,8 @@
 #include "facet/regularities/face_judge.h"
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
-#include "facet/regularities/plane_revision.h"
+#include "facet/regularities/plane_merge.h"
+#include "facet/regularities/plane_misfit.h"
 #include "facet/regularities/plane_sightings.h"
 #include "facet/regularities/support_depths.h"
 
@@ -39,7 +40,7 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   landmark_of_point_ = LandmarksOfVertices(mesh, map);
   Refresh(map, out);
   if (options_.tracking.revise) {
-    EndMisfits(map, planes_, out);
+    EndMisfits(map, options_.tracking.max_scatter, planes_, out);
     MergeSameSurfaces(map, planes_, out);
   }
   plane_of_face_ = ClaimFaces(faces_, planes_, map, options_.tracking);

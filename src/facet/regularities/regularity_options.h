@@ -89,6 +89,10 @@ struct PlaneTrackingOptions {
   double min_separation_m = 0.05;
   /// Planes that turn out to be one surface are merged, and those that are none end.
   bool revise = true;
+  /// Mean square of a plane's landmarks about it, as vision alone sees them, over what is expected
+  /// of points that are known as well and a surface that is flat to 1 cm: more is a row of things,
+  /// or two surfaces. (!)
+  double max_scatter = 1.4;
   /// A plane leaves the estimator this long after it came in [s]; 0: it stays (the paper: 6).
   double max_age_s = 0;
 
@@ -119,6 +123,8 @@ struct PlaneTrackingOptions {
             Range{0, 10},
             "nearer to a known plane a new one must wait [m]");
     v.Field("revise", revise, Range{}, "planes are merged, and end when their landmarks misfit");
+    v.Field(
+        "max_scatter", max_scatter, Range{0.1, 100}, "landmarks about it, over what is expected");
     v.Field("max_age_s", max_age_s, Range{0, 1e6}, "a plane leaves after this; 0: it stays [s]");
   }
 };

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/regularities/plane_revision.h"
+#include "facet/regularities/plane_merge.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
-
-#include "facet/base/random.h"
 
 namespace facet {
 namespace {
@@ -48,7 +46,7 @@ MapSnapshot MapWith(PlaneId plane, const std::vector<Vector3d>& points_W) {
   return map;
 }
 
-TEST(PlaneRevisionTest, TwoPartsOfAWallBecomeTheOlder) {
+TEST(PlaneMergeTest, TwoPartsOfAWallBecomeTheOlder) {
   for (const bool is_older_first : {true, false}) {
     std::vector<KnownPlane> planes = {MakeKnown(3, {3, 0, 1}), MakeKnown(8, {3.01, 2.3, 1})};
     if (!is_older_first) std::swap(planes[0], planes[1]);
@@ -73,7 +71,7 @@ TEST(PlaneRevisionTest, TwoPartsOfAWallBecomeTheOlder) {
   }
 }
 
-TEST(PlaneRevisionTest, TheOppositeNormalIsTheSameSurface) {
+TEST(PlaneMergeTest, TheOppositeNormalIsTheSameSurface) {
   std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1}),
                                     MakeKnown(1, {3, 1, 1}, -Vector3d::UnitX())};
   PlaneAssignments out;
@@ -81,7 +79,7 @@ TEST(PlaneRevisionTest, TheOppositeNormalIsTheSameSurface) {
   EXPECT_EQ(planes.size(), 1u);
 }
 
-TEST(PlaneRevisionTest, ThreePartsBecomeOne) {
+TEST(PlaneMergeTest, ThreePartsBecomeOne) {
   std::vector<KnownPlane> planes = {
       MakeKnown(0, {3, 0, 1}), MakeKnown(1, {3, 4.4, 1}), MakeKnown(2, {3, 2.2, 1})};
   const MapSnapshot map = MapWith(PlaneId{1}, {{3, 4, 1}});
@@ -93,7 +91,7 @@ TEST(PlaneRevisionTest, ThreePartsBecomeOne) {
   EXPECT_EQ(planes[0].id, PlaneId{0});
 }
 
-TEST(PlaneRevisionTest, DifferentSurfacesStayDifferent) {
+TEST(PlaneMergeTest, DifferentSurfacesStayDifferent) {
   const Vector3d tilted(1, std::tan(3 * kDegree), 0);
   const std::vector<std::pair<Vector3d, Vector3d>> others = {
       {{3.1, 2.2, 1}, Vector3d::UnitX()},  // 10 cm behind
@@ -110,7 +108,7 @@ TEST(PlaneRevisionTest, DifferentSurfacesStayDifferent) {
   }
 }
 
-TEST(PlaneRevisionTest, PlanesThatAreHardlyKnownOrTooWellKnownAreNotMerged) {
+TEST(PlaneMergeTest, PlanesThatAreHardlyKnownOrTooWellKnownAreNotMerged) {
   std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1}), MakeKnown(1, {3, 2.2, 1})};
   PlaneAssignments out;
   planes[1].estimate.is_settled = false;
@@ -126,47 +124,6 @@ TEST(PlaneRevisionTest, PlanesThatAreHardlyKnownOrTooWellKnownAreNotMerged) {
   planes[1].id = PlaneId();
   MergeSameSurfaces({}, planes, out);
   EXPECT_EQ(planes.size(), 2u);
-}
-
-std::vector<Vector3d> PointsBeside(double step_m, double sigma_m) {
-  Rng rng(1);
-  std::vector<Vector3d> points;
-  for (int i = 0; i < 40; ++i) {
-    const double y = rng.Uniform(-1, 1);
-    points.emplace_back(
-        3 + (y > 0 ? 0.5 : -0.5) * step_m + sigma_m * rng.Normal(), y, rng.Uniform(0, 2));
-  }
-  return points;
-}
-
-TEST(PlaneRevisionTest, APlaneBetweenTwoSurfacesEndsAfterThreeKeyframes) {
-  std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1})};
-  const MapSnapshot map = MapWith(PlaneId{0}, PointsBeside(0.1, 0.01));
-  PlaneAssignments out;
-  EndMisfits(map, planes, out);
-  EndMisfits(map, planes, out);
-  EXPECT_TRUE(out.IsEmpty());
-  EndMisfits(map, planes, out);
-  EXPECT_EQ(out.ended, std::vector{PlaneId{0}});
-  EXPECT_TRUE(planes.empty());
-}
-
-TEST(PlaneRevisionTest, NoiseAsExpectedAndPassingTroubleEndNoPlane) {
-  std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1})};
-  const MapSnapshot good = MapWith(PlaneId{0}, PointsBeside(0, 0.022));
-  const MapSnapshot bad = MapWith(PlaneId{0}, PointsBeside(0.1, 0.01));
-  PlaneAssignments out;
-  for (int k = 0; k < 10; ++k) {
-    EndMisfits(bad, planes, out);
-    EndMisfits(bad, planes, out);
-    EndMisfits(good, planes, out);
-  }
-  // Two points are no evidence.
-  const MapSnapshot few = MapWith(PlaneId{0}, {{3.2, 0, 1}, {2.8, 1, 1}});
-  for (int k = 0; k < 10; ++k)
-    EndMisfits(few, planes, out);
-  EXPECT_EQ(planes.size(), 1u);
-  EXPECT_TRUE(out.IsEmpty());
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/regularities/plane_revision.h"
+#include "facet/regularities/plane_merge.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "facet/regularities/plane_gate.h"
-#include "facet/regularities/surface_face.h"
 
 namespace facet {
 
@@ -16,11 +16,6 @@ constexpr double kMaxAngle = 1.5 * std::numbers::pi / 180;
 constexpr double kMaxOffset_m = 0.02;
 constexpr double kMaxChiSquare = 14.2;  // three sigmas, 3 degrees of freedom
 constexpr double kMaxGap_m = 0.5;
-
-constexpr int kMinMembers = 10;
-constexpr double kMaxMisfit = 2;
-constexpr int kMaxMisfits = 3;
-constexpr double kFlatness_m = 0.01;
 
 void Merge(const MapSnapshot& map,
            KnownPlane& older,
@@ -40,23 +35,6 @@ void Merge(const MapSnapshot& map,
   older.last_seen = std::max(older.last_seen, younger.last_seen);
   older.absorbed.push_back(younger.id);
   older.absorbed.insert(older.absorbed.end(), younger.absorbed.begin(), younger.absorbed.end());
-}
-
-// Whether the landmarks on the plane are farther from it than they should be.
-bool IsMisfit(const MapSnapshot& map, const KnownPlane& known) {
-  const Plane& plane = known.estimate.plane_W;
-  double square = 0, expected = 0;
-  int num_members = 0;
-  for (const LandmarkEstimate& landmark : map.landmarks) {
-    if (!landmark.IsOn(known.id)) continue;
-    const double distance = plane.SignedDistance(landmark.p_W);
-    const FacePoint point = MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, map.latest.T_WB.p);
-    const double sigma = point.SigmaAlong(plane.n);
-    square += distance * distance;
-    expected += sigma * sigma + kFlatness_m * kFlatness_m;
-    ++num_members;
-  }
-  return num_members >= kMinMembers && square > kMaxMisfit * kMaxMisfit * expected;
 }
 
 }  // namespace
@@ -88,16 +66,6 @@ void MergeSameSurfaces(const MapSnapshot& map,
       planes.erase(planes.begin() + static_cast<std::ptrdiff_t>(j));
     }
   }
-}
-
-void EndMisfits(const MapSnapshot& map, std::vector<KnownPlane>& planes, PlaneAssignments& out) {
-  std::erase_if(planes, [&](KnownPlane& plane) {
-    if (plane.IsTentative()) return false;
-    plane.num_misfits = IsMisfit(map, plane) ? plane.num_misfits + 1 : 0;
-    if (plane.num_misfits < kMaxMisfits) return false;
-    out.ended.push_back(plane.id);
-    return true;
-  });
 }
 
 }  // namespace facet

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Second thoughts about planes that the estimator already has: two that are one surface, and one
-// that is none.
+// Second thoughts about planes that the estimator already has: two that are one surface.
 #pragma once
 
 #include <vector>
@@ -20,9 +19,5 @@ bool AreCoplanar(const KnownPlane& a, const KnownPlane& b, const SE3& T_WB);
 void MergeSameSurfaces(const MapSnapshot& map,
                        std::vector<KnownPlane>& planes,
                        PlaneAssignments& out);
-
-/// Ends planes whose landmarks did not fit in three keyframes in a row: their RMS distance from the
-/// plane was more than twice what is expected. What they were is for the detection to find anew.
-void EndMisfits(const MapSnapshot& map, std::vector<KnownPlane>& planes, PlaneAssignments& out);
 
 }  // namespace facet

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Second thoughts about planes that the estimator already has: one that is none, or not where the
+// estimator believes it.
+#pragma once
+
+#include <vector>
+
+#include "facet/map/plane_assignments.h"
+#include "facet/regularities/known_plane.h"
+
+namespace facet {
+
+/// Ends planes whose landmarks, where vision alone sees them, do not fit: in three keyframes in a
+/// row they lie together on another plane or far from any, or over many keyframes their mean square
+/// about the plane that fits them best is more than `max_scatter` of what is expected. The
+/// landmarks leave, and what they were is for the detection to find anew.
+void EndMisfits(const MapSnapshot& map,
+                double max_scatter,
+                std::vector<KnownPlane>& planes,
+                PlaneAssignments& out);
+
+}  // namespace facet

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_misfit.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "facet/base/random.h"
+
+namespace facet {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kMaxScatter = 1.4;
+
+// The plane x = 3.
+KnownPlane Wall() {
+  PlaneCandidate candidate;
+  candidate.plane_W = {Vector3d::UnitX(), 3};
+  candidate.centroid_W = {3, 0, 1};
+  KnownPlane known(candidate, Timestamp{0});
+  known.id = known.estimate.id = PlaneId{0};
+  known.estimate.plane_W = candidate.plane_W;
+  return known;
+}
+
+// Forty landmarks, 2 x 2 m, seen from the origin at `x(y, z)` +- noise, and drawn towards the plane
+// as the estimator's rows do.
+template <class Surface>
+MapSnapshot Seen(Surface x, double noise_m, std::uint64_t seed = 1) {
+  constexpr double kSigma_m = 0.02;
+  Rng rng(seed);
+  MapSnapshot map;
+  map.plane_sigma_m = 0.02;
+  for (int i = 0; i < 40; ++i) {
+    const double y = rng.Uniform(-1, 1), z = rng.Uniform(0, 2);
+    const Vector3d seen(x(y, z) + noise_m * rng.Normal(), y, z);
+    LandmarkEstimate landmark;
+    landmark.id = LandmarkId{i};
+    landmark.sigma_depth_m = kSigma_m;
+    landmark.planes[0] = PlaneId{0};
+    const double variance =
+        MakeFacePoint(seen, kSigma_m, Vector3d::Zero()).VarianceAlong({1, 0, 0});
+    landmark.p_W = seen;
+    landmark.p_W.x() = 3 + (seen.x() - 3) / (1 + variance / std::pow(map.plane_sigma_m, 2));
+    map.landmarks.push_back(landmark);
+  }
+  return map;
+}
+
+// In which keyframe the wall ends, 0: in none of the first twenty.
+template <class MapAt>
+int EndsAfter(MapAt map_at) {
+  std::vector<KnownPlane> planes = {Wall()};
+  PlaneAssignments out;
+  for (int k = 1; k <= 20; ++k) {
+    EndMisfits(map_at(k), kMaxScatter, planes, out);
+    if (!planes.empty()) {
+      EXPECT_TRUE(out.IsEmpty());
+      continue;
+    }
+    EXPECT_EQ(out.ended, std::vector{PlaneId{0}});
+    EXPECT_EQ(out.left.size(), map_at(k).landmarks.size());
+    return k;
+  }
+  return 0;
+}
+
+const auto kFlat = [](double, double) { return 3.0; };
+const auto kStep = [](double y, double) { return y > 0 ? 3.05 : 2.95; };
+
+TEST(PlaneMisfitTest, NoiseAsExpectedEndsNoPlane) {
+  EXPECT_EQ(EndsAfter([](int k) { return Seen(kFlat, 0.022, k); }), 0);
+}
+
+TEST(PlaneMisfitTest, APlaneBetweenTwoSurfacesEndsAfterThreeKeyframes) {
+  EXPECT_EQ(EndsAfter([](int k) { return Seen(kStep, 0.01, k); }), 3);
+}
+
+TEST(PlaneMisfitTest, PassingTroubleEndsNoPlane) {
+  EXPECT_EQ(
+      EndsAfter([](int k) { return k % 9 < 2 ? Seen(kStep, 0.01, k) : Seen(kFlat, 0.01, k); }), 0);
+}
+
+TEST(PlaneMisfitTest, LandmarksThatLieTogetherOnAnotherPlaneEndIt) {
+  EXPECT_EQ(EndsAfter([](int k) { return Seen([](double, double) { return 3.02; }, 0.01, k); }), 3);
+  const auto leaning = [](double, double z) { return 3 + std::tan(2 * kDegree) * (z - 1); };
+  EXPECT_EQ(EndsAfter([&](int k) { return Seen(leaning, 0.01, k); }), 3);
+  const auto turned = [](double y, double) { return 3 + std::tan(2 * kDegree) * y; };
+  EXPECT_EQ(EndsAfter([&](int k) { return Seen(turned, 0.01, k); }), 3);
+  // Each landmark alone would be nothing to wonder at; nor is this much of all of them.
+  EXPECT_EQ(EndsAfter([](int k) { return Seen([](double, double) { return 3.005; }, 0.01, k); }),
+            0);
+}
+
+TEST(PlaneMisfitTest, ARowOfThingsEndsInTheLongRun) {
+  const auto things = [](double y, double z) {
+    return 3 + 0.028 * (static_cast<int>(std::floor(10 * y) + std::floor(5 * z)) % 2 == 0 ? 1 : -1);
+  };
+  EXPECT_EQ(EndsAfter([&](int k) { return Seen(things, 0.005, k); }), 8);
+}
+
+TEST(PlaneMisfitTest, FewLandmarksAndSingleOutliersAreNoEvidence) {
+  EXPECT_EQ(EndsAfter([](int k) {
+              MapSnapshot few = Seen(kStep, 0.01, k);
+              few.landmarks.resize(7);
+              return few;
+            }),
+            0);
+  EXPECT_EQ(EndsAfter([](int k) {
+              MapSnapshot map = Seen(kFlat, 0.01, k);
+              map.landmarks[5].p_W.x() = 1e3;
+              return map;
+            }),
+            0);
+}
+
+TEST(PlaneMisfitTest, LandmarksInALineDoNotTurnThePlane) {
+  EXPECT_EQ(EndsAfter([](int k) {
+              MapSnapshot map = Seen(kFlat, 0.02, k);
+              for (LandmarkEstimate& landmark : map.landmarks)
+                landmark.p_W.z() = 0.5 + 0.01 * landmark.p_W.z();
+              return map;
+            }),
+            0);
+}
+
+TEST(PlaneMisfitTest, TentativePlanesAreLeftAlone) {
+  std::vector<KnownPlane> planes = {Wall()};
+  planes[0].id = PlaneId();
+  PlaneAssignments out;
+  for (int k = 1; k <= 20; ++k)
+    EndMisfits(Seen(kStep, 0.01, k), kMaxScatter, planes, out);
+  EXPECT_EQ(planes.size(), 1u);
+  EXPECT_TRUE(out.IsEmpty());
+}
+
+}  // namespace
+}  // namespace facet
