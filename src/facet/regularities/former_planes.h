@@ -3,6 +3,7 @@
 // it, goes on under its name when it is seen again.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "facet/regularities/known_plane.h"
@@ -23,7 +24,12 @@ class FormerPlanes {
   void StartOver() { num_unreachable_ = planes_.size(); }
 
   /// Each has KnownPlane::best.
-  const std::vector<KnownPlane>& planes() const { return planes_; }
+  std::span<const KnownPlane> reachable() const {
+    return std::span(planes_).subspan(num_unreachable_);
+  }
+  std::span<const KnownPlane> unreachable() const {
+    return std::span(planes_).first(num_unreachable_);
+  }
 
  private:
   std::vector<KnownPlane> planes_;

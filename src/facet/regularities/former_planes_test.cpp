@@ -44,7 +44,7 @@ TEST(FormerPlanesTest, APlaneGoesOnUnderItsName) {
   EXPECT_EQ(again.num_landmarks, 7);
   EXPECT_TRUE(again.best.has_value());
   EXPECT_TRUE(again.support.HasSurface({3, -0.3, 0.6}));  // where only the former one had been seen
-  EXPECT_TRUE(former.planes().empty());
+  EXPECT_TRUE(former.reachable().empty());
   KnownPlane third = Wall(0, 0, 0, Timestamp{990});
   EXPECT_FALSE(former.Recall(kMaxAngle, kMaxDistance_m, third));
 }
@@ -58,13 +58,13 @@ TEST(FormerPlanesTest, AnotherPlaneDoesNot) {
     EXPECT_FALSE(former.Recall(kMaxAngle, kMaxDistance_m, other));
     EXPECT_TRUE(other.IsTentative());
   }
-  EXPECT_EQ(former.planes().size(), 1u);
+  EXPECT_EQ(former.reachable().size(), 1u);
 }
 
 TEST(FormerPlanesTest, WhatWasNeverSolvedForLeavesNoTrace) {
   FormerPlanes former;
   former.Add(Wall(0, 0, 0, Timestamp{5}));
-  EXPECT_TRUE(former.planes().empty());
+  EXPECT_TRUE(former.reachable().empty());
 }
 
 TEST(FormerPlanesTest, NothingIsRecalledFromBeforeANewStart) {
@@ -73,7 +73,8 @@ TEST(FormerPlanesTest, NothingIsRecalledFromBeforeANewStart) {
   former.StartOver();
   KnownPlane again = Wall(0, 0, 0, Timestamp{900});
   EXPECT_FALSE(former.Recall(kMaxAngle, kMaxDistance_m, again));
-  EXPECT_EQ(former.planes().size(), 1u);
+  EXPECT_EQ(former.unreachable().size(), 1u);
+  EXPECT_TRUE(former.reachable().empty());
   former.Add(Solved(Wall(0, 0, 0, Timestamp{950}), PlaneId{4}));
   EXPECT_TRUE(former.Recall(kMaxAngle, kMaxDistance_m, again));
   EXPECT_EQ(again.id, PlaneId{4});

@@ -47,6 +47,9 @@ struct KnownPlane {
   /// Takes the estimator's newest word.
   void Update(const PlaneEstimate& newest);
 
+  /// The other turned out to be this one. Its surface is taken as lying on `its_plane_W`.
+  void Absorb(const KnownPlane& other, const Plane& its_plane_W);
+
   bool IsTentative() const { return !id.IsValid(); }
 
   /// Whether the landmark lies on it, or on a plane that became part of it.
@@ -65,6 +68,16 @@ inline void KnownPlane::Update(const PlaneEstimate& newest) {
   const bool is_solved = newest.covariance(9, 9) > 0;
   if (is_solved && (!best || newest.is_settled || variance(newest) <= variance(*best)))
     best = newest;
+}
+
+inline void KnownPlane::Absorb(const KnownPlane& other, const Plane& its_plane_W) {
+  support.Add(other.support, its_plane_W);
+  num_landmarks += other.num_landmarks;
+  sightings += other.sightings;
+  first_seen = std::min(first_seen, other.first_seen);
+  last_seen = std::max(last_seen, other.last_seen);
+  absorbed.push_back(other.id);
+  absorbed.insert(absorbed.end(), other.absorbed.begin(), other.absorbed.end());
 }
 
 }  // namespace facet

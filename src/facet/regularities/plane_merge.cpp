@@ -28,13 +28,7 @@ void Merge(const MapSnapshot& map,
   // What the younger one knew goes over when it is marginalised.
   out.related.push_back({PlaneRelationKind::kCoplanar, older.id, younger.id});
   out.ended.push_back(younger.id);
-  older.support.Add(younger.support, younger.estimate.plane_W);
-  older.num_landmarks += younger.num_landmarks;
-  older.sightings += younger.sightings;
-  older.first_seen = std::min(older.first_seen, younger.first_seen);
-  older.last_seen = std::max(older.last_seen, younger.last_seen);
-  older.absorbed.push_back(younger.id);
-  older.absorbed.insert(older.absorbed.end(), younger.absorbed.begin(), younger.absorbed.end());
+  older.Absorb(younger, younger.estimate.plane_W);
 }
 
 }  // namespace

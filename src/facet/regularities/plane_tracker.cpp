@@ -13,6 +13,7 @@
 #include "facet/regularities/plane_label.h"
 #include "facet/regularities/plane_merge.h"
 #include "facet/regularities/plane_misfit.h"
+#include "facet/regularities/plane_records.h"
 #include "facet/regularities/plane_sightings.h"
 #include "facet/regularities/support_depths.h"
 
@@ -319,37 +320,16 @@ void PlaneTracker::Reset() {
   relations_.Clear();
 }
 
-PlaneRecord PlaneTracker::MakeRecord(const KnownPlane& plane) const {
-  PlaneRecord record;
-  record.id = plane.id;
-  record.plane_W = plane.best->plane_W;
-  record.centroid_W = plane.support.Centroid(record.plane_W);
-  record.orientation = plane.orientation;
-  record.first_seen = plane.first_seen;
-  record.last_seen = plane.last_seen;
-  record.num_landmarks = plane.num_landmarks;
-  record.absorbed = plane.absorbed;
-  record.area_m2 = plane.support.area_m2();
-  record.outline_W = plane.support.Outline(record.plane_W);
-  const Matrix<10, 10>& covariance = plane.best->covariance;
-  record.sigma_normal_rad = std::sqrt(std::max(covariance.block<3, 3>(6, 6).trace() / 2, 0.0));
-  Matrix<1, 4> J;  // d = offset + n . anchor
-  J << plane.best->anchor_W.transpose(), 1;
-  record.sigma_d_m =
-      std::sqrt(std::max((J * covariance.bottomRightCorner<4, 4>() * J.transpose())(0), 0.0));
-  return record;
-}
-
 std::vector<PlaneRecord> PlaneTracker::Records() const {
-  std::vector<PlaneRecord> out;
-  for (const auto* planes : {&former_.planes(), &planes_}) {
-    for (const KnownPlane& plane : *planes) {
-      if (plane.best) out.push_back(MakeRecord(plane));
-    }
-  }
-  std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-  LabelPlanes(out);
-  return out;
+  std::vector<KnownPlane> planes(former_.reachable().begin(), former_.reachable().end());
+  planes.insert(planes.end(), planes_.begin(), planes_.end());
+  std::vector<PlaneRecord> records = MakeRecords(former_.unreachable(), false);
+  const std::vector<PlaneRecord> newer = MakeRecords(planes, MayRecall());
+  records.insert(records.end(), newer.begin(), newer.end());
+  std::sort(
+      records.begin(), records.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  LabelPlanes(records);
+  return records;
 }
 
 }  // namespace facet

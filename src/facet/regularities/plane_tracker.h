@@ -71,7 +71,6 @@ class PlaneTracker {
   void Relate(PlaneAssignments& out);
   void SetFacePlanes();
   void Forget(std::size_t plane);
-  PlaneRecord MakeRecord(const KnownPlane& plane) const;
 
   RegularityOptions options_;
   PlaneDetector detector_;

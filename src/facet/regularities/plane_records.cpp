@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_records.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "facet/regularities/plane_gate.h"
+
+namespace facet {
+
+namespace {
+
+const double kMinCosine = std::cos(5 * std::numbers::pi / 180);
+constexpr double kMaxOffset_m = 0.05;
+constexpr double kMaxGap_m = 0.5;
+constexpr double kMaxChiSquare = 14.2;  // three sigmas, 3 degrees of freedom
+
+// As the world knows it, not the newest camera.
+PlaneEstimate InWorld(PlaneEstimate estimate) {
+  estimate.covariance.topRows<6>().setZero();
+  estimate.covariance.leftCols<6>().setZero();
+  return estimate;
+}
+
+bool AreOneSurface(const KnownPlane& a, const KnownPlane& b) {
+  const Plane &plane_a = a.best->plane_W, &plane_b = b.best->plane_W;
+  if (plane_a.n.dot(plane_b.n) < kMinCosine) return false;
+  const PlaneEstimate estimate_a = InWorld(*a.best), estimate_b = InWorld(*b.best);
+  const Vector3d middle_a = a.support.Centroid(plane_a), middle_b = b.support.Centroid(plane_b);
+  return std::abs(plane_a.SignedDistance(middle_b)) <= kMaxOffset_m &&
+         std::abs(plane_b.SignedDistance(middle_a)) <= kMaxOffset_m &&
+         ChiSquare(estimate_a, estimate_b, middle_a, SE3()) <= kMaxChiSquare &&
+         ChiSquare(estimate_a, estimate_b, middle_b, SE3()) <= kMaxChiSquare &&
+         a.support.IsNear(b.support, plane_b, kMaxGap_m);
+}
+
+double NormalVariance(const KnownPlane& plane) {
+  return plane.best->covariance.block<3, 3>(6, 6).trace();
+}
+
+// `planes` is sorted by id: the name is the oldest's, the estimate the best one's.
+void Unite(std::vector<KnownPlane>& planes) {
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    for (std::size_t j = i + 1; j < planes.size();) {
+      if (!AreOneSurface(planes[i], planes[j])) {
+        ++j;
+        continue;
+      }
+      planes[i].Absorb(planes[j], planes[j].best->plane_W);
+      if (NormalVariance(planes[j]) < NormalVariance(planes[i])) {
+        planes[i].best = planes[j].best;
+        planes[i].orientation = planes[j].orientation;
+      }
+      planes.erase(planes.begin() + static_cast<std::ptrdiff_t>(j));
+      j = i + 1;  // what did not agree with it before may do so now
+    }
+  }
+}
+
+PlaneRecord MakeRecord(const KnownPlane& plane) {
+  PlaneRecord record;
+  record.id = plane.id;
+  record.plane_W = plane.best->plane_W;
+  record.centroid_W = plane.support.Centroid(record.plane_W);
+  record.orientation = plane.orientation;
+  record.first_seen = plane.first_seen;
+  record.last_seen = plane.last_seen;
+  record.num_landmarks = plane.num_landmarks;
+  record.absorbed = plane.absorbed;
+  record.area_m2 = plane.support.area_m2();
+  record.outline_W = plane.support.Outline(record.plane_W);
+  const Matrix<10, 10>& covariance = plane.best->covariance;
+  record.sigma_normal_rad = std::sqrt(std::max(covariance.block<3, 3>(6, 6).trace() / 2, 0.0));
+  Matrix<1, 4> J;  // d = offset + n . anchor
+  J << plane.best->anchor_W.transpose(), 1;
+  record.sigma_d_m =
+      std::sqrt(std::max((J * covariance.bottomRightCorner<4, 4>() * J.transpose())(0), 0.0));
+  return record;
+}
+
+}  // namespace
+
+std::vector<PlaneRecord> MakeRecords(std::span<const KnownPlane> planes, bool may_unite) {
+  std::vector<KnownPlane> solved;
+  std::copy_if(planes.begin(), planes.end(), std::back_inserter(solved), [](const auto& plane) {
+    return plane.best.has_value();
+  });
+  std::sort(solved.begin(), solved.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  if (may_unite) Unite(solved);
+  std::vector<PlaneRecord> records;
+  std::transform(solved.begin(), solved.end(), std::back_inserter(records), MakeRecord);
+  return records;
+}
+
+}  // namespace facet

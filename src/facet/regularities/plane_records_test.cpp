@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/plane_records.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace facet {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// 2 x 2 m around `middle_W` on a wall that is turned by `yaw_deg` from x = const.
+KnownPlane Wall(int id, const Vector3d& middle_W, double yaw_deg, double sigma_deg) {
+  PlaneCandidate candidate;
+  candidate.plane_W.n = {std::cos(yaw_deg * kDegree), std::sin(yaw_deg * kDegree), 0};
+  candidate.plane_W.d = candidate.plane_W.n.dot(middle_W);
+  candidate.centroid_W = middle_W;
+  KnownPlane known(candidate, Timestamp{0} + FromSeconds(id));
+  known.id = PlaneId{id};
+  known.num_landmarks = 10;
+  PlaneEstimate estimate;
+  estimate.id = known.id;
+  estimate.plane_W = candidate.plane_W;
+  estimate.anchor_W = middle_W;
+  const Matrix<3, 2> B = TangentBasis(candidate.plane_W.n);
+  // The pose that it was seen from is of no concern.
+  estimate.covariance.topLeftCorner<6, 6>() = 1e4 * Matrix<6, 6>::Identity();
+  estimate.covariance.block<3, 3>(6, 6) = std::pow(sigma_deg * kDegree, 2) * B * B.transpose();
+  estimate.covariance(9, 9) = 0.01 * 0.01;
+  known.best = estimate;
+  const Vector3d a = B.col(0), b = B.col(1);
+  known.support.AddTriangle({middle_W - a - b, middle_W + a - b, middle_W + a + b});
+  known.support.AddTriangle({middle_W - a + b, middle_W - a - b, middle_W + a + b});
+  return known;
+}
+
+TEST(PlaneRecordsTest, OneSurfaceHasOneRecordThatIsAsItWasKnownBest) {
+  const std::vector<KnownPlane> planes = {Wall(4, {3, 2.1, 1}, 0.1, 0.2), Wall(1, {3, 0, 1}, 1, 1)};
+  const std::vector<PlaneRecord> records = MakeRecords(planes, true);
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].id, PlaneId{1});
+  EXPECT_EQ(records[0].absorbed, std::vector{PlaneId{4}});
+  EXPECT_EQ(records[0].num_landmarks, 20);
+  EXPECT_EQ(records[0].first_seen, Timestamp{0} + FromSeconds(1));
+  EXPECT_EQ(records[0].last_seen, Timestamp{0} + FromSeconds(4));
+  EXPECT_NEAR(records[0].area_m2, 8, 0.6);
+  EXPECT_NEAR(records[0].sigma_normal_rad, 0.2 * kDegree, 1e-9);
+  EXPECT_EQ(records[0].plane_W.n, planes[0].best->plane_W.n);
+  for (const Vector3d& corner : records[0].outline_W)
+    EXPECT_NEAR(records[0].plane_W.SignedDistance(corner), 0, 1e-9);
+}
+
+TEST(PlaneRecordsTest, ThreePiecesAreOneInAnyOrder) {
+  const std::vector<KnownPlane> planes = {
+      Wall(0, {3, 0, 1}, 0, 0.5), Wall(1, {3, 4.2, 1}, 0, 0.5), Wall(2, {3, 2.1, 1}, 0, 0.5)};
+  const std::vector<PlaneRecord> records = MakeRecords(planes, true);
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].absorbed.size(), 2u);
+}
+
+TEST(PlaneRecordsTest, WhatDiffersOrIsApartKeepsItsRecord) {
+  const KnownPlane wall = Wall(0, {3, 0, 1}, 0, 0.5);
+  const std::vector<KnownPlane> others = {Wall(1, {3.1, 0, 1}, 0, 0.5),   // 10 cm before it
+                                          Wall(1, {3, 0, 1}, 180, 0.5),   // seen from behind
+                                          Wall(1, {3, 0, 1}, 8, 5),       // leans
+                                          Wall(1, {3, 0, 1}, 3, 0.1),     // and is sure of it
+                                          Wall(1, {3, 4.5, 1}, 0, 0.5)};  // 2.5 m beside it
+  for (const KnownPlane& other : others) {
+    const std::vector<PlaneRecord> records = MakeRecords(std::vector{wall, other}, true);
+    EXPECT_EQ(records.size(), 2u) << other.best->plane_W.n.transpose() << ", "
+                                  << other.best->anchor_W.transpose();
+  }
+  EXPECT_EQ(MakeRecords(std::vector{wall, Wall(1, {3, 0, 1}, 3, 1)}, true).size(), 1u);
+}
+
+TEST(PlaneRecordsTest, AcrossAResetNothingIsUnitedAndWhatWasNeverSolvedIsNotTold) {
+  std::vector<KnownPlane> planes = {Wall(0, {3, 0, 1}, 0, 0.5), Wall(1, {3, 0, 1}, 0, 0.5)};
+  EXPECT_EQ(MakeRecords(planes, false).size(), 2u);
+  planes[0].best.reset();
+  const std::vector<PlaneRecord> records = MakeRecords(planes, true);
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].id, PlaneId{1});
+  EXPECT_TRUE(MakeRecords({}, true).empty());
+}
+
+}  // namespace
+}  // namespace facet
