@@ -162,7 +162,7 @@ OwnSearch::OwnSearch(const SimulatedRun& run,
       tracker_(
           options,
           sightings == Sightings::kDetected
-              ? PlaneSightings()
+              ? FindPlanes()
               : [this](const SurfaceFaces& faces,
                        const std::vector<char>& taken) { return SeeTrueSurfaces(faces, taken); }),
       quality_(quality) {}

@@ -97,7 +97,9 @@ class VioEstimator {
   void EndPlanes(MarginalizationPlan& plan);
   void KeepPlaneCovariances();
   void MoveOriginToNewestFrame();
-  /// Whether the start is over. If it is not but the window is full, drops a duplicate frame.
+  /// Whether the start is over; the window is solved anew when it ends.
+  bool EndStart(std::vector<KeyframePose>& finished);
+  /// Whether it ends now. If it does not but the window is full, drops a duplicate frame.
   bool UpdateStart(std::vector<KeyframePose>& finished);
   /// Final poses of the whole window, when it is given up.
   void FinishAllKeyframes(std::vector<KeyframePose>& finished) const;

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFlatness_m = 0.005;
-constexpr double kGrowth_m = 0.5;  // how far beyond its known surface a plane may claim faces
 // Planes dispute surface where they cross: this near to each other, at an angle between these, and
 // facing the same way. The two sides of a door, or wall and cupboard, are parallel and dispute
 // nothing.
@@ -58,7 +57,7 @@ bool MayHave(const KnownPlane& plane,
              const Vector3d& p_W,
              const std::vector<const KnownPlane*>& active) {
   if (plane.support.HasSurface(p_W)) return true;
-  if (!plane.support.IsNear(p_W, kGrowth_m)) return false;
+  if (!plane.support.IsNear(p_W, kPlaneGrowth_m)) return false;
   return std::none_of(active.begin(), active.end(), [&](const KnownPlane* other) {
     return Disputes(*other, plane, p_W) && other->support.HasSurface(p_W);
   });

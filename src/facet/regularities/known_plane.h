@@ -12,6 +12,9 @@
 
 namespace facet {
 
+/// How near to its known surface what belongs to a plane is [m].
+inline constexpr double kPlaneGrowth_m = 0.5;
+
 /// Of the last ten or so values.
 struct RecentMean {
   double mean = 0;
@@ -32,7 +35,7 @@ struct KnownPlane {
   std::optional<PlaneEstimate> best;
   PlaneOrientation orientation = PlaneOrientation::kOblique;
   PlaneSupport support;
-  int sightings = 0;
+  int times_seen = 0;  ///< keyframes that showed it while it was tentative
   int num_landmarks = 0;
   int num_misfits = 0;  ///< keyframes in a row in which its landmarks did not fit
   RecentMean scatter;   ///< of its landmarks across it, mean square over what is expected
@@ -73,7 +76,7 @@ inline void KnownPlane::Update(const PlaneEstimate& newest) {
 inline void KnownPlane::Absorb(const KnownPlane& other, const Plane& its_plane_W) {
   support.Add(other.support, its_plane_W);
   num_landmarks += other.num_landmarks;
-  sightings += other.sightings;
+  times_seen += other.times_seen;
   first_seen = std::min(first_seen, other.first_seen);
   last_seen = std::max(last_seen, other.last_seen);
   absorbed.push_back(other.id);

@@ -9,6 +9,7 @@
 #include "facet/geometry/plane_fit.h"
 #include "facet/regularities/face_claims.h"
 #include "facet/regularities/face_judge.h"
+#include "facet/regularities/landmark_joining.h"
 #include "facet/regularities/plane_gate.h"
 #include "facet/regularities/plane_label.h"
 #include "facet/regularities/plane_merge.h"
@@ -24,7 +25,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFlatness_m = 0.005;
 constexpr double kSameAngle = 5 * kDegree;
-constexpr double kGrowth_m = 0.5;  // how near to its known surface what belongs to a plane is
 constexpr double kTentativeLife_s = 1.5;
 constexpr double kMaxLandmarkSigma_m = 0.1;
 
@@ -50,11 +50,11 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
     return plane >= 0 ? 1 : 0;
   });
   const std::vector<PlaneCandidate> seen =
-      sightings_ ? sightings_(faces_, taken) : detector_.Detect(faces_, taken);
+      find_ ? find_(faces_, taken) : detector_.Detect(faces_, taken);
   for (const PlaneCandidate& candidate : seen)
     Recognise(map, candidate);
   Promote(out);
-  JoinLandmarks(map, out);
+  JoinLandmarks(map, faces_, landmark_of_point_, plane_of_face_, planes_, out);
   TakeSurface(faces_, plane_of_face_, now_, planes_);
   LeaveForeignSurface(map, planes_, out);
   if (options_.sightings.enabled)
@@ -143,7 +143,7 @@ bool PlaneTracker::IsNearKnown(const PlaneCandidate& candidate) const {
     return !known.IsTentative() && AngleBetween(plane.n, candidate.plane_W.n) < kSameAngle &&
            std::abs(plane.SignedDistance(candidate.centroid_W)) <
                options_.tracking.min_separation_m &&
-           known.support.IsNear(candidate.centroid_W, kGrowth_m);
+           known.support.IsNear(candidate.centroid_W, kPlaneGrowth_m);
   });
 }
 
@@ -164,7 +164,7 @@ void PlaneTracker::Recognise(const MapSnapshot& map, const PlaneCandidate& candi
     KnownPlane& tentative = planes_[plane];
     tentative.estimate.plane_W = candidate.plane_W;
     tentative.orientation = candidate.orientation;
-    if (tentative.sightings == 0 || tentative.last_seen < now_) ++tentative.sightings;
+    if (tentative.times_seen == 0 || tentative.last_seen < now_) ++tentative.times_seen;
     tentative.last_seen = now_;
   }
   for (const int f : candidate.faces)
@@ -182,7 +182,8 @@ void PlaneTracker::AddOldFaces(int plane) {
   }
   const double max_distance_m = options_.detection.max_distance_m;
   for (const int f : FacesOnPlane(faces_, free, tentative.estimate.plane_W, max_distance_m)) {
-    if (tentative.support.IsNear(faces_.faces[f].centre_W, kGrowth_m)) plane_of_face_[f] = plane;
+    if (tentative.support.IsNear(faces_.faces[f].centre_W, kPlaneGrowth_m))
+      plane_of_face_[f] = plane;
   }
 }
 
@@ -226,7 +227,7 @@ void PlaneTracker::Promote(PlaneAssignments& out) {
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     KnownPlane& plane = planes_[k];
     if (!plane.IsTentative() || plane.last_seen < now_ ||
-        plane.sightings < options_.tracking.min_sightings) {
+        plane.times_seen < options_.tracking.min_sightings) {
       continue;
     }
     if (options_.detection.only_in_view) AddOldFaces(static_cast<int>(k));
@@ -240,46 +241,6 @@ void PlaneTracker::Promote(PlaneAssignments& out) {
     plane.handed_over = now_;
     out.created.push_back(
         {plane.id, plane.estimate.plane_W, plane.support.Centroid(plane.estimate.plane_W)});
-  }
-}
-
-// A landmark joins when two faces around it are on the plane, or half of them.
-void PlaneTracker::JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out) {
-  std::vector<int> faces_around(map.landmarks.size(), 0);
-  std::vector<std::pair<int, int>> sightings;  // landmark, plane: one per face
-  // Points are sorted by id, and support points come last.
-  const int num_with_landmarks =
-      static_cast<int>(std::find_if(landmark_of_point_.rbegin(),
-                                    landmark_of_point_.rend(),
-                                    [](int landmark) { return landmark >= 0; })
-                           .base() -
-                       landmark_of_point_.begin());
-  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
-    const auto& c = faces_.faces[f].corners;
-    if (std::min({c[0], c[1], c[2]}) >= num_with_landmarks) continue;
-    const int plane = plane_of_face_[f];
-    const bool is_on_plane = plane >= 0 && !planes_[plane].IsTentative();
-    for (const int corner : c) {
-      const int landmark = landmark_of_point_[corner];
-      if (landmark < 0) continue;
-      ++faces_around[landmark];
-      if (is_on_plane && !planes_[plane].Has(map.landmarks[landmark]))
-        sightings.emplace_back(landmark, plane);
-    }
-  }
-  std::sort(sightings.begin(), sightings.end());
-  for (std::size_t i = 0; i < sightings.size();) {
-    std::size_t end = i;
-    while (end < sightings.size() && sightings[end] == sightings[i])
-      ++end;
-    const auto [landmark, plane] = sightings[i];
-    const int count = static_cast<int>(end - i);
-    i = end;
-    KnownPlane& known = planes_[plane];
-    const LandmarkEstimate& estimate = map.landmarks[landmark];
-    if (count < 2 && 2 * count < faces_around[landmark]) continue;
-    out.joined.push_back({estimate.id, known.id, 2 * known.recognised_at_m});
-    ++known.num_landmarks;
   }
 }
 

@@ -19,19 +19,19 @@
 
 namespace facet {
 
-/// Sightings of planes among the faces that are not `taken` (one flag per face); faces of one are
-/// in no other.
-using PlaneSightings = std::function<std::vector<PlaneCandidate>(const SurfaceFaces& faces,
-                                                                 const std::vector<char>& taken)>;
+/// Finds planes among the faces that are not `taken` (one flag per face); faces of one are in no
+/// other.
+using FindPlanes = std::function<std::vector<PlaneCandidate>(const SurfaceFaces& faces,
+                                                             const std::vector<char>& taken)>;
 
 /// Not thread-safe. Never throws for any content of the mesh.
 class PlaneTracker {
  public:
-  /// `sightings` replaces the detector, for studies of what follows it.
-  explicit PlaneTracker(const RegularityOptions& options, PlaneSightings sightings = nullptr)
+  /// `find` replaces the detector, for studies of what follows it.
+  explicit PlaneTracker(const RegularityOptions& options, FindPlanes find = nullptr)
       : options_(options),
         detector_(options.detection),
-        sightings_(std::move(sightings)),
+        find_(std::move(find)),
         relations_(options.relations) {}
 
   /// After a keyframe: the mesh and what the estimator knows. Both must be of the same keyframe.
@@ -67,14 +67,13 @@ class PlaneTracker {
   bool HasEnoughLandmarks(int plane) const;
   /// Planes that have had their time are not the same when they come back.
   bool MayRecall() const { return options_.tracking.max_age_s == 0; }
-  void JoinLandmarks(const MapSnapshot& map, PlaneAssignments& out);
   void Relate(PlaneAssignments& out);
   void SetFacePlanes();
   void Forget(std::size_t plane);
 
   RegularityOptions options_;
   PlaneDetector detector_;
-  PlaneSightings sightings_;  // empty: the detector's
+  FindPlanes find_;  // empty: the detector's
   PlaneRelations relations_;
   std::vector<KnownPlane> planes_;
   FormerPlanes former_;
