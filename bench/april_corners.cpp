@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// april_corners [--set key=value]... [--planes N] [--hide] [--window-table]
-// The back end alone on EuRoC's calibration recording: trajectory, landmarks and cost.
+// april_corners [--set key=value]... [--planes N] [--hide] [--start S | --starts N]
+// [--window-table] The back end alone on EuRoC's calibration recording: trajectory, landmarks and
+// cost.
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -9,6 +10,7 @@
 #include "april_corners_study.h"
 #include <CLI/CLI.hpp>
 
+#include "facet/eval/paired_comparison.h"
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
 #include "facet/testing/data_dir.h"
@@ -79,6 +81,47 @@ void PrintWindowTable(const AprilRecording& recording, AprilOptions options) {
   }
 }
 
+// With planes and without, begun at different times.
+void PrintStarts(const AprilRecording& recording, AprilOptions options, int num_starts) {
+  constexpr double kStep_s = 0.15;
+  const int num_planes = options.num_planes;
+  struct Column {
+    std::vector<double> with, without, ratios;
+  } rmse, median;
+  std::vector<double> normals_deg;
+  for (int k = 0; k < num_starts; ++k) {
+    options.start_s = kStep_s * k;
+    const auto run = [&](int planes) {
+      options.num_planes = planes;
+      return EvaluateAprilCorners(recording, RunAprilCorners(recording, options));
+    };
+    const AprilFigures with = run(num_planes), without = run(0);
+    const auto add = [](double a, double b, Column& column) {
+      column.with.push_back(1000 * a);
+      column.without.push_back(1000 * b);
+      column.ratios.push_back(a / b);
+    };
+    add(with.trajectory.ate_m.rmse, without.trajectory.ate_m.rmse, rmse);
+    add(with.trajectory.ate_m.median, without.trajectory.ate_m.median, median);
+    normals_deg.push_back(with.plane_angle_deg.median);
+  }
+  std::printf("%d starts, medians\n", num_starts);
+  const auto print = [](const char* name, const Column& column) {
+    const PairedComparison ratio = CompareRatios(column.ratios);
+    std::printf("ATE %-19s %.2f mm, without planes %.2f; ratio %.3f [%.3f, %.3f], %d better\n",
+                name,
+                Summarize(column.with).median,
+                Summarize(column.without).median,
+                ratio.median_ratio,
+                ratio.low,
+                ratio.high,
+                ratio.num_better);
+  };
+  print("rmse", rmse);
+  print("median", median);
+  std::printf("planes against board    %.3f deg\n", Summarize(normals_deg).median);
+}
+
 std::filesystem::path Find(const std::string& name) {
   const auto folder = testing::DataDir(name);
   if (!folder) throw InputError(testing::MissingData(name));
@@ -90,6 +133,7 @@ int Main(int argc, char** argv) {
   AprilOptions options;
   std::vector<std::string> overrides;
   bool window_table = false;
+  int num_starts = 0;
   std::string output;
   app.add_option("--set", overrides, "option of the estimator, key=value");
   app.add_option("--keyframe-every", options.keyframe_every, "frames per keyframe")
@@ -98,6 +142,10 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(0.01, 100.0));
   app.add_option("--planes", options.num_planes, "0: none, 1: the board, 4: its quarters")
       ->check(CLI::IsMember({0, 1, 4}));
+  app.add_option("--start", options.start_s, "begin so long into the recording [s]")
+      ->check(CLI::Range(0.0, 60.0));
+  app.add_option("--starts", num_starts, "so many starts, each with the planes and without")
+      ->check(CLI::Range(1, 100));
   app.add_flag("--hide", options.hide_quarters, "hide each quarter of the board for 8 s");
   app.add_flag("--window-table", window_table, "compare window sizes (markdown)");
   app.add_option("--output", output, "file for the causal trajectory (TUM)");
@@ -108,6 +156,10 @@ int Main(int argc, char** argv) {
       LoadAprilRecording(Find("euroc_april_corners"), Find("euroc_mh01_handheld/mav0"));
   if (window_table) {
     PrintWindowTable(recording, options);
+    return 0;
+  }
+  if (num_starts > 0) {
+    PrintStarts(recording, options, num_starts);
     return 0;
   }
   const AprilRun run = RunAprilCorners(recording, options);

@@ -202,10 +202,10 @@ AprilRun RunAprilCorners(const AprilRecording& recording, const AprilOptions& op
   std::vector<double> all_ms, keyframe_ms;
   std::optional<Timestamp> previous_t;
   for (const auto& [t, corners] : recording.frames) {
-    if (t < recording.imu.first_stamp()) continue;
+    const double elapsed_s = ToSeconds(t - recording.frames.begin()->first);
+    if (t < recording.imu.first_stamp() || elapsed_s < options.start_s) continue;
     const int index = run.num_frames++;
     const bool is_keyframe = !estimator.is_initialised() || index % options.keyframe_every == 0;
-    const double elapsed_s = ToSeconds(t - recording.frames.begin()->first);
     FrameObservations observations = tracks.Observe(
         options.hide_quarters ? HideQuarter(corners, elapsed_s, recording.corners_G) : corners,
         index,

@@ -42,6 +42,7 @@ struct AprilOptions {
   /// Planes as variables, which corner lies on which being known: 0 none, 1 the board, 4 its
   /// quarters.
   int num_planes = 0;
+  double start_s = 0;          ///< into the recording
   bool hide_quarters = false;  ///< each quarter of the board is hidden for 8 s, one after the other
 };
 
