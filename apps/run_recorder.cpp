@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "facet/regularities/plane_names.h"
+
 namespace facet {
 
 void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
@@ -65,7 +67,10 @@ void RunRecorder::MoveInto(RunRecord& record) {
   record.keyframes = std::move(keyframes_);
   record.num_resets = num_resets_;
   record.num_imu_gaps = num_imu_gaps_;
-  if (last_mesh_) record.mesh = last_mesh_->mesh;
+  if (last_mesh_) {
+    record.mesh = last_mesh_->mesh;
+    if (record.planes) UseCurrentPlanes(*record.planes, record.mesh->plane_ids);
+  }
   record.mesh_areas_m2 = std::move(mesh_areas_m2_);
   record.view_areas_m2 = std::move(view_areas_m2_);
   record.landmarks.clear();

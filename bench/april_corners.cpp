@@ -140,15 +140,23 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(1, 100));
   app.add_option("--pixel-sigma", options.pixel_sigma, "1-sigma of the corners [px]")
       ->check(CLI::Range(0.01, 100.0));
-  app.add_option("--planes", options.num_planes, "0: none, 1: the board, 4: its quarters")
-      ->check(CLI::IsMember({0, 1, 4}));
-  app.add_option("--start", options.start_s, "begin so long into the recording [s]")
-      ->check(CLI::Range(0.0, 60.0));
-  app.add_option("--starts", num_starts, "so many starts, each with the planes and without")
-      ->check(CLI::Range(1, 100));
+  const auto planes =
+      app.add_option("--planes", options.num_planes, "0: none, 1: the board, 4: its quarters")
+          ->check(CLI::IsMember({0, 1, 4}));
+  const auto start =
+      app.add_option("--start", options.start_s, "begin so long into the recording [s]")
+          ->check(CLI::Range(0.0, 60.0));
   app.add_flag("--hide", options.hide_quarters, "hide each quarter of the board for 8 s");
-  app.add_flag("--window-table", window_table, "compare window sizes (markdown)");
-  app.add_option("--output", output, "file for the causal trajectory (TUM)");
+  const auto table =
+      app.add_flag("--window-table", window_table, "compare window sizes (markdown)");
+  const auto file =
+      app.add_option("--output", output, "file for the causal trajectory (TUM)")->excludes(table);
+  app.add_option("--starts", num_starts, "so many starts, each with the planes and without")
+      ->check(CLI::Range(1, 100))
+      ->needs(planes)
+      ->excludes(start)
+      ->excludes(table)
+      ->excludes(file);
   CLI11_PARSE(app, argc, argv);
 
   ApplyOverrides(overrides, ListFields(options.estimator));

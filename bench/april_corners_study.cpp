@@ -88,7 +88,7 @@ Vector3d MiddleOf(const std::map<int, Vector3d>& corners_G) {
   return sum / static_cast<double>(corners_G.size());
 }
 
-// Each quarter for 8 s, beginning 10 s after the start.
+// Each quarter for 8 s, beginning 10 s into the recording.
 std::map<int, CornerObservation> HideQuarter(std::map<int, CornerObservation> corners,
                                              double elapsed_s,
                                              const std::map<int, Vector3d>& corners_G) {

@@ -124,6 +124,16 @@ PlaneAssignments Nothing(const VioEstimator&) {
 }
 void DoNotWatch(const VioEstimator&) {}
 
+TEST(PlaneLifeTest, TheSnapshotSaysHowTightlyPlanesHoldTheirLandmarks) {
+  EstimatorOptions options;
+  options.solver.plane_sigma_m = 0.013;
+  double sigma_m = 0;
+  Estimate(options, Nothing, [&](const VioEstimator& estimator) {
+    sigma_m = estimator.Snapshot().plane_sigma_m;
+  });
+  EXPECT_EQ(sigma_m, 0.013);
+}
+
 TEST(PlaneLifeTest, PlanesThatNoLandmarkLiesOnLeaveNoTrace) {
   const auto s = Estimate({}, Nothing, DoNotWatch);
   const auto detached = Estimate(

@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/regularities/plane_gate.h"
 #include "facet/regularities/surface_face.h"
 
 namespace facet {
@@ -15,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMinMembers = 8;
 constexpr double kFlatness_m = 0.01;
-constexpr double kMaxSigmas = 4;  // landmarks farther off count less
+constexpr double kMaxSigmas = 2.5;  // single landmarks farther off count as if they were there
 // What poses and neighbouring landmarks have in common, 1-sigma.
 constexpr double kSigmaOffset_m = 0.003, kSigmaSlope = 0.004;
 // At once, in so many keyframes in a row.
@@ -31,24 +32,24 @@ double Square(double x) {
 // A landmark of a plane where vision alone sees it: the row that holds it on the plane has drawn it
 // towards it, and that is taken back.
 struct Member {
-  Vector2d along_m;     // the plane
-  double across_m = 0;  // it
+  Vector3d p_W;
+  double across_m = 0;  // the plane
   double weight = 0;    // [1/m^2]
 };
 
 std::vector<Member> MembersAsSeen(const MapSnapshot& map, const KnownPlane& known) {
   const Plane& plane = known.estimate.plane_W;
-  const Matrix<3, 2> B = TangentBasis(plane.n);
   std::vector<Member> members;
   for (const LandmarkEstimate& landmark : map.landmarks) {
-    if (!landmark.IsOn(known.id)) continue;
+    // What several planes have drawn is not told apart.
+    if (landmark.planes[0] != known.id || landmark.planes[1].IsValid()) continue;
     const FacePoint point = MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, map.latest.T_WB.p);
     const double variance = point.VarianceAlong(plane.n);
-    const double drawn = 1 + variance / Square(map.plane_sigma_m);
-    const double across_m = drawn * plane.SignedDistance(landmark.p_W);
+    const double at_m = plane.SignedDistance(landmark.p_W);
+    const double across_m = (1 + variance / Square(map.plane_sigma_m)) * at_m;
     const double expected = variance + Square(kFlatness_m);
     const double sigmas = std::abs(across_m) / std::sqrt(expected);
-    members.push_back({B.transpose() * landmark.p_W,
+    members.push_back({landmark.p_W + (across_m - at_m) * plane.n,
                        across_m,
                        std::min(1.0, Square(kMaxSigmas / sigmas)) / expected});
   }
@@ -61,21 +62,25 @@ struct MembersFit {
   double scatter = 0;     // mean square about that plane, over what is expected
 };
 
-std::optional<MembersFit> FitMembers(const std::vector<Member>& members) {
+std::optional<MembersFit> FitMembers(const std::vector<Member>& members,
+                                     const PlaneEstimate& known,
+                                     const SE3& T_WB) {
   if (members.size() < kMinMembers) return std::nullopt;
-  Vector2d middle_m = Vector2d::Zero();
+  PlaneCandidate best;
   double total = 0;
   for (const Member& member : members) {
-    middle_m += member.weight * member.along_m;
+    best.centroid_W += member.weight * member.p_W;
     total += member.weight;
   }
-  middle_m /= total;
+  best.centroid_W /= total;
+  const Vector3d& n = known.plane_W.n;
+  const Matrix<3, 2> B = TangentBasis(n);
   Matrix3d information = Matrix3d::Zero();
   Vector3d b = Vector3d::Zero();
   double square = 0;
   for (const Member& member : members) {
-    const Vector2d r = member.along_m - middle_m;
-    const Vector3d row(1, r.x(), r.y());
+    const Vector2d along_m = B.transpose() * (member.p_W - best.centroid_W);
+    const Vector3d row(1, along_m.x(), along_m.y());
     information += member.weight * row * row.transpose();
     b += member.weight * member.across_m * row;
     square += member.weight * Square(member.across_m);
@@ -83,14 +88,22 @@ std::optional<MembersFit> FitMembers(const std::vector<Member>& members) {
   const Eigen::LLT<Matrix3d> factor(information);
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Vector3d fit = factor.solve(b);  // offset and slopes against the plane
-  Matrix3d covariance = factor.solve(Matrix3d::Identity());
-  covariance.diagonal() += Vector3d(kSigmaOffset_m, kSigmaSlope, kSigmaSlope).cwiseAbs2();
-  return MembersFit{fit.dot(covariance.llt().solve(fit)),
-                    (square - b.dot(fit)) / static_cast<double>(members.size())};
+  const Matrix3d covariance = factor.solve(Matrix3d::Identity());
+  best.plane_W.n = (n - B * fit.tail<2>()).normalized();
+  best.plane_W.d = best.plane_W.n.dot(best.centroid_W);
+  best.normal_covariance =
+      B * (covariance.bottomRightCorner<2, 2>() + Square(kSigmaSlope) * Matrix2d::Identity()) *
+      B.transpose();
+  best.offset_variance_m2 = covariance(0, 0) + Square(kSigmaOffset_m);
+  const MembersFit out{ChiSquare(best, known, T_WB),
+                       (square - b.dot(fit)) / static_cast<double>(members.size())};
+  if (!std::isfinite(out.chi_square) || !std::isfinite(out.scatter)) return std::nullopt;
+  return out;
 }
 
 bool IsMisfit(const MapSnapshot& map, double max_scatter, KnownPlane& known) {
-  const std::optional<MembersFit> fit = FitMembers(MembersAsSeen(map, known));
+  const std::optional<MembersFit> fit =
+      FitMembers(MembersAsSeen(map, known), known.estimate, map.latest.T_WB);
   if (!fit) {
     known.num_misfits = 0;
     return false;

@@ -116,6 +116,55 @@ TEST(PlaneMisfitTest, FewLandmarksAndSingleOutliersAreNoEvidence) {
             0);
 }
 
+TEST(PlaneMisfitTest, OneLandmarkThatStandsOffAllTheTimeEndsNoSmallPlane) {
+  for (const double off_m : {0.05, 0.06, 0.08}) {
+    EXPECT_EQ(EndsAfter([&](int k) {
+                MapSnapshot map = Seen(kFlat, 0.005, k);
+                map.landmarks.resize(8);
+                for (LandmarkEstimate& landmark : map.landmarks)
+                  landmark.sigma_depth_m = 0.005;
+                map.landmarks[3].p_W.x() += off_m;
+                return map;
+              }),
+              0)
+        << off_m;
+  }
+}
+
+TEST(PlaneMisfitTest, WhatThePoseLeavesOpenIsNoEvidence) {
+  // After a round trip the wall is 3 cm from where it was expected, and known no better.
+  const MapSnapshot map = Seen([](double, double) { return 3.03; }, 0.005);
+  std::vector<KnownPlane> planes = {Wall()};
+  planes[0].estimate.covariance.block<3, 3>(3, 3) = 0.03 * 0.03 * Matrix3d::Identity();
+  PlaneAssignments out;
+  for (int k = 0; k < 20; ++k)
+    EndMisfits(map, kMaxScatter, planes, out);
+  EXPECT_EQ(planes.size(), 1u);
+  planes[0].estimate.covariance.setZero();
+  for (int k = 0; k < 3; ++k)
+    EndMisfits(map, kMaxScatter, planes, out);
+  EXPECT_TRUE(planes.empty());
+}
+
+TEST(PlaneMisfitTest, WhatSeveralPlanesHaveDrawnIsNoEvidence) {
+  EXPECT_EQ(EndsAfter([](int k) {
+              MapSnapshot map = Seen(kStep, 0.01, k);
+              for (LandmarkEstimate& landmark : map.landmarks)
+                landmark.planes[1] = PlaneId{1};
+              return map;
+            }),
+            0);
+}
+
+TEST(PlaneMisfitTest, WhatIsNoNumberHasNoSay) {
+  EXPECT_EQ(EndsAfter([](int k) {
+              MapSnapshot map = Seen(kStep, 0.01, k);
+              if (k == 2) map.landmarks[4].p_W.x() = std::nan("");
+              return map;
+            }),
+            5);
+}
+
 TEST(PlaneMisfitTest, LandmarksInALineDoNotTurnThePlane) {
   EXPECT_EQ(EndsAfter([](int k) {
               MapSnapshot map = Seen(kFlat, 0.02, k);

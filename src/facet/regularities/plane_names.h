@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The map keeps the ids that planes had when their faces were merged into it; since then a plane
-// may have turned out to be part of another, or none at all.
+// Meshes keep the ids that planes had when their faces were made; since then a plane may have
+// turned out to be part of another, or none at all.
 #pragma once
 
 #include <span>

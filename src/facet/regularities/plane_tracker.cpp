@@ -43,6 +43,8 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   if (options_.tracking.revise) {
     EndMisfits(map, options_.tracking.max_scatter, planes_, out);
     MergeSameSurfaces(map, planes_, out);
+    for (const PlaneId plane : out.ended)
+      relations_.Forget(plane);
   }
   plane_of_face_ = ClaimFaces(faces_, planes_, map, options_.tracking);
   std::vector<char> taken(plane_of_face_.size());
