@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// april_corners [--set key=value]... [--planes N] [--hide] [--start S | --starts N]
-// [--window-table] The back end alone on EuRoC's calibration recording: trajectory, landmarks and
-// cost.
+// The back end alone on EuRoC's calibration recording: trajectory, landmarks and cost; `--help`
+// lists the options.
 #include <cstdio>
 #include <exception>
 #include <string>

@@ -13,7 +13,6 @@ namespace facet {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kFlatness_m = 0.005;
 // Planes dispute surface where they cross: this near to each other, at an angle between these, and
 // facing the same way. The two sides of a door, or wall and cupboard, are parallel and dispute
 // nothing.
@@ -87,7 +86,8 @@ std::vector<int> ClaimFaces(const SurfaceFaces& faces,
     centres.ForEachNear(plane, options.max_gate_m, [&](std::size_t f) {
       const SurfaceFace& face = faces.faces[f];
       if (std::abs(plane.n.dot(face.n_W)) < min_cosine) return;
-      const double variance = uncertainty.VarianceAt(face.centre_W) + kFlatness_m * kFlatness_m;
+      const double variance =
+          uncertainty.VarianceAt(face.centre_W) + kSurfaceFlatness_m * kSurfaceFlatness_m;
       const double worst = WorstCorner(faces, face, plane, variance, best[f], options);
       if (worst >= best[f] || !MayHave(*known, face.centre_W, active)) return;
       best[f] = worst;

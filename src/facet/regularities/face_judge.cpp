@@ -16,7 +16,6 @@ namespace facet {
 
 namespace {
 
-constexpr double kFlatness_m = 0.005;
 constexpr double kGrowth_m = 0.5;  // how far beyond its known surface a plane may have points
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -70,7 +69,8 @@ class Judge {
       const Plane& plane = planes_[k].plane_W();
       near.ForEachNear(plane, options_.tracking.max_gate_m, [&](std::size_t i) {
         const FacePoint& point = points_[i];
-        const double variance = point.VarianceAlong(plane.n) + kFlatness_m * kFlatness_m +
+        const double variance = point.VarianceAlong(plane.n) +
+                                kSurfaceFlatness_m * kSurfaceFlatness_m +
                                 planes_[k].uncertainty.VarianceAt(point.p_W);
         const double gate_m = std::max(3 * std::sqrt(variance), options_.tracking.min_gate_m);
         if (std::abs(plane.SignedDistance(point.p_W)) > gate_m) return;

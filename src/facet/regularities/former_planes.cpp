@@ -7,10 +7,6 @@
 
 namespace facet {
 
-namespace {
-constexpr double kMaxGap_m = 0.5;
-}  // namespace
-
 void FormerPlanes::Add(KnownPlane plane) {
   if (plane.best) planes_.push_back(std::move(plane));
 }
@@ -26,7 +22,7 @@ bool FormerPlanes::Recall(double max_angle, double max_distance_m, KnownPlane& p
     const Plane& known_W = known->best->plane_W;
     const double distance_m = std::abs(known_W.SignedDistance(centre_W));
     if (distance_m >= nearest_m || std::abs(known_W.n.dot(plane_W.n)) <= std::cos(max_angle) ||
-        !known->support.IsNear(centre_W, kMaxGap_m)) {
+        !known->support.IsNear(centre_W, kPlaneGrowth_m)) {
       continue;
     }
     nearest_m = distance_m;

@@ -15,8 +15,7 @@ namespace facet {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kFlatness_m = 0.005;  // of real surfaces, 1-sigma
-constexpr double kMinBand_m = 0.01;    // half thickness that every plane is granted
+constexpr double kMinBand_m = 0.01;  // half thickness that every plane is granted
 const double kMinFaceCosine = std::cos(25 * kDegree);
 constexpr double kMaxTurn = 20 * kDegree;  // from the peak to the fit
 // Beyond these a face is on no plane that a fit from the peak can turn to.
@@ -61,7 +60,7 @@ WeightedPlane FitFaces(const SurfaceFaces& faces,
   for (const int corner : corners) {
     const double variance = faces.points[corner].VarianceAlong(n_W);
     out.points.push_back(faces.points[corner].p_W);
-    out.weights.push_back(1 / (variance + kFlatness_m * kFlatness_m));
+    out.weights.push_back(1 / (variance + kSurfaceFlatness_m * kSurfaceFlatness_m));
     out.total_weight += out.weights.back();
   }
   if (out.points.empty()) return out;

@@ -12,10 +12,8 @@ namespace facet {
 
 namespace {
 
-constexpr double kMaxAngle = 1.5 * std::numbers::pi / 180;
-constexpr double kMaxOffset_m = 0.02;
+constexpr AgreementLimits kCoplanar = {1.5 * std::numbers::pi / 180, 0.02};
 constexpr double kMaxChiSquare = 14.2;  // three sigmas, 3 degrees of freedom
-constexpr double kMaxGap_m = 0.5;
 
 void Merge(const MapSnapshot& map,
            KnownPlane& older,
@@ -23,7 +21,7 @@ void Merge(const MapSnapshot& map,
            PlaneAssignments& out) {
   for (const LandmarkEstimate& landmark : map.landmarks) {
     if (landmark.IsOn(younger.id) && !older.Has(landmark))
-      out.joined.push_back({landmark.id, older.id, 2 * kMaxOffset_m});
+      out.joined.push_back({landmark.id, older.id, 2 * kCoplanar.max_offset_m});
   }
   // What the younger one knew goes over when it is marginalised.
   out.related.push_back({PlaneRelationKind::kCoplanar, older.id, younger.id});
@@ -33,16 +31,27 @@ void Merge(const MapSnapshot& map,
 
 }  // namespace
 
+bool Agree(const PlaneEstimate& a,
+           const Vector3d& middle_a_W,
+           const PlaneEstimate& b,
+           const Vector3d& middle_b_W,
+           const SE3& T_WB,
+           const AgreementLimits& limits) {
+  return std::abs(a.plane_W.n.dot(b.plane_W.n)) >= std::cos(limits.max_angle) &&
+         std::abs(a.plane_W.SignedDistance(middle_b_W)) <= limits.max_offset_m &&
+         std::abs(b.plane_W.SignedDistance(middle_a_W)) <= limits.max_offset_m &&
+         ChiSquare(a, b, middle_a_W, T_WB) <= kMaxChiSquare &&
+         ChiSquare(a, b, middle_b_W, T_WB) <= kMaxChiSquare;
+}
+
 bool AreCoplanar(const KnownPlane& a, const KnownPlane& b, const SE3& T_WB) {
-  if (!a.estimate.is_settled || !b.estimate.is_settled) return false;
-  const Plane& plane_a = a.estimate.plane_W;
-  const Plane& plane_b = b.estimate.plane_W;
-  if (std::abs(plane_a.n.dot(plane_b.n)) < std::cos(kMaxAngle)) return false;
-  const Vector3d middle_a = a.support.Centroid(plane_a), middle_b = b.support.Centroid(plane_b);
-  return std::abs(plane_a.SignedDistance(middle_b)) <= kMaxOffset_m &&
-         std::abs(plane_b.SignedDistance(middle_a)) <= kMaxOffset_m &&
-         ChiSquare(a.estimate, b.estimate, middle_a, T_WB) <= kMaxChiSquare &&
-         ChiSquare(a.estimate, b.estimate, middle_b, T_WB) <= kMaxChiSquare;
+  return a.estimate.is_settled && b.estimate.is_settled &&
+         Agree(a.estimate,
+               a.support.Centroid(a.estimate.plane_W),
+               b.estimate,
+               b.support.Centroid(b.estimate.plane_W),
+               T_WB,
+               kCoplanar);
 }
 
 void MergeSameSurfaces(const MapSnapshot& map,
@@ -53,7 +62,7 @@ void MergeSameSurfaces(const MapSnapshot& map,
       if (planes[i].IsTentative() || planes[j].IsTentative()) continue;
       if (!AreCoplanar(planes[i], planes[j], map.latest.T_WB)) continue;
       // Coplanar surfaces that are far apart stay two planes.
-      if (!planes[i].support.IsNear(planes[j].support, planes[j].estimate.plane_W, kMaxGap_m))
+      if (!planes[i].support.IsNear(planes[j].support, planes[j].estimate.plane_W, kPlaneGrowth_m))
         continue;
       if (planes[j].id < planes[i].id) std::swap(planes[i], planes[j]);
       Merge(map, planes[i], planes[j], out);

@@ -9,6 +9,20 @@
 
 namespace facet {
 
+struct AgreementLimits {
+  double max_angle = 0, max_offset_m = 0;
+};
+
+/// Whether two planes agree, normals and the distances at the middle of each other's surface,
+/// within the limits and three sigmas of what the camera's pose and the planes leave open. Which
+/// side they are seen from does not matter.
+bool Agree(const PlaneEstimate& a,
+           const Vector3d& middle_a_W,
+           const PlaneEstimate& b,
+           const Vector3d& middle_b_W,
+           const SE3& T_WB,
+           const AgreementLimits& limits);
+
 /// Whether both planes are known well and agree: normals within 1.5 deg, distances at the middle of
 /// each other's surface within 2 cm, all of it within three sigmas of what the camera's pose and
 /// the planes leave open.

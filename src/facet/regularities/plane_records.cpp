@@ -6,16 +6,13 @@
 #include <iterator>
 #include <numbers>
 
-#include "facet/regularities/plane_gate.h"
+#include "facet/regularities/plane_merge.h"
 
 namespace facet {
 
 namespace {
 
-const double kMinCosine = std::cos(5 * std::numbers::pi / 180);
-constexpr double kMaxOffset_m = 0.05;
-constexpr double kMaxGap_m = 0.5;
-constexpr double kMaxChiSquare = 14.2;  // three sigmas, 3 degrees of freedom
+constexpr AgreementLimits kOneSurface = {5 * std::numbers::pi / 180, 0.05};
 
 // As the world knows it, not the newest camera.
 PlaneEstimate InWorld(PlaneEstimate estimate) {
@@ -26,14 +23,14 @@ PlaneEstimate InWorld(PlaneEstimate estimate) {
 
 bool AreOneSurface(const KnownPlane& a, const KnownPlane& b) {
   const Plane &plane_a = a.best->plane_W, &plane_b = b.best->plane_W;
-  if (plane_a.n.dot(plane_b.n) < kMinCosine) return false;
-  const PlaneEstimate estimate_a = InWorld(*a.best), estimate_b = InWorld(*b.best);
-  const Vector3d middle_a = a.support.Centroid(plane_a), middle_b = b.support.Centroid(plane_b);
-  return std::abs(plane_a.SignedDistance(middle_b)) <= kMaxOffset_m &&
-         std::abs(plane_b.SignedDistance(middle_a)) <= kMaxOffset_m &&
-         ChiSquare(estimate_a, estimate_b, middle_a, SE3()) <= kMaxChiSquare &&
-         ChiSquare(estimate_a, estimate_b, middle_b, SE3()) <= kMaxChiSquare &&
-         a.support.IsNear(b.support, plane_b, kMaxGap_m);
+  return plane_a.n.dot(plane_b.n) > 0 &&
+         Agree(InWorld(*a.best),
+               a.support.Centroid(plane_a),
+               InWorld(*b.best),
+               b.support.Centroid(plane_b),
+               SE3(),
+               kOneSurface) &&
+         a.support.IsNear(b.support, plane_b, kPlaneGrowth_m);
 }
 
 double NormalVariance(const KnownPlane& plane) {

@@ -15,8 +15,7 @@ namespace facet {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kFlatness_m = 0.005;  // of real surfaces, 1-sigma
-constexpr double kMaxChiSquare = 2;    // mean over the points: more is not one plane
+constexpr double kMaxChiSquare = 2;  // mean over the points: more is not one plane
 
 // Farther off than this nothing is on a plane, however little is known of it.
 constexpr double kMaxDistance_m = 0.15;
@@ -76,7 +75,8 @@ WeightedPoints PointsOn(const KnownPlane& plane,
     const FacePoint& point = faces.points[i];
     const double distance_m = std::abs(plane_W.SignedDistance(point.p_W));
     if (!(distance_m <= kMaxDistance_m) || around.AreOthersThan(index, i)) continue;
-    const double variance = point.VarianceAlong(plane_W.n) + kFlatness_m * kFlatness_m;
+    const double variance =
+        point.VarianceAlong(plane_W.n) + kSurfaceFlatness_m * kSurfaceFlatness_m;
     if (!(variance <= options.max_point_sigma_m * options.max_point_sigma_m)) continue;
     const double gate = 3 * std::sqrt(variance + uncertainty.VarianceAt(point.p_W));
     if (distance_m > gate || !plane.support.HasSurface(point.p_W)) continue;

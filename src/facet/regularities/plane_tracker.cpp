@@ -23,7 +23,6 @@ namespace facet {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kFlatness_m = 0.005;
 constexpr double kSameAngle = 5 * kDegree;
 constexpr double kTentativeLife_s = 1.5;
 constexpr double kMaxLandmarkSigma_m = 0.1;
@@ -216,7 +215,8 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   std::vector<double> weights;
   for (const int corner : corners) {
     points.push_back(faces_.points[corner].p_W);
-    weights.push_back(1 / (faces_.points[corner].VarianceAlong(n_W) + kFlatness_m * kFlatness_m));
+    weights.push_back(
+        1 / (faces_.points[corner].VarianceAlong(n_W) + kSurfaceFlatness_m * kSurfaceFlatness_m));
   }
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   const double extent_m = FitPlane(points, weights).extent_minor_m;
@@ -288,9 +288,7 @@ std::vector<PlaneRecord> PlaneTracker::Records() const {
   planes.insert(planes.end(), planes_.begin(), planes_.end());
   std::vector<PlaneRecord> records = MakeRecords(former_.unreachable(), false);
   const std::vector<PlaneRecord> newer = MakeRecords(planes, MayRecall());
-  records.insert(records.end(), newer.begin(), newer.end());
-  std::sort(
-      records.begin(), records.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  records.insert(records.end(), newer.begin(), newer.end());  // ids go on across resets
   LabelPlanes(records);
   return records;
 }

@@ -10,7 +10,6 @@ namespace facet {
 
 namespace {
 
-constexpr double kFlatness_m = 0.005;
 constexpr double kMinCosine = 0.05;  // between ray and normal
 
 struct FusedDepth {
@@ -32,7 +31,7 @@ void FuseIfNearer(const FacePoint& point,
   const double own = point.sigma_along_m * point.sigma_along_m;
   const double across = (1 - cosine * cosine) * point.sigma_across_m * point.sigma_across_m;
   const double by_plane =
-      (seen.uncertainty.VarianceAt(on_plane_W) + kFlatness_m * kFlatness_m + across) /
+      (seen.uncertainty.VarianceAt(on_plane_W) + kSurfaceFlatness_m * kSurfaceFlatness_m + across) /
       (cosine * cosine);
   const double square = step_m * step_m / (own + by_plane);
   const double scale = 1 + own / (own + by_plane) * step_m / distance_m;

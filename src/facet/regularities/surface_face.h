@@ -9,6 +9,9 @@
 
 namespace facet {
 
+/// How flat real surfaces are, 1-sigma [m].
+inline constexpr double kSurfaceFlatness_m = 0.005;
+
 /// A vertex of the mesh with what is known of its distance from the camera.
 struct FacePoint {
   Vector3d p_W = Vector3d::Zero();
