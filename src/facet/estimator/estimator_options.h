@@ -90,7 +90,7 @@ struct SolverOptions {
   /// Stop when an iteration lowers the cost (half of chi-square) by less than this: the whole state
   /// then moved by sqrt(2 x) sigma, and the next step is a fraction of it.
   double min_cost_decrease = 3.0;
-  double plane_sigma_m = 0.02;     ///< landmarks of a plane across it, 1-sigma
+  double plane_sigma_m = 0.025;    ///< landmarks of a plane across it, 1-sigma
   double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many sigma grow linearly
 
   /// Weights of reprojections and planes; the rest has its defaults (see EstimatorOptions).

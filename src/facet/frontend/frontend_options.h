@@ -75,7 +75,8 @@ struct TrackingOptions {
   double max_forward_backward_px = 0.4;
   /// Similarity (ZNCC, -1..1) with the previous frame below which a point is lost.
   double min_zncc = 0.8;
-  /// Similarity with the reference patch below which the patch is taken anew.
+  /// Similarity with the reference patch below which the patch is taken anew, and the track goes on
+  /// as another landmark.
   double min_reference_zncc = 0.85;
   /// Scale change since the reference patch, beyond which (or its inverse) it is taken anew.
   double max_reference_scale = 1.6;

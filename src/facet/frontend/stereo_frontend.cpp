@@ -21,6 +21,7 @@ struct StereoFrontend::Impl {
   bool IsUsable(const cv::Mat& image, const CameraModel& camera) const;
   void TakeDepths(const FrontendHint& hint);
   void FollowTracks(const cv::Mat& left, FrontendResult& result);
+  void RenameRenewed();
   void RejectOutliers(FrontendResult& result);
   void DetectNew(const cv::Mat& left, FrontendResult& result);
   void MatchStereo(const cv::Mat& right);
@@ -95,6 +96,14 @@ void StereoFrontend::Impl::FollowTracks(const cv::Mat& left, FrontendResult& res
   }
   R_C_kf_prev = (R_C_kf_prev * T_Cprev_Cnow.q).normalized();
   T_Bprev_Bnow = SE3();
+}
+
+// What a track has slid until its reference is taken anew stays in it for good. As another landmark
+// it contradicts nothing that was seen before.
+void StereoFrontend::Impl::RenameRenewed() {
+  for (Track& track : tracks) {
+    if (track.id.IsValid() && track.is_renewed) track.id = LandmarkId{next_landmark++};
+  }
 }
 
 void StereoFrontend::Impl::RejectOutliers(FrontendResult& result) {
@@ -228,6 +237,7 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
   {
     const ScopedStage stage(times, Stage::kTrack);
     FollowTracks(frame.left, result);
+    RenameRenewed();
     RejectOutliers(result);
     result.keyframe_reason = keyframe_policy.Decide(frame.t, CountShared());
   }

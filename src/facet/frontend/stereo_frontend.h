@@ -66,7 +66,9 @@ class StereoFrontend {
   StereoFrontend& operator=(const StereoFrontend&) = delete;
 
   /// Processes the next frame. Frame ids count from 0 in the order of the calls; landmark ids are
-  /// never used twice. Adds the time to the stages kTrack, kStereo and kDetect.
+  /// never used twice. A track whose reference patch no longer fits goes on as another landmark, so
+  /// that what it has slid contradicts nothing. Adds the time to the stages kTrack, kStereo and
+  /// kDetect.
   ///
   /// A left image that cannot be used gives empty observations. The tracks are kept and sought in
   /// the next frame; the hints of both frames are composed.

@@ -2,8 +2,10 @@
 // The whole front end and the stereo matcher on a rendered textured wall with known geometry.
 #include "facet/frontend/stereo_frontend.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -174,6 +176,37 @@ TEST_F(FrontendTest, OnlyKeyframesBeginTracksAndHaveRightPixels) {
     EXPECT_EQ(result.num_stereo, 0);
     EXPECT_EQ(result.num_new, 0);
   }
+}
+
+TEST_F(FrontendTest, ATrackWithANewReferenceIsAnotherLandmark) {
+  constexpr int kFrames = 9;
+  FrontendOptions options = Options();
+  options.tracking.min_reference_zncc = 1;  // no reference is ever similar enough
+  const std::vector<FrontendResult> results = Run(options, kFrames);
+  const std::vector<FrontendResult> usual = Run(Options(), kFrames);
+  std::set<LandmarkId> earlier;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    SCOPED_TRACE(i);
+    const FrontendResult& result = results[i];
+    EXPECT_EQ(result.tracking.num_refreshed, result.tracking.num_tracked + result.num_outliers);
+    for (const FeatureObservation& o : result.observations.features)
+      EXPECT_TRUE(earlier.insert(o.landmark).second) << o.landmark.value;
+    // The points are still the same: they count as shared with the last keyframe.
+    EXPECT_EQ(result.observations.is_keyframe, usual[i].observations.is_keyframe);
+    if (!result.observations.is_keyframe) {
+      EXPECT_EQ(result.num_new, 0);
+      EXPECT_GT(result.observations.features.size(), 40U);
+    }
+  }
+  std::set<LandmarkId> first;
+  for (const FeatureObservation& o : usual.front().observations.features)
+    first.insert(o.landmark);
+  const auto& last = usual.back().observations.features;
+  EXPECT_GT(
+      std::count_if(
+          last.begin(), last.end(), [&](const auto& o) { return first.contains(o.landmark); }),
+      30)
+      << "a good reference keeps its landmark";
 }
 
 void ExpectSame(const std::vector<FrontendResult>& a, const std::vector<FrontendResult>& b) {

@@ -34,6 +34,7 @@ bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& 
   track.ray = *ray;
   track.sigma_px = 0;
   track.level = 0;
+  track.is_renewed = false;
   track.inverse_depth.reset();
   track.drift.reset();
   track.keyframe_bearing.reset();
@@ -106,6 +107,7 @@ void TemporalTracker::Accept(const ImagePyramid& now,
   track.drift = ray.xy - track.rotated_xy;
   track.sigma_px = found.sigma_px;
   track.level = found.level;
+  track.is_renewed = !has_reference;
   if (has_reference) {
     track.reference_warp = new_reference_warp_;
     return;

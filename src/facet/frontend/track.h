@@ -32,6 +32,8 @@ struct Track {
   /// Patch that px is aligned with, from the frame where the track began or was refreshed.
   std::unique_ptr<PatchPyramid> reference = std::make_unique<PatchPyramid>();
   PatchWarp reference_warp;  ///< from the reference to the newest image
+  /// The reference was taken anew in the newest image: px is another point of the surface.
+  bool is_renewed = false;
 };
 
 }  // namespace facet
