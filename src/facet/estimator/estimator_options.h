@@ -180,7 +180,7 @@ struct PlaneOptions {
   double join_distance_m = 0.03;  ///< nor one farther off than this and 3 of its sigmas
   double outlier_sigma = 4.0;     ///< a landmark farther from its plane after the solve leaves it
   /// 1-sigma below which a plane may take part in marginalisation
-  double settled_normal_deg = 0.5, settled_rim_m = 0.008, settled_offset_m = 0.01;
+  double settled_normal_deg = 0.5, settled_rim_m = 0.01, settled_offset_m = 0.01;
   int max_planes = 40;             ///< the least known of more go
   double anchor_distance_m = 3.0;  ///< an anchor farther from its plane's landmarks follows them
   RelationOptions relations;
