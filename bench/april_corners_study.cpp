@@ -21,7 +21,7 @@ constexpr Duration kMaxImuGap{20'000'000};
 constexpr Duration kMaxImuExtrapolation{30'000'000};
 constexpr int kMinLandmarksOfFit = 8;
 
-// Gives corners the landmark ids that a front end would: ids live as long as tracks do.
+// Gives corners landmark ids that live until the corner is out of sight for a while.
 class TrackBook {
  public:
   explicit TrackBook(int max_unseen_frames) : max_unseen_frames_(max_unseen_frames) {}

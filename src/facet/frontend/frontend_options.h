@@ -78,10 +78,10 @@ struct TrackingOptions {
   /// Similarity with the reference patch below which the patch is taken anew, and the track goes on
   /// as another landmark.
   double min_reference_zncc = 0.85;
-  /// Scale change since the reference patch, beyond which (or its inverse) it is taken anew.
+  /// Scale change since the reference patch, beyond which (or its inverse) it is taken anew, too.
   double max_reference_scale = 1.6;
   /// Farthest that the alignment with the reference may move a point before the reference is given
-  /// up.
+  /// up and taken anew.
   double max_reference_shift_px = 1.5;
   /// Lost tracks per tracked one, above which they are sought again as if nothing had moved: the
   /// prediction may be wrong.
@@ -95,10 +95,14 @@ struct TrackingOptions {
     v.Field("start_level", start_level, Range{0, 4}, "coarsest level for predicted points");
     v.Field("max_forward_backward_px", max_forward_backward_px, Range{0.01, 10}, "tracking back");
     v.Field("min_zncc", min_zncc, Range{-1, 1}, "similarity with the previous frame");
-    v.Field(
-        "min_reference_zncc", min_reference_zncc, Range{-1, 1}, "similarity with the reference");
-    v.Field(
-        "max_reference_scale", max_reference_scale, Range{1, 10}, "scale change of a reference");
+    v.Field("min_reference_zncc",
+            min_reference_zncc,
+            Range{-1, 1},
+            "similarity with the reference; below: new landmark");
+    v.Field("max_reference_scale",
+            max_reference_scale,
+            Range{1, 10},
+            "scale change of a reference; beyond: new landmark");
     v.Field("max_reference_shift_px", max_reference_shift_px, Range{0, 20}, "reference correction");
     v.Field("retry_lost_ratio", retry_lost_ratio, Range{0, 1}, "lost share that causes a retry");
   }

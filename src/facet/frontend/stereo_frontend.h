@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From stereo images to observations with stable landmark ids: gyro-predicted patch tracking from
+// From stereo images to observations of landmarks: gyro-predicted patch tracking from
 // left image to left image, and on keyframes detection of new corners and left-right matching.
 #pragma once
 

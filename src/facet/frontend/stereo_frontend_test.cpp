@@ -191,7 +191,7 @@ TEST_F(FrontendTest, ATrackWithANewReferenceIsAnotherLandmark) {
     EXPECT_EQ(result.tracking.num_refreshed, result.tracking.num_tracked + result.num_outliers);
     for (const FeatureObservation& o : result.observations.features)
       EXPECT_TRUE(earlier.insert(o.landmark).second) << o.landmark.value;
-    // The points are still the same: they count as shared with the last keyframe.
+    // The tracks go on: they count as shared with the last keyframe.
     EXPECT_EQ(result.observations.is_keyframe, usual[i].observations.is_keyframe);
     if (!result.observations.is_keyframe) {
       EXPECT_EQ(result.num_new, 0);

@@ -115,7 +115,6 @@ void TemporalTracker::Accept(const ImagePyramid& now,
   track.reference->Invalidate();
   reference_tracker_.Extract(now, warp.x, warp.y, kReferenceLevels, *track.reference);
   track.reference_warp = PatchWarp{};
-  ++num_refreshed_;
 }
 
 TemporalTracker::Outcome TemporalTracker::FollowInRange(const Images& images,
@@ -179,7 +178,6 @@ TrackingSummary TemporalTracker::Advance(const ImagePyramid& previous,
                                          std::span<Track> tracks) {
   const Images images = {previous, now};
   TrackingSummary summary;
-  num_refreshed_ = 0;
   lost_.clear();
   for (std::size_t slot = 0; slot < tracks.size(); ++slot) {
     Track& track = tracks[slot];
@@ -205,7 +203,10 @@ TrackingSummary TemporalTracker::Advance(const ImagePyramid& previous,
   if (static_cast<double>(lost_.size()) > limit) RetryInPlace(images, tracks, summary);
   for (const std::size_t slot : lost_)
     tracks[slot].id = LandmarkId{};
-  summary.num_refreshed = num_refreshed_;
+  summary.num_refreshed =
+      static_cast<int>(std::count_if(tracks.begin(), tracks.end(), [](const Track& track) {
+        return track.id.IsValid() && track.is_renewed;
+      }));
   return summary;
 }
 

@@ -72,7 +72,6 @@ class TemporalTracker {
   PatchTracker reference_tracker_;
   std::unique_ptr<PatchPyramid> scratch_ = std::make_unique<PatchPyramid>();
   PatchWarp new_reference_warp_;
-  int num_refreshed_ = 0;
   std::vector<std::size_t> lost_;  // slots
 };
 

@@ -32,7 +32,7 @@ struct Track {
   /// Patch that px is aligned with, from the frame where the track began or was refreshed.
   std::unique_ptr<PatchPyramid> reference = std::make_unique<PatchPyramid>();
   PatchWarp reference_warp;  ///< from the reference to the newest image
-  /// The reference was taken anew in the newest image: px is another point of the surface.
+  /// The reference was taken anew in the newest image, at a place a little beside the earlier one.
   bool is_renewed = false;
 };
 

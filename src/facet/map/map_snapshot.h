@@ -47,7 +47,7 @@ struct MapSnapshot {
   std::vector<PlaneEstimate> planes;
   std::vector<PlaneRelation> relations;     ///< between these planes, in force
   std::vector<LandmarkEstimate> landmarks;  ///< sorted by id; every point in front of its cameras
-  double plane_sigma_m = 0.02;  ///< 1-sigma of the rows that hold landmarks on their planes
+  double plane_sigma_m = 0.025;  ///< 1-sigma of the rows that hold landmarks on their planes
 };
 
 }  // namespace facet

@@ -32,7 +32,6 @@ MapSnapshot Seen(Surface x, double noise_m, std::uint64_t seed = 1) {
   constexpr double kSigma_m = 0.02;
   Rng rng(seed);
   MapSnapshot map;
-  map.plane_sigma_m = 0.02;
   for (int i = 0; i < 40; ++i) {
     const double y = rng.Uniform(-1, 1), z = rng.Uniform(0, 2);
     const Vector3d seen(x(y, z) + noise_m * rng.Normal(), y, z);
