@@ -174,6 +174,9 @@ struct KeyframeOptions {
   double interval_s = 0.2;
   /// A keyframe is due when fewer than this share of the last keyframe's points is still tracked.
   double min_tracked_ratio = 0.7;
+  /// The same for those that are still the same landmark: without any, a frame between keyframes
+  /// says nothing.
+  double min_landmark_ratio = 0.3;
   /// Every frame is a keyframe until then [s]. The start does not need it; off.
   double every_frame_until_s = 0;
 
@@ -181,6 +184,10 @@ struct KeyframeOptions {
   void Visit(Visitor& v) {
     v.Field("interval_s", interval_s, Range{0, 10}, "time between keyframes");
     v.Field("min_tracked_ratio", min_tracked_ratio, Range{0, 1}, "tracked share that is enough");
+    v.Field("min_landmark_ratio",
+            min_landmark_ratio,
+            Range{0, 1},
+            "share of same landmarks that is enough");
     v.Field("every_frame_until_s", every_frame_until_s, Range{0, 60}, "keyframes only, until then");
   }
 };

@@ -129,8 +129,8 @@ TEST(OutlierRejection, ToleratesAWrongRotation) {
   EXPECT_GE(found, 7);
 }
 
-KeyframeReason At(KeyframePolicy& policy, std::int64_t ns, int num_shared = 100) {
-  return policy.Decide(Timestamp{ns}, num_shared);
+KeyframeReason At(KeyframePolicy& policy, std::int64_t ns, int num_tracked = 100) {
+  return policy.Decide(Timestamp{ns}, {num_tracked, num_tracked});
 }
 
 TEST(KeyframePolicy, EveryFourthFrameInSpiteOfJitter) {
@@ -168,6 +168,17 @@ TEST(KeyframePolicy, StartAndFewTracks) {
   EXPECT_EQ(At(policy, 2'000'000'000), KeyframeReason::kInterval);
   EXPECT_EQ(At(policy, 1'000'000'000), KeyframeReason::kInterval) << "the clock ran backwards";
   EXPECT_STREQ(ToString(KeyframeReason::kFewTracks), "few_tracks");
+}
+
+TEST(KeyframePolicy, PointsThatBecameOtherLandmarksAreWorthLess) {
+  KeyframeOptions options;
+  options.min_tracked_ratio = 0.7;
+  options.min_landmark_ratio = 0.3;
+  KeyframePolicy policy{options};
+  EXPECT_EQ(policy.Decide(Timestamp{0}, {}), KeyframeReason::kFirst);
+  policy.SetKeyframeSize(100);
+  EXPECT_EQ(policy.Decide(Timestamp{50'000'000}, {90, 31}), KeyframeReason::kNone);
+  EXPECT_EQ(policy.Decide(Timestamp{100'000'000}, {90, 29}), KeyframeReason::kFewTracks);
 }
 
 TEST(ImagePyramid, HalvesUntilTooSmallAndKeepsItsBuffers) {

@@ -19,7 +19,7 @@ const char* ToString(KeyframeReason reason) {
   return "";
 }
 
-KeyframeReason KeyframePolicy::Reason(Timestamp t, int num_shared) const {
+KeyframeReason KeyframePolicy::Reason(Timestamp t, const SharedPoints& shared) const {
   if (!first_) return KeyframeReason::kFirst;
   if (t < last_keyframe_) return KeyframeReason::kInterval;  // the clock was set back
   const Duration since_start = t - *first_;
@@ -30,20 +30,21 @@ KeyframeReason KeyframePolicy::Reason(Timestamp t, int num_shared) const {
   if (since_keyframe + tolerance >= FromSeconds(options_.interval_s)) {
     return KeyframeReason::kInterval;
   }
-  if (num_points_ == 0 || num_shared < options_.min_tracked_ratio * num_points_) {
+  if (num_points_ == 0 || shared.num_tracked < options_.min_tracked_ratio * num_points_ ||
+      shared.num_landmarks < options_.min_landmark_ratio * num_points_) {
     return KeyframeReason::kFewTracks;
   }
   return KeyframeReason::kNone;
 }
 
-KeyframeReason KeyframePolicy::Decide(Timestamp t, int num_shared) {
+KeyframeReason KeyframePolicy::Decide(Timestamp t, const SharedPoints& shared) {
   if (previous_frame_) {
     // The shortest interval seen, so that a dropped frame does not widen the tolerance.
     const Duration dt = t - *previous_frame_;
     const bool first_interval = frame_interval_.ns == 0;
     if (dt.ns > 0 && (first_interval || dt < frame_interval_)) frame_interval_ = dt;
   }
-  const KeyframeReason reason = Reason(t, num_shared);
+  const KeyframeReason reason = Reason(t, shared);
   previous_frame_ = t;
   if (!first_) first_ = t;
   if (reason != KeyframeReason::kNone) last_keyframe_ = t;

@@ -13,20 +13,26 @@ enum class KeyframeReason { kNone, kFirst, kStart, kInterval, kFewTracks };
 
 const char* ToString(KeyframeReason reason);
 
+/// What a frame still sees of the last keyframe's points.
+struct SharedPoints {
+  int num_tracked = 0;
+  int num_landmarks = 0;  ///< of these, as the same landmark
+};
+
 /// Not thread-safe.
 class KeyframePolicy {
  public:
   explicit KeyframePolicy(const KeyframeOptions& options) : options_(options) {}
 
-  /// Why the frame at t is a keyframe, or kNone. `num_shared` points of the last keyframe are still
-  /// tracked. Call once per frame, in order; a keyframe becomes the last keyframe.
-  KeyframeReason Decide(Timestamp t, int num_shared);
+  /// Why the frame at t is a keyframe, or kNone. Call once per frame, in order; a keyframe becomes
+  /// the last keyframe.
+  KeyframeReason Decide(Timestamp t, const SharedPoints& shared);
 
   /// To be told after each keyframe: the number of points that it observes.
   void SetKeyframeSize(int num_points) { num_points_ = num_points; }
 
  private:
-  KeyframeReason Reason(Timestamp t, int num_shared) const;
+  KeyframeReason Reason(Timestamp t, const SharedPoints& shared) const;
 
   KeyframeOptions options_;
   std::optional<Timestamp> first_;

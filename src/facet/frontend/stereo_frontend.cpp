@@ -28,7 +28,7 @@ struct StereoFrontend::Impl {
   void StartKeyframe();
   void FillObservations(FrontendResult& result);
   void MatchDepths(std::span<const DepthQuery> queries, std::vector<DepthPoint>& found);
-  int CountShared() const;
+  SharedPoints CountShared() const;
 
   StereoRig rig;
   FrontendOptions options;
@@ -126,10 +126,14 @@ void StereoFrontend::Impl::RejectOutliers(FrontendResult& result) {
   }
 }
 
-int StereoFrontend::Impl::CountShared() const {
-  return static_cast<int>(std::count_if(tracks.begin(), tracks.end(), [](const Track& track) {
-    return track.id.IsValid() && track.keyframe_bearing.has_value();
-  }));
+SharedPoints StereoFrontend::Impl::CountShared() const {
+  SharedPoints shared;
+  for (const Track& track : tracks) {
+    if (!track.id.IsValid() || !track.keyframe_bearing) continue;
+    ++shared.num_tracked;
+    shared.num_landmarks += track.landmark_is_of_keyframe ? 1 : 0;
+  }
+  return shared;
 }
 
 void StereoFrontend::Impl::DetectNew(const cv::Mat& left, FrontendResult& result) {
@@ -168,6 +172,7 @@ void StereoFrontend::Impl::StartKeyframe() {
     track.keyframe_bearing.reset();
     if (!track.id.IsValid()) continue;
     track.keyframe_bearing = Vector3d(track.ray.xy.x(), track.ray.xy.y(), 1).normalized();
+    track.landmark_is_of_keyframe = true;
     ++size;
   }
   R_C_kf_prev = Quaterniond::Identity();

@@ -182,6 +182,7 @@ TEST_F(FrontendTest, ATrackWithANewReferenceIsAnotherLandmark) {
   constexpr int kFrames = 9;
   FrontendOptions options = Options();
   options.tracking.min_reference_zncc = 1;  // no reference is ever similar enough
+  options.keyframe.min_landmark_ratio = 0;
   const std::vector<FrontendResult> results = Run(options, kFrames);
   const std::vector<FrontendResult> usual = Run(Options(), kFrames);
   std::set<LandmarkId> earlier;
@@ -191,7 +192,7 @@ TEST_F(FrontendTest, ATrackWithANewReferenceIsAnotherLandmark) {
     EXPECT_EQ(result.tracking.num_refreshed, result.tracking.num_tracked + result.num_outliers);
     for (const FeatureObservation& o : result.observations.features)
       EXPECT_TRUE(earlier.insert(o.landmark).second) << o.landmark.value;
-    // The tracks go on: they count as shared with the last keyframe.
+    // The tracks go on.
     EXPECT_EQ(result.observations.is_keyframe, usual[i].observations.is_keyframe);
     if (!result.observations.is_keyframe) {
       EXPECT_EQ(result.num_new, 0);
@@ -207,6 +208,16 @@ TEST_F(FrontendTest, ATrackWithANewReferenceIsAnotherLandmark) {
           last.begin(), last.end(), [&](const auto& o) { return first.contains(o.landmark); }),
       30)
       << "a good reference keeps its landmark";
+}
+
+TEST_F(FrontendTest, WithoutSharedLandmarksEveryFrameIsAKeyframe) {
+  FrontendOptions options = Options();
+  options.tracking.min_reference_zncc = 1;
+  const std::vector<FrontendResult> results = Run(options, 5);
+  for (std::size_t i = 1; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].keyframe_reason, KeyframeReason::kFewTracks);
+    EXPECT_GT(results[i].num_stereo, 40);
+  }
 }
 
 void ExpectSame(const std::vector<FrontendResult>& a, const std::vector<FrontendResult>& b) {

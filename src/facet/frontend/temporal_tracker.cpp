@@ -38,6 +38,7 @@ bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& 
   track.inverse_depth.reset();
   track.drift.reset();
   track.keyframe_bearing.reset();
+  track.landmark_is_of_keyframe = false;
   return true;
 }
 
@@ -95,12 +96,21 @@ bool TemporalTracker::ReturnsToStart(const ImagePyramid& previous,
   return distance < scale * static_cast<float>(options_.tracking.max_forward_backward_px);
 }
 
-void TemporalTracker::Accept(const ImagePyramid& now,
+bool TemporalTracker::Accept(const ImagePyramid& now,
                              const PatchWarp& warp,
                              const UndistortedPoint& ray,
                              const Alignment& found,
                              bool has_reference,
                              Track& track) {
+  if (has_reference) {
+    track.reference_warp = new_reference_warp_;
+  } else {
+    track.reference->Invalidate();
+    reference_tracker_.Extract(now, warp.x, warp.y, kReferenceLevels, *track.reference);
+    if (!track.reference->IsValid(found.level)) return false;
+    track.reference_warp = PatchWarp{};
+    track.landmark_is_of_keyframe = false;
+  }
   std::swap(track.patch, scratch_);
   track.px = Vector2d(warp.x, warp.y);
   track.ray = ray;
@@ -108,13 +118,7 @@ void TemporalTracker::Accept(const ImagePyramid& now,
   track.sigma_px = found.sigma_px;
   track.level = found.level;
   track.is_renewed = !has_reference;
-  if (has_reference) {
-    track.reference_warp = new_reference_warp_;
-    return;
-  }
-  track.reference->Invalidate();
-  reference_tracker_.Extract(now, warp.x, warp.y, kReferenceLevels, *track.reference);
-  track.reference_warp = PatchWarp{};
+  return true;
 }
 
 TemporalTracker::Outcome TemporalTracker::FollowInRange(const Images& images,
@@ -134,8 +138,8 @@ TemporalTracker::Outcome TemporalTracker::FollowInRange(const Images& images,
   if (!ReturnsToStart(images.previous, track, found.level, warp)) return Outcome::kNotReturned;
   const std::optional<UndistortedPoint> ray = camera_.Undistort(px);
   if (!ray) return Outcome::kOutOfView;
-  Accept(images.now, warp, *ray, found, has_reference, track);
-  return Outcome::kTracked;
+  const bool accepted = Accept(images.now, warp, *ray, found, has_reference, track);
+  return accepted ? Outcome::kTracked : Outcome::kNotFound;
 }
 
 TemporalTracker::Outcome TemporalTracker::Follow(const Images& images,

@@ -58,8 +58,9 @@ class TemporalTracker {
                       const Track& track,
                       int level,
                       const PatchWarp& warp) const;
-  /// The track's new state at `warp`, with scratch_ as its patch.
-  void Accept(const ImagePyramid& now,
+  /// The track's new state at `warp`, with scratch_ as its patch. False: it needs a new reference,
+  /// and there is no texture for one.
+  bool Accept(const ImagePyramid& now,
               const PatchWarp& warp,
               const UndistortedPoint& ray,
               const Alignment& found,
