@@ -114,6 +114,9 @@ void AddPlaneRows(const HostedPoint& current,
                   const RobustOptions& robust,
                   LandmarkBlock& block) {
   block.num_plane_views = landmark.IsOnPlanes() ? landmark.planes.count : 0;
+  if (block.num_plane_views == 0) return;
+  const double distance = 1.0 / frozen.rho;
+  const Vector3d l_W = frozen.p_WH + frozen.d_W * distance;
   for (int k = 0; k < block.num_plane_views; ++k) {
     LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(k)];
     view.plane = landmark.planes.index[static_cast<std::size_t>(k)];
@@ -122,18 +125,13 @@ void AddPlaneRows(const HostedPoint& current,
     const RobustLoss loss = HuberLoss(std::abs(error), robust.plane_huber_sigma);
     block.cost += loss.cost;
     const double scale = loss.root_weight / robust.plane_sigma_m;
-    const double distance = 1.0 / frozen.rho;
-    const Vector3d l_W = frozen.p_WH + frozen.d_W * distance;
-    Vector3d J_plane, J_landmark;
-    J_plane << scale * (TangentBasis(plane.n_lin).transpose() * (l_W - plane.anchor_W)), -scale;
-    J_landmark << scale * distance * (B_W.transpose() * plane.n_lin),
+    view.J_plane << scale * (TangentBasis(plane.n_lin).transpose() * (l_W - plane.anchor_W)),
+        -scale;
+    view.J_landmark << scale * distance * (B_W.transpose() * plane.n_lin),
         -scale * distance * distance * plane.n_lin.dot(frozen.d_W);
-    const double r = loss.root_weight * error;
-    view.H = J_plane * J_plane.transpose();
-    view.b = J_plane * r;
-    view.W = J_plane * J_landmark.transpose();
-    block.V += J_landmark * J_landmark.transpose();
-    block.b += J_landmark * r;
+    view.residual = loss.root_weight * error;
+    block.V += view.J_landmark * view.J_landmark.transpose();
+    block.b += view.J_landmark * view.residual;
   }
 }
 
@@ -282,7 +280,7 @@ void Eliminate(double lambda, LandmarkBlock& block) {
     SolveFromRight(L, inv, block.views[v].W, block.views[v].Y);
   for (int k = 0; k < block.num_plane_views; ++k) {
     LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(k)];
-    SolveFromRight(L, inv, view.W, view.Y);
+    view.z = L.triangularView<Eigen::Lower>().solve(view.J_landmark);
   }
 }
 

@@ -53,13 +53,13 @@ struct LandmarkBlock {
     Matrix<6, 3> W;  ///< pose-landmark
     Matrix<6, 3> Y;  ///< W L^-T, filled by Eliminate
   };
-  /// The row that ties the landmark to a plane.
+  /// The row that ties the landmark to a plane. It is one row, so it is kept as such.
   struct PlaneView {
     int plane = 0;
-    Matrix3d H;
-    Vector3d b;
-    Matrix3d W;  ///< plane-landmark
-    Matrix3d Y;  ///< W L^-T, filled by Eliminate
+    Vector3d J_plane;
+    Vector3d J_landmark;
+    double residual = 0;
+    Vector3d z;  ///< L^-1 J_landmark, filled by Eliminate
   };
   int index = -1;  ///< of the landmark in the window
   std::vector<View> views;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include <Eigen/Cholesky>
+
 #include "facet/base/check.h"
 #include "facet/base/median.h"
 #include "facet/estimator/relation_factor.h"
@@ -34,6 +36,13 @@ void AddFactor(
       H.block(a.column, c.column, a.size, c.size) += JtJ.block(a.offset, c.offset, a.size, c.size);
     }
   }
+}
+
+void CopyLower(const MatrixXd& from, MatrixXd& to) {
+  const Eigen::Index n = from.cols();
+  to.resize(n, n);
+  for (Eigen::Index c = 0; c < n; ++c)
+    to.col(c).tail(n - c) = from.col(c).tail(n - c);
 }
 
 }  // namespace
@@ -207,8 +216,8 @@ void AddDiagonal(const LandmarkBlock& block, const StateLayout& layout, MatrixXd
   for (int k = 0; k < block.num_plane_views; ++k) {
     const LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(k)];
     const int column = layout.plane_column[view.plane];
-    H.block<3, 3>(column, column) += view.H;
-    b.segment<3>(column) += view.b;
+    H.block<3, 3>(column, column) += view.J_plane * view.J_plane.transpose();
+    b.segment<3>(column) += view.J_plane * view.residual;
   }
 }
 
@@ -231,19 +240,18 @@ void SubtractSchur(const LandmarkBlock& block,
   for (int p = 0; p < block.num_plane_views; ++p) {
     const LandmarkBlock::PlaneView& plane_p = block.plane_views[static_cast<std::size_t>(p)];
     const int column = layout.plane_column[plane_p.plane];
-    b.segment<3>(column).noalias() -= plane_p.Y * block.y;
+    b.segment<3>(column) -= plane_p.J_plane * plane_p.z.dot(block.y);
     // Planes come before poses, so these blocks are below the diagonal.
     for (int i = 0; i < block.num_views; ++i) {
-      SubtractOuterProduct<3>(block.views[i].Y.data(),
-                              plane_p.Y.data(),
-                              &H(layout.pose_column[block.views[i].frame], column),
-                              H.outerStride());
+      const Vector<6> Y_z = block.views[i].Y * plane_p.z;
+      H.block<6, 3>(layout.pose_column[block.views[i].frame], column).noalias() -=
+          Y_z * plane_p.J_plane.transpose();
     }
     for (int q = 0; q < block.num_plane_views; ++q) {
       const LandmarkBlock::PlaneView& plane_q = block.plane_views[static_cast<std::size_t>(q)];
       if (layout.plane_column[plane_q.plane] < column) continue;
       H.block<3, 3>(layout.plane_column[plane_q.plane], column).noalias() -=
-          plane_q.Y * plane_p.Y.transpose();
+          (plane_q.z.dot(plane_p.z) * plane_q.J_plane) * plane_p.J_plane.transpose();
     }
   }
 }
@@ -327,7 +335,7 @@ double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robu
 }
 
 bool WindowSystem::Solve(const SlidingWindow& window, double lambda) {
-  reduced_H_ = H_;
+  CopyLower(H_, reduced_H_);
   reduced_b_ = b_;
   // The constant keeps a frame without any measurement (dark, during the start) where it is.
   reduced_H_.diagonal().array() += lambda * (H_.diagonal().array() + 1.0);
@@ -336,10 +344,13 @@ bool WindowSystem::Solve(const SlidingWindow& window, double lambda) {
     SubtractSchur(blocks_[k], layout_, reduced_H_, reduced_b_);
   }
   if (!motions_.Eliminate(window, layout_, reduced_H_, reduced_b_)) return false;
-  factor_.compute(reduced_H_.topLeftCorner(layout_.dense_dim, layout_.dense_dim));
-  if (factor_.info() != Eigen::Success) return false;
+  Eigen::Ref<MatrixXd> dense = reduced_H_.topLeftCorner(layout_.dense_dim, layout_.dense_dim);
+  if (Eigen::LLT<Eigen::Ref<MatrixXd>>(dense).info() != Eigen::Success) return false;
   step_.setZero(layout_.dim);
-  step_.head(layout_.dense_dim) = -factor_.solve(reduced_b_.head(layout_.dense_dim));
+  auto dense_step = step_.head(layout_.dense_dim);
+  dense_step = -reduced_b_.head(layout_.dense_dim);
+  Factor().triangularView<Eigen::Lower>().solveInPlace(dense_step);
+  Factor().transpose().triangularView<Eigen::Upper>().solveInPlace(dense_step);
   motions_.BackSubstitute(step_);
   return step_.allFinite();
 }
@@ -371,7 +382,7 @@ void WindowSystem::ApplyStep(SlidingWindow& window) {
     }
     for (int p = 0; p < block.num_plane_views; ++p) {
       const LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(p)];
-      rhs += view.Y.transpose() * step_.segment<3>(layout_.plane_column[view.plane]);
+      rhs += view.z * view.J_plane.dot(step_.segment<3>(layout_.plane_column[view.plane]));
     }
     const Vector3d d = -block.L.transpose().triangularView<Eigen::Upper>().solve(rhs);
 
@@ -392,7 +403,8 @@ std::vector<Matrix3d> WindowSystem::PlaneInformation() const {
   for (int k = 0; k < num_blocks_; ++k) {
     for (int p = 0; p < blocks_[k].num_plane_views; ++p) {
       const LandmarkBlock::PlaneView& view = blocks_[k].plane_views[static_cast<std::size_t>(p)];
-      information[static_cast<std::size_t>(view.plane)] += view.H - view.Y * view.Y.transpose();
+      information[static_cast<std::size_t>(view.plane)] +=
+          (1 - view.z.squaredNorm()) * view.J_plane * view.J_plane.transpose();
     }
   }
   return information;
@@ -408,7 +420,7 @@ std::vector<Matrix<9, 9>> WindowSystem::PlaneCovariances() const {
   for (int k = 0; k < num_planes; ++k)
     columns.block<3, 3>(layout_.plane_column[k], 3 * k).setIdentity();
   columns.block<6, 6>(layout_.pose_column.back(), pose).setIdentity();
-  factor_.matrixL().solveInPlace(columns);
+  Factor().triangularView<Eigen::Lower>().solveInPlace(columns);
   Eigen::Matrix<double, Eigen::Dynamic, 9> both(layout_.dense_dim, 9);
   both.leftCols<6>() = columns.rightCols<6>();
   for (int k = 0; k < num_planes; ++k) {
@@ -424,7 +436,7 @@ Matrix<15, 15> WindowSystem::NewestFrameCovariance() const {
   const int pose = layout_.pose_column.back(), motion = layout_.motion_column.back();
   FACET_CHECK(motion == pose + 6 && layout_.dense_dim == pose + 15) << "newest frame is not last";
   Matrix<15, 15> inverse_L = Matrix<15, 15>::Identity();
-  const Matrix<15, 15> L = factor_.matrixLLT().bottomRightCorner<15, 15>();
+  const Matrix<15, 15> L = reduced_H_.block<15, 15>(pose, pose);
   L.triangularView<Eigen::Lower>().solveInPlace(inverse_L);
   return inverse_L.transpose() * inverse_L;
 }

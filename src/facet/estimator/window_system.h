@@ -5,8 +5,6 @@
 
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "facet/estimator/motion_elimination.h"
 #include "facet/estimator/vision_factor.h"
 #include "facet/estimator/window.h"
@@ -90,6 +88,7 @@ class WindowSystem {
  private:
   void LinearizeSightings(const SlidingWindow& window, const RobustOptions& robust);
   void LinearizeVision(const SlidingWindow& window, const RobustOptions& robust);
+  auto Factor() const { return reduced_H_.topLeftCorner(layout_.dense_dim, layout_.dense_dim); }
 
   FrameGeometry geometry_;
   StateLayout layout_;
@@ -99,10 +98,11 @@ class WindowSystem {
   MatrixXd H_;  // everything but the eliminated landmarks
   VectorXd b_;
   std::vector<double> errors_;
-  MatrixXd reduced_H_;  // lower triangle
+  // Lower triangle only. Solve leaves the Cholesky factor of planes, poses and the newest motion in
+  // the first dense_dim columns.
+  MatrixXd reduced_H_;
   VectorXd reduced_b_;
   MotionElimination motions_;
-  Eigen::LLT<MatrixXd> factor_;  // of the poses and the newest motion
   VectorXd step_;
   double cost_ = 0;
 };
