@@ -148,6 +148,7 @@ void RunSimulation(SimulateArguments& a) {
   for (const std::string& out : outputs)
     CheckOut(out);
   ApplyOptions(a);
+  CatchInterrupts();
   std::vector<std::unique_ptr<ResultFolder>> folders;
   std::vector<std::filesystem::path> stagings;
   for (const std::string& out : outputs) {
@@ -155,7 +156,6 @@ void RunSimulation(SimulateArguments& a) {
     stagings.push_back(folders.back()->staging());
     WriteTextFile(stagings.back() / "simulation.txt", Describe(a, stagings.size() - 1));
   }
-  CatchInterrupts();
   ProgressBar bar(!a.quiet);
   const SimulationReport report = Simulate(a.request, stagings, [&](int done, int total) {
     bar.Update(done, total, "stereo pairs");

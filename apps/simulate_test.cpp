@@ -203,8 +203,9 @@ TEST_F(SimulateTest, DamagedImuAndCalibration) {
 }
 
 TEST_F(SimulateTest, InterruptedLeavesNothing) {
-  const ProgramRun run =
-      RunShell("timeout --preserve-status -s INT 2 " + Command("--duration 20 --trajectory hover"));
+  // In the foreground, or it signals the program twice: the second interrupt ends it at once.
+  const ProgramRun run = RunShell("timeout --foreground --preserve-status -s INT 2 " +
+                                  Command("--duration 20 --trajectory hover"));
   Expect(run, 130, "interrupted; nothing was written");
 }
 
