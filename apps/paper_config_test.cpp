@@ -39,6 +39,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
             (std::map<std::string, std::string>{
                 {"estimator.projection.convert_back", "false"},
                 {"estimator.solver.keyframe_iterations", "1"},
+                {"estimator.solver.plane_common_sigma_m", "0"},
                 {"estimator.solver.plane_huber_sigma", "0.04"},
                 {"estimator.solver.plane_sigma_m", "0.03"},
                 {"regularities.detection.min_faces", "20"},

@@ -97,12 +97,13 @@ testing::TestWindow MakeWindowWithPlanes() {
     window.AddRelation({PlaneRelationKind::kParallel, PlaneId{0}, PlaneId{k}});
     if (k % 2 == 0) window.AddRelation({PlaneRelationKind::kVertical, PlaneId{k}});
   }
+  for (WindowPlane& plane : window.planes)
+    plane.row_sigma_m = 1.0;
   return test;
 }
 
 RobustOptions RoughSurfaces() {
   RobustOptions robust;
-  robust.plane_sigma_m = 1.0;
   robust.relations.sigma_rad = robust.relations.gravity_sigma_rad = 1.0;
   return robust;
 }

@@ -446,7 +446,7 @@ class CeresWindow {
             static_cast<std::size_t>(landmark.planes.index[static_cast<std::size_t>(k)]);
         problem_.AddResidualBlock(
             new ceres::AutoDiffCostFunction<OnPlaneCost, 1, 4, 3>(
-                new OnPlaneCost{window_.planes[plane].anchor_W, options_.robust.plane_sigma_m}),
+                new OnPlaneCost{window_.planes[plane].anchor_W, window_.planes[plane].row_sigma_m}),
             new ceres::HuberLoss(options_.robust.plane_huber_sigma),
             planes_[plane].data(),
             points_[l].data());

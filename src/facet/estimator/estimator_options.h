@@ -90,7 +90,9 @@ struct SolverOptions {
   /// Stop when an iteration lowers the cost (half of chi-square) by less than this: the whole state
   /// then moved by sqrt(2 x) sigma, and the next step is a fraction of it.
   double min_cost_decrease = 3.0;
-  double plane_sigma_m = 0.025;    ///< landmarks of a plane across it, 1-sigma
+  double plane_sigma_m = 0.02;  ///< landmarks of a plane across it, each for itself, 1-sigma
+  /// The same, what those of one plane have in common: things on a wall are in front of it. (!)
+  double plane_common_sigma_m = 0.0025;
   double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many sigma grow linearly
 
   /// Weights of reprojections and planes; the rest has its defaults (see EstimatorOptions).
@@ -99,6 +101,7 @@ struct SolverOptions {
     RobustOptions out;
     out.reprojection_width = loss_width * usual_error_sigma;
     out.plane_sigma_m = plane_sigma_m;
+    out.plane_common_sigma_m = plane_common_sigma_m;
     out.plane_huber_sigma = plane_huber_sigma;
     return out;
   }
@@ -132,7 +135,11 @@ struct SolverOptions {
     v.Field("plane_sigma_m",
             plane_sigma_m,
             Range{1e-4, 1},
-            "landmarks of a plane across it, 1-sigma [m]");
+            "landmarks of a plane across it, each for itself, 1-sigma [m]");
+    v.Field("plane_common_sigma_m",
+            plane_common_sigma_m,
+            Range{0, 1},
+            "the same, what those of one plane have in common [m]");
     v.Field("plane_huber_sigma",
             plane_huber_sigma,
             Range{0.01, 100},

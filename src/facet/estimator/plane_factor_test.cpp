@@ -15,13 +15,17 @@ using testing::Problem;
 using testing::RelativeError;
 using testing::WorldPoint;
 
+constexpr double kSigma_m = 0.01;
+
 // A plane that passes `distance` from the landmark, with its anchor somewhere else.
 WindowPlane PlaneNear(const Problem& problem, double distance, Rng& rng) {
   const WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
   const Vector3d l_W = point.y / point.rho;
   const Vector3d n = rng.UnitVector();
   const Vector3d anchor = l_W + rng.Normal3();
-  return {PlaneId{0}, Plane{n, n.dot(l_W) - distance}, anchor};
+  WindowPlane plane(PlaneId{0}, Plane{n, n.dot(l_W) - distance}, anchor);
+  plane.row_sigma_m = kSigma_m;
+  return plane;
 }
 
 double Distance(const Problem& problem, WindowPlane plane, const VectorXd& d) {
@@ -35,7 +39,8 @@ TEST(PlaneFactorTest, BlocksAreTheGaussNewtonBlocksOfPlaneAndLandmark) {
   for (const double distance : {0.004, 0.2}) {  // within Huber's limit, and beyond
     for (int run = 0; run < 10; ++run) {
       Problem problem = testing::MakeProblem({false, true, 1.0}, rng);
-      const RobustOptions robust{kWidth, 0.01, 2.0};
+      RobustOptions robust{kWidth};
+      robust.plane_huber_sigma = 2.0;
       const WindowPlane plane = PlaneNear(problem, distance, rng);
       LandmarkBlock without, with;
       LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, robust, without);
@@ -44,9 +49,9 @@ TEST(PlaneFactorTest, BlocksAreTheGaussNewtonBlocksOfPlaneAndLandmark) {
       ASSERT_EQ(with.num_plane_views, 1);
       EXPECT_EQ(without.num_plane_views, 0);
 
-      const double s = distance / robust.plane_sigma_m;
+      const double s = distance / kSigma_m;
       const double w = s <= 2 ? 1 : std::sqrt(2 / s);
-      const MatrixXd J = w / robust.plane_sigma_m *
+      const MatrixXd J = w / kSigma_m *
                          Derivative(
                              [&](const VectorXd& d) -> VectorXd {
                                return VectorXd::Constant(1, Distance(problem, plane, d));
@@ -72,7 +77,8 @@ TEST(PlaneFactorTest, AFrozenPlaneKeepsItsJacobianAndUsesTheCurrentResidual) {
   Rng rng(4);
   Problem problem = testing::MakeProblem({false, true, 0.5}, rng);
   problem.landmark.planes.Add(0);
-  const RobustOptions robust{kWidth, 0.01, 1e9};
+  RobustOptions robust{kWidth};
+  robust.plane_huber_sigma = 1e9;
   WindowPlane plane = PlaneNear(problem, 0.003, rng);
   LandmarkBlock before, after;
   LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, robust, before);
@@ -82,9 +88,9 @@ TEST(PlaneFactorTest, AFrozenPlaneKeepsItsJacobianAndUsesTheCurrentResidual) {
   EXPECT_EQ(before.plane_views[0].J_plane, after.plane_views[0].J_plane);
   EXPECT_EQ(before.V, after.V);
   const WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
-  EXPECT_NEAR(WhitenedPlaneError(GeometryOf(problem), plane, problem.landmark, robust),
-              plane.SignedDistance(point.y / point.rho) / 0.01,
-              1e-9);
+  EXPECT_NEAR(PlaneDistance(GeometryOf(problem), plane, problem.landmark),
+              plane.SignedDistance(point.y / point.rho),
+              1e-11);
   EXPECT_GT(std::abs(after.plane_views[0].residual - before.plane_views[0].residual), 0.1);
 }
 

@@ -124,14 +124,23 @@ PlaneAssignments Nothing(const VioEstimator&) {
 }
 void DoNotWatch(const VioEstimator&) {}
 
-TEST(PlaneLifeTest, TheSnapshotSaysHowTightlyPlanesHoldTheirLandmarks) {
+TEST(PlaneLifeTest, TheMoreLandmarksAPlaneHasTheLessEachSays) {
   EstimatorOptions options;
   options.solver.plane_sigma_m = 0.013;
-  double sigma_m = 0;
-  Estimate(options, Nothing, [&](const VioEstimator& estimator) {
-    sigma_m = estimator.Snapshot().plane_sigma_m;
-  });
-  EXPECT_EQ(sigma_m, 0.013);
+  options.solver.plane_common_sigma_m = 0.004;
+  int seen = 0;
+  const auto watch = [&](const VioEstimator& estimator) {
+    for (const PlaneEstimate& plane : estimator.Snapshot().planes) {
+      // Some have left since the plane's rows were weighed.
+      const double now_m = std::hypot(0.013, 0.004 * std::sqrt(plane.num_landmarks));
+      EXPECT_GE(plane.row_sigma_m, now_m);
+      EXPECT_LT(plane.row_sigma_m, 1.5 * now_m);
+      ++seen;
+    }
+  };
+  Estimate(
+      options, [](const VioEstimator& estimator) { return TruePlanes(estimator); }, watch);
+  EXPECT_GT(seen, 20);
 }
 
 TEST(PlaneLifeTest, PlanesThatNoLandmarkLiesOnLeaveNoTrace) {

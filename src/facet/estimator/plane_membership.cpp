@@ -45,8 +45,7 @@ bool MayJoin(const FrameGeometry& geometry,
   }
   const double sigma = SigmaAlong(geometry, landmark, plane.n, robust);
   if (!(sigma <= limits.max_sigma_m)) return false;
-  const double error_m =
-      WhitenedPlaneError(geometry, plane, landmark, robust) * robust.plane_sigma_m;
+  const double error_m = PlaneDistance(geometry, plane, landmark);
   return std::abs(error_m) <=
          std::max(
              {limits.max_distance_m, max_distance_m, 3 * std::hypot(sigma, robust.plane_sigma_m)});
@@ -109,12 +108,13 @@ int DetachOutliers(const FrameGeometry& geometry,
     for (int k = landmark.planes.count - 1; k >= 0; --k) {
       const int plane = landmark.planes.index[static_cast<std::size_t>(k)];
       const WindowPlane& known = window.planes[plane];
-      const double error = std::abs(WhitenedPlaneError(geometry, known, landmark, robust));
-      if (error * kMaxInnovationRatio <= max_sigma) continue;
-      // The row itself has drawn the landmark to the plane. What vision alone would say is farther
-      // off by this ratio, in sigmas of both together.
-      const double ratio = SigmaAlong(geometry, landmark, known.n, robust) / robust.plane_sigma_m;
-      if (error * std::sqrt(1 + ratio * ratio) <= max_sigma) continue;
+      const double at_m = std::abs(PlaneDistance(geometry, known, landmark));
+      if (at_m / robust.plane_sigma_m * kMaxInnovationRatio <= max_sigma) continue;
+      // The row itself has drawn the landmark to the plane. Vision alone would place it farther
+      // off by this ratio.
+      const double sigma = SigmaAlong(geometry, landmark, known.n, robust);
+      const double ratio = 1 + sigma * sigma / (known.row_sigma_m * known.row_sigma_m);
+      if (at_m * ratio <= max_sigma * std::hypot(sigma, robust.plane_sigma_m)) continue;
       landmark.planes.Remove(plane);
       ++detached;
     }
@@ -129,6 +129,14 @@ std::vector<int> CountMembers(const SlidingWindow& window) {
       ++members[static_cast<std::size_t>(landmark.planes.index[static_cast<std::size_t>(k)])];
   }
   return members;
+}
+
+void WeighPlanes(const RobustOptions& robust, SlidingWindow& window) {
+  const std::vector<int> members = CountMembers(window);
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    window.planes[k].row_sigma_m =
+        std::hypot(robust.plane_sigma_m, std::sqrt(members[k]) * robust.plane_common_sigma_m);
+  }
 }
 
 namespace {

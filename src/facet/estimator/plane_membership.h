@@ -71,4 +71,9 @@ void CutUnsettledRelations(const std::vector<char>& leaving_planes, SlidingWindo
 /// How many landmarks lie on each plane.
 std::vector<int> CountMembers(const SlidingWindow& window);
 
+/// Sets the sigma of each plane's rows. What n landmarks have in common (prints, frames and panels
+/// stand in front of a wall) does not become less with n: the mean of rows with the variance
+/// s^2 + n c^2 has the variance s^2 / n + c^2.
+void WeighPlanes(const RobustOptions& robust, SlidingWindow& window);
+
 }  // namespace facet

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/plane_membership.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "facet/estimator/test_window.h"
@@ -53,6 +55,24 @@ TEST(PlaneMembershipTest, LandmarksJoinAndLeave) {
   leave.left = {{scene.landmark, PlaneId{7}}};
   scene.Apply(leave);
   EXPECT_EQ(CountMembers(scene.window()), std::vector<int>{0});
+}
+
+TEST(PlaneMembershipTest, WhatLandmarksHaveInCommonDoesNotAverageOut) {
+  Scene scene(6);
+  PlaneAssignments join;
+  join.created = {scene.PlaneAt(1, 0.0), scene.PlaneAt(2, 0.0)};
+  scene.Apply(join);
+  RobustOptions robust;
+  robust.plane_sigma_m = 0.02;
+  robust.plane_common_sigma_m = 0.005;
+  int n = 0;
+  for (WindowLandmark& landmark : scene.window().landmarks())
+    n += landmark.planes.Add(0) ? 1 : 0;
+  ASSERT_GT(n, 20);
+  WeighPlanes(robust, scene.window());
+  const double row_sigma_m = scene.window().planes[0].row_sigma_m;
+  EXPECT_NEAR(row_sigma_m / std::sqrt(n), std::hypot(0.02 / std::sqrt(n), 0.005), 1e-12);
+  EXPECT_EQ(scene.window().planes[1].row_sigma_m, 0.02) << "without landmarks";
 }
 
 TEST(PlaneMembershipTest, FarOrUncertainLandmarksDoNotJoin) {

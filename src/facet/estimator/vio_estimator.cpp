@@ -170,6 +170,7 @@ void VioEstimator::TakeAssignments() {
   assignments_ = {};
   RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
   FollowSupport(options_.planes.anchor_distance_m, window_);
+  WeighPlanes(robust_, window_);
 }
 
 void VioEstimator::JudgePlanes() {
@@ -460,7 +461,6 @@ int VioEstimator::NumPlaneConstraints() const {
 MapSnapshot VioEstimator::Snapshot() const {
   if (window_.frames.empty()) return {};
   MapSnapshot snapshot = SnapshotWindow(window_, rig_, plane_covariances_);
-  snapshot.plane_sigma_m = robust_.plane_sigma_m;
   if (passing_) snapshot.latest = passing_->x;
   return snapshot;
 }

@@ -101,8 +101,8 @@ void MakeRows(const HostedPoint& point,
   }
 }
 
-double PlaneError(const HostedPoint& point, const WindowPlane& plane, double sigma_m) {
-  return plane.SignedDistance(point.p_WH + point.d_W / point.rho) / sigma_m;
+double PlaneError(const HostedPoint& point, const WindowPlane& plane) {
+  return plane.SignedDistance(point.p_WH + point.d_W / point.rho) / plane.row_sigma_m;
 }
 
 // The rows n . (l - anchor) - offset of all planes of a landmark; l = p_host + d / rho.
@@ -121,10 +121,10 @@ void AddPlaneRows(const HostedPoint& current,
     LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(k)];
     view.plane = landmark.planes.index[static_cast<std::size_t>(k)];
     const WindowPlane& plane = planes[view.plane];
-    const double error = PlaneError(current, plane, robust.plane_sigma_m);
+    const double error = PlaneError(current, plane);
     const RobustLoss loss = HuberLoss(std::abs(error), robust.plane_huber_sigma);
     block.cost += loss.cost;
-    const double scale = loss.root_weight / robust.plane_sigma_m;
+    const double scale = loss.root_weight / plane.row_sigma_m;
     view.J_plane << scale * (TangentBasis(plane.n_lin).transpose() * (l_W - plane.anchor_W)),
         -scale;
     view.J_landmark << scale * distance * (B_W.transpose() * plane.n_lin),
@@ -168,11 +168,11 @@ double NoiseScale(const WindowLandmark& landmark,
   return landmark.is_projection ? observation.sigma_px[camera] / robust.projection.sigma_px : 1.0;
 }
 
-double WhitenedPlaneError(const FrameGeometry& geometry,
-                          const WindowPlane& plane,
-                          const WindowLandmark& landmark,
-                          const RobustOptions& robust) {
-  return PlaneError(Hosted(landmark, geometry.current(landmark.host)), plane, robust.plane_sigma_m);
+double PlaneDistance(const FrameGeometry& geometry,
+                     const WindowPlane& plane,
+                     const WindowLandmark& landmark) {
+  const HostedPoint point = Hosted(landmark, geometry.current(landmark.host));
+  return plane.SignedDistance(point.p_WH + point.d_W / point.rho);
 }
 
 void LinearizeLandmark(const FrameGeometry& geometry,
@@ -240,9 +240,7 @@ double LandmarkCost(const FrameGeometry& geometry,
   }
   for (int k = 0; landmark.IsOnPlanes() && k < landmark.planes.count; ++k) {
     const WindowPlane& plane = planes[landmark.planes.index[static_cast<std::size_t>(k)]];
-    cost += HuberLoss(std::abs(PlaneError(point, plane, robust.plane_sigma_m)),
-                      robust.plane_huber_sigma)
-                .cost;
+    cost += HuberLoss(std::abs(PlaneError(point, plane)), robust.plane_huber_sigma).cost;
   }
   return cost;
 }

@@ -87,11 +87,10 @@ double NoiseScale(const WindowLandmark& landmark,
                   int camera,
                   const RobustOptions& robust);
 
-/// Distance of a landmark from one of its planes, in sigmas.
-double WhitenedPlaneError(const FrameGeometry& geometry,
-                          const WindowPlane& plane,
-                          const WindowLandmark& landmark,
-                          const RobustOptions& robust);
+/// Signed distance of a landmark from a plane [m].
+double PlaneDistance(const FrameGeometry& geometry,
+                     const WindowPlane& plane,
+                     const WindowLandmark& landmark);
 
 /// Fills `block` (reusing its storage): reprojections and distances to planes (docs/math.md,
 /// section 6; paper, equation (9)).

@@ -49,6 +49,7 @@ struct WindowPlane {
   Vector3d anchor_W = Vector3d::Zero();
   Vector3d n = Vector3d::UnitZ();  ///< unit normal in W
   double offset = 0;               ///< [m]
+  double row_sigma_m = 0.02;       ///< 1-sigma of the rows that hold landmarks on it (WeighPlanes)
 
   /// Once the prior touches it, Jacobians are taken at n_lin, and n = n_lin (+) delta.
   bool frozen = false;

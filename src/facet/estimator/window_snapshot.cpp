@@ -50,6 +50,7 @@ void AddPlanes(const SlidingWindow& window,
     estimate.plane_W = plane.plane();
     estimate.anchor_W = plane.anchor_W;
     estimate.num_landmarks = members[k];
+    estimate.row_sigma_m = plane.row_sigma_m;
     estimate.is_settled = plane.settled;
     for (const auto& [id, covariance] : covariances) {
       if (id == plane.id) estimate.covariance = covariance;

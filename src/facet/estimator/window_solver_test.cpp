@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/estimator/ceres_window.h"
+#include "facet/estimator/plane_membership.h"
 #include "facet/testing/numeric_jacobian.h"
 
 namespace facet {
@@ -100,6 +101,14 @@ TEST(WindowSolverTest, OptimumEqualsCeres) {
   Print("without prior", worst);
 }
 
+// With the flatness of scattered points, so that planes and loss matter but decide nothing.
+RobustOptions WithPlanes() {
+  RobustOptions robust{kWidth, 0.4, 2.0};
+  robust.plane_common_sigma_m = 0.1;
+  robust.relations = {0.02, 0.03, 0.05, 2.0};
+  return robust;
+}
+
 // Three planes through groups of landmarks, related in every way and sighted by every frame, and
 // some landmarks of pipeline SP. The landmarks are moved onto the planes and observed anew, some a
 // little beside them.
@@ -137,13 +146,7 @@ void AddPlanes(TestWindow& test, Rng& rng) {
           testing::MakeSighting(frame, plane, centre_W + rng.Normal3(), 1.5, rng));
     }
   }
-}
-
-// With the flatness of scattered points, so that planes and loss matter but decide nothing.
-RobustOptions WithPlanes() {
-  RobustOptions robust{kWidth, 0.5, 2.0};
-  robust.relations = {0.02, 0.03, 0.05, 2.0};
-  return robust;
+  WeighPlanes(WithPlanes(), window);
 }
 
 TEST(WindowSolverTest, OptimumWithPlanesRelationsAndProjectionsEqualsCeres) {

@@ -35,6 +35,7 @@ struct PlaneEstimate {
   Plane plane_W;
   Vector3d anchor_W = Vector3d::Zero();  ///< a point near its landmarks
   int num_landmarks = 0;                 ///< that lie on it, in the window
+  double row_sigma_m = 0.02;             ///< 1-sigma of the rows that hold landmarks on it
   bool is_settled = false;               ///< known well enough to stay for the whole run
   /// Joint with the newest keyframe's pose: theta and p of the pose, then how the normal moves
   /// [rad, along the axes of W] and n . (p - anchor) [m]. Zero until the plane was solved for.
@@ -47,7 +48,6 @@ struct MapSnapshot {
   std::vector<PlaneEstimate> planes;
   std::vector<PlaneRelation> relations;     ///< between these planes, in force
   std::vector<LandmarkEstimate> landmarks;  ///< sorted by id; every point in front of its cameras
-  double plane_sigma_m = 0.025;  ///< 1-sigma of the rows that hold landmarks on their planes
 };
 
 }  // namespace facet

@@ -46,7 +46,7 @@ std::vector<Member> MembersAsSeen(const MapSnapshot& map, const KnownPlane& know
     const FacePoint point = MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, map.latest.T_WB.p);
     const double variance = point.VarianceAlong(plane.n);
     const double at_m = plane.SignedDistance(landmark.p_W);
-    const double across_m = (1 + variance / Square(map.plane_sigma_m)) * at_m;
+    const double across_m = (1 + variance / Square(known.estimate.row_sigma_m)) * at_m;
     const double expected = variance + Square(kFlatness_m);
     const double sigmas = std::abs(across_m) / std::sqrt(expected);
     members.push_back({landmark.p_W + (across_m - at_m) * plane.n,

@@ -42,7 +42,8 @@ MapSnapshot Seen(Surface x, double noise_m, std::uint64_t seed = 1) {
     const double variance =
         MakeFacePoint(seen, kSigma_m, Vector3d::Zero()).VarianceAlong({1, 0, 0});
     landmark.p_W = seen;
-    landmark.p_W.x() = 3 + (seen.x() - 3) / (1 + variance / std::pow(map.plane_sigma_m, 2));
+    landmark.p_W.x() =
+        3 + (seen.x() - 3) / (1 + variance / std::pow(PlaneEstimate{}.row_sigma_m, 2));
     map.landmarks.push_back(landmark);
   }
   return map;
