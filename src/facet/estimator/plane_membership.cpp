@@ -11,7 +11,7 @@ namespace facet {
 
 namespace {
 
-// Of a landmark that is known to 10 cm and a plane that is flat to 1 cm.
+// Of a landmark that is known to ten times the sigma of planes' landmarks.
 constexpr double kMaxInnovationRatio = 10;
 
 // 1-sigma of the landmark in the direction n_W, as vision knows it when the poses are given.

@@ -73,7 +73,8 @@ std::vector<int> CountMembers(const SlidingWindow& window);
 
 /// Sets the sigma of each plane's rows. What n landmarks have in common (prints, frames and panels
 /// stand in front of a wall) does not become less with n: the mean of rows with the variance
-/// s^2 + n c^2 has the variance s^2 / n + c^2.
+/// s^2 + n c^2 has the variance s^2 / n + c^2. Rows that the prior has taken up are not counted: c
+/// is for the landmarks of a window; those of the next are on other things.
 void WeighPlanes(const RobustOptions& robust, SlidingWindow& window);
 
 }  // namespace facet

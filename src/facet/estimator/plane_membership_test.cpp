@@ -102,6 +102,21 @@ TEST(PlaneMembershipTest, OutliersAreDetached) {
   EXPECT_EQ(CountMembers(scene.window()), (std::vector<int>{0, 1}));
 }
 
+// The looser the row, the less it has drawn the landmark, and the nearer vision alone would put it.
+TEST(PlaneMembershipTest, WhatARowHasDrawnIsTakenBack) {
+  for (const double row_sigma_m : {1.0, 0.001}) {
+    Scene scene(3);
+    PlaneAssignments join;
+    join.created = {scene.PlaneAt(1, 0.02)};
+    join.joined = {{scene.landmark, PlaneId{1}}};
+    scene.Apply(join);
+    scene.window().planes[0].row_sigma_m = row_sigma_m;
+    FrameGeometry geometry(scene.test.rig);
+    geometry.Update(scene.window().frames);
+    EXPECT_EQ(DetachOutliers(geometry, kRobust, 4.0, scene.window()), row_sigma_m < 0.01 ? 1 : 0);
+  }
+}
+
 TEST(PlaneMembershipTest, UnsupportedPlanesGoUnlessThePriorKnowsThem) {
   Scene scene(4);
   PlaneAssignments join;

@@ -23,8 +23,9 @@ struct RobustOptions {
   double reprojection_width = 5.0;
   double plane_sigma_m = 0.02;     ///< landmarks of a plane across it, each for itself, 1-sigma
   double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many sigma grow linearly
-  double plane_common_sigma_m = 0.0025;  ///< what the landmarks of one plane have in common, 1-sigma
-  double sighting_huber_sigma = 2.0;    ///< sightings of planes beyond this grow linearly
+  double plane_common_sigma_m =
+      0.0025;                         ///< what the landmarks of one plane have in common, 1-sigma
+  double sighting_huber_sigma = 2.0;  ///< sightings of planes beyond this grow linearly
   RelationNoise relations{};
   ProjectionNoise projection{};
 };

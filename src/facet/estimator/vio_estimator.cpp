@@ -125,6 +125,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
     if (DropWrongMembers()) {
       before_solve_.Restore(window_);
+      WeighPlanes(robust_, window_);
       result.solve = solver_.Solve(window_, kRepairIterations);
     }
     newest_covariance_ = solver_.NewestFrameCovariance(window_);

@@ -66,8 +66,12 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window, int max_iterations) {
 
 Matrix<15, 15> WindowSolver::NewestFrameCovariance(const SlidingWindow& window) {
   // Damping is no information: it must not be in the factor.
-  if (factored_lambda_ > kMinLambda && system_.Solve(window, kMinLambda)) {
-    factored_lambda_ = kMinLambda;
+  if (factored_lambda_ > kMinLambda) {
+    if (system_.Solve(window, kMinLambda)) {
+      factored_lambda_ = kMinLambda;
+    } else {
+      system_.Solve(window, factored_lambda_);  // the failure has spoiled that factor
+    }
   }
   return system_.NewestFrameCovariance();
 }

@@ -98,8 +98,8 @@ class WindowSystem {
   MatrixXd H_;  // everything but the eliminated landmarks
   VectorXd b_;
   std::vector<double> errors_;
-  // Lower triangle only. Solve leaves the Cholesky factor of planes, poses and the newest motion in
-  // the first dense_dim columns.
+  // Lower triangle only. Solve, if it succeeds, leaves the Cholesky factor of planes, poses and the
+  // newest motion in the first dense_dim columns.
   MatrixXd reduced_H_;
   VectorXd reduced_b_;
   MotionElimination motions_;

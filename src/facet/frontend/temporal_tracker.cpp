@@ -105,9 +105,10 @@ bool TemporalTracker::Accept(const ImagePyramid& now,
   if (has_reference) {
     track.reference_warp = new_reference_warp_;
   } else {
-    track.reference->Invalidate();
-    reference_tracker_.Extract(now, warp.x, warp.y, kReferenceLevels, *track.reference);
-    if (!track.reference->IsValid(found.level)) return false;
+    new_reference_->Invalidate();
+    reference_tracker_.Extract(now, warp.x, warp.y, kReferenceLevels, *new_reference_);
+    if (!new_reference_->IsValid(found.level)) return false;
+    std::swap(track.reference, new_reference_);
     track.reference_warp = PatchWarp{};
     track.landmark_is_of_keyframe = false;
   }

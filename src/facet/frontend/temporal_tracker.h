@@ -58,8 +58,8 @@ class TemporalTracker {
                       const Track& track,
                       int level,
                       const PatchWarp& warp) const;
-  /// The track's new state at `warp`, with scratch_ as its patch. False: it needs a new reference,
-  /// and there is no texture for one.
+  /// The track's new state at `warp`, with scratch_ as its patch. False, and nothing changed: it
+  /// needs a new reference, and there is no texture for one.
   bool Accept(const ImagePyramid& now,
               const PatchWarp& warp,
               const UndistortedPoint& ray,
@@ -72,6 +72,7 @@ class TemporalTracker {
   PatchTracker frame_tracker_;
   PatchTracker reference_tracker_;
   std::unique_ptr<PatchPyramid> scratch_ = std::make_unique<PatchPyramid>();
+  std::unique_ptr<PatchPyramid> new_reference_ = std::make_unique<PatchPyramid>();
   PatchWarp new_reference_warp_;
   std::vector<std::size_t> lost_;  // slots
 };

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMaxScatter = 1.4;
+constexpr double kRowSigma_m = 0.04;
 
 // The plane x = 3.
 KnownPlane Wall() {
@@ -22,6 +23,7 @@ KnownPlane Wall() {
   KnownPlane known(candidate, Timestamp{0});
   known.id = known.estimate.id = PlaneId{0};
   known.estimate.plane_W = candidate.plane_W;
+  known.estimate.row_sigma_m = kRowSigma_m;
   return known;
 }
 
@@ -42,8 +44,7 @@ MapSnapshot Seen(Surface x, double noise_m, std::uint64_t seed = 1) {
     const double variance =
         MakeFacePoint(seen, kSigma_m, Vector3d::Zero()).VarianceAlong({1, 0, 0});
     landmark.p_W = seen;
-    landmark.p_W.x() =
-        3 + (seen.x() - 3) / (1 + variance / std::pow(PlaneEstimate{}.row_sigma_m, 2));
+    landmark.p_W.x() = 3 + (seen.x() - 3) / (1 + variance / std::pow(kRowSigma_m, 2));
     map.landmarks.push_back(landmark);
   }
   return map;
