@@ -2,7 +2,9 @@
 // true_stages SEQUENCE [--left exact] [--right exact] [--set key=value]...
 // Runs pipeline S over a simulated sequence with tracked pixels replaced by the truth, to see which
 // stage an error comes from, and tells the errors of the tracked pixels by what they lie on. The
-// point of a track is where the ray of its first left pixel meets the true mesh.
+// point of a track is where the ray of its first left pixel meets the true mesh. With planes
+// (--set pipeline=SPR --set mesh.enabled=true) it also tells how far their landmarks truly are from
+// them.
 #include <algorithm>
 #include <bit>
 #include <cstdio>
@@ -14,6 +16,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "plane_members.h"
 #include "track_residuals.h"
 #include "true_scene.h"
 #include <CLI/CLI.hpp>
@@ -56,8 +59,11 @@ bool IsAmong(const std::vector<std::string>& names, Ground ground) {
 /// Errors of the tracked pixels, and the observations with true ones instead.
 class PixelJudge {
  public:
-  PixelJudge(const StereoRig& rig, const TrueScene& scene, const Replacement& replacement)
-      : rig_(rig), scene_(scene), replacement_(replacement) {}
+  PixelJudge(const StereoRig& rig,
+             const TrueScene& scene,
+             const Replacement& replacement,
+             PlaneMembers& members)
+      : rig_(rig), scene_(scene), replacement_(replacement), members_(members) {}
 
   void Replace(const SE3& T_WB, FrameObservations& frame, std::ostream* dump) {
     std::vector<FeatureObservation> kept;
@@ -67,6 +73,7 @@ class PixelJudge {
         const auto found = scene_.Find(rig_, T_WB, o.px_left);
         if (!found) continue;
         track = tracks_.emplace(o.landmark, TrueTrack{*found, 0}).first;
+        members_.AddPoint(o.landmark, *found);
       }
       ++track->second.age;
       const ScenePoint& point = track->second.point;
@@ -143,6 +150,7 @@ class PixelJudge {
   const StereoRig& rig_;
   const TrueScene& scene_;
   Replacement replacement_;
+  PlaneMembers& members_;
   Rng rng_{1};
   std::unordered_map<LandmarkId, TrueTrack> tracks_;
   std::map<Ground, Errors> by_ground_;
@@ -170,7 +178,8 @@ void Process(const std::string& sequence,
                                   : dataset.rig();
   const Trajectory truth = ReadTrajectory(FindTruth(sequence));
   const TrueScene scene(sequence);
-  PixelJudge judge(exact_rig, scene, what);
+  PlaneMembers members(sequence);
+  PixelJudge judge(exact_rig, scene, what, members);
   FrontStage front(dataset.rig(), options);
   BackStage back(dataset.rig(), dataset.imu_noise(), options);
   std::vector<StampedPose> estimate;
@@ -188,6 +197,7 @@ void Process(const std::string& sequence,
     const VioOutput out = back.Process(packet);
     if (back.feedback()) front.AddFeedback(*back.feedback());
     if (out.has_pose) estimate.push_back({t, out.state.T_WB});
+    if (out.snapshot) members.Add(*out.snapshot);
   }
   const TrajectoryError error = EvaluateTrajectory(estimate, truth.poses);
   std::printf("left %s, right %s: ATE rmse %.3f mm, %zu of %zu poses\n",
@@ -197,6 +207,7 @@ void Process(const std::string& sequence,
               estimate.size(),
               dataset.frames().size());
   judge.Print();
+  members.Print();
 }
 
 int Main(int argc, char** argv) {

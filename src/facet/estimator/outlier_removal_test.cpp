@@ -12,7 +12,7 @@
 namespace facet {
 namespace {
 
-constexpr RobustOptions kRobust{2.0, 0.01, 2.0};
+constexpr RobustOptions kRobust{.reprojection_width = 2.0, .plane_sigma_m = 0.01};
 constexpr double kMaxSigma = 5;
 
 /// Perfect measurements; the first landmark with at least three observations, one of them stereo,

@@ -34,6 +34,7 @@ double SigmaAlong(const FrameGeometry& geometry,
 }
 
 bool MayJoin(const FrameGeometry& geometry,
+             const SlidingWindow& window,
              const WindowPlane& plane,
              const WindowLandmark& landmark,
              const JoinLimits& limits,
@@ -45,7 +46,7 @@ bool MayJoin(const FrameGeometry& geometry,
   }
   const double sigma = SigmaAlong(geometry, landmark, plane.n, robust);
   if (!(sigma <= limits.max_sigma_m)) return false;
-  const double error_m = PlaneDistance(geometry, plane, landmark);
+  const double error_m = plane.SignedDistance(window.PositionOf(landmark));
   return std::abs(error_m) <=
          std::max(
              {limits.max_distance_m, max_distance_m, 3 * std::hypot(sigma, robust.plane_sigma_m)});
@@ -72,7 +73,7 @@ void ApplyAssignments(const PlaneAssignments& assignments,
     const int plane = window.IndexOf(join.plane);
     if (landmark == nullptr || plane < 0 || landmark->planes.Contains(plane)) continue;
     const WindowPlane& known = window.planes[plane];
-    if (MayJoin(geometry, known, *landmark, limits, join.max_distance_m, robust)) {
+    if (MayJoin(geometry, window, known, *landmark, limits, join.max_distance_m, robust)) {
       landmark->planes.Add(plane);
     }
   }
@@ -108,7 +109,7 @@ int DetachOutliers(const FrameGeometry& geometry,
     for (int k = landmark.planes.count - 1; k >= 0; --k) {
       const int plane = landmark.planes.index[static_cast<std::size_t>(k)];
       const WindowPlane& known = window.planes[plane];
-      const double at_m = std::abs(PlaneDistance(geometry, known, landmark));
+      const double at_m = std::abs(known.SignedDistance(window.PositionOf(landmark)));
       if (at_m / robust.plane_sigma_m * kMaxInnovationRatio <= max_sigma) continue;
       // The row itself has drawn the landmark to the plane. Vision alone would place it farther
       // off by this ratio.

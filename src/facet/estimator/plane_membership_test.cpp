@@ -11,7 +11,7 @@ namespace facet {
 namespace {
 
 constexpr JoinLimits kLimits{0.2, 0.1};
-constexpr RobustOptions kRobust{2.0, 0.01, 2.0};
+constexpr RobustOptions kRobust{.reprojection_width = 2.0, .plane_sigma_m = 0.01};
 
 struct Scene {
   explicit Scene(std::uint64_t seed) {

@@ -168,13 +168,6 @@ double NoiseScale(const WindowLandmark& landmark,
   return landmark.is_projection ? observation.sigma_px[camera] / robust.projection.sigma_px : 1.0;
 }
 
-double PlaneDistance(const FrameGeometry& geometry,
-                     const WindowPlane& plane,
-                     const WindowLandmark& landmark) {
-  const HostedPoint point = Hosted(landmark, geometry.current(landmark.host));
-  return plane.SignedDistance(point.p_WH + point.d_W / point.rho);
-}
-
 void LinearizeLandmark(const FrameGeometry& geometry,
                        const std::vector<WindowPlane>& planes,
                        const WindowLandmark& landmark,

@@ -53,7 +53,7 @@ struct LandmarkBlock {
     Matrix<6, 3> W;  ///< pose-landmark
     Matrix<6, 3> Y;  ///< W L^-T, filled by Eliminate
   };
-  /// The row that ties the landmark to a plane. It is one row, so it is kept as such.
+  /// The row that ties the landmark to a plane, not squared: its products have rank one.
   struct PlaneView {
     int plane = 0;
     Vector3d J_plane;
@@ -86,11 +86,6 @@ double NoiseScale(const WindowLandmark& landmark,
                   const WindowObservation& observation,
                   int camera,
                   const RobustOptions& robust);
-
-/// Signed distance of a landmark from a plane [m].
-double PlaneDistance(const FrameGeometry& geometry,
-                     const WindowPlane& plane,
-                     const WindowLandmark& landmark);
 
 /// Fills `block` (reusing its storage): reprojections and distances to planes (docs/math.md,
 /// section 6; paper, equation (9)).

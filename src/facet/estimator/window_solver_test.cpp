@@ -103,8 +103,8 @@ TEST(WindowSolverTest, OptimumEqualsCeres) {
 
 // With the flatness of scattered points, so that planes and loss matter but decide nothing.
 RobustOptions WithPlanes() {
-  RobustOptions robust{kWidth, 0.4, 2.0};
-  robust.plane_common_sigma_m = 0.1;
+  RobustOptions robust{
+      .reprojection_width = kWidth, .plane_sigma_m = 0.4, .plane_common_sigma_m = 0.1};
   robust.relations = {0.02, 0.03, 0.05, 2.0};
   return robust;
 }

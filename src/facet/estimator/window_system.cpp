@@ -38,13 +38,6 @@ void AddFactor(
   }
 }
 
-void CopyLower(const MatrixXd& from, MatrixXd& to) {
-  const Eigen::Index n = from.cols();
-  to.resize(n, n);
-  for (Eigen::Index c = 0; c < n; ++c)
-    to.col(c).tail(n - c) = from.col(c).tail(n - c);
-}
-
 }  // namespace
 
 VectorXd PriorDelta(const SlidingWindow& window) {
@@ -231,10 +224,10 @@ void SubtractSchur(const LandmarkBlock& block,
     b.segment<6>(row).noalias() -= view_i.Y * block.y;
     for (int j = 0; j <= i; ++j) {
       const LandmarkBlock::View& view_j = block.views[j];
-      SubtractOuterProduct<6>(view_i.Y.data(),
-                              view_j.Y.data(),
-                              &H(row, layout.pose_column[view_j.frame]),
-                              H.outerStride());
+      SubtractOuterProduct(view_i.Y.data(),
+                           view_j.Y.data(),
+                           &H(row, layout.pose_column[view_j.frame]),
+                           H.outerStride());
     }
   }
   for (int p = 0; p < block.num_plane_views; ++p) {
@@ -335,7 +328,8 @@ double WindowSystem::Cost(const SlidingWindow& window, const RobustOptions& robu
 }
 
 bool WindowSystem::Solve(const SlidingWindow& window, double lambda) {
-  CopyLower(H_, reduced_H_);
+  reduced_H_.resize(layout_.dim, layout_.dim);
+  reduced_H_.triangularView<Eigen::Lower>() = H_;
   reduced_b_ = b_;
   // The constant keeps a frame without any measurement (dark, during the start) where it is.
   reduced_H_.diagonal().array() += lambda * (H_.diagonal().array() + 1.0);

@@ -47,6 +47,7 @@ struct StereoFrontend::Impl {
   bool has_right = false;   // right_pyramid belongs to `now`
   Track depth_place;        // of MatchDepths
   std::int64_t next_landmark = 0;
+  LandmarkId first_after_keyframe;  // landmarks from this one on are newer than the last keyframe
   std::int64_t next_frame = 0;
   // Buffers
   std::vector<std::size_t> order;
@@ -131,7 +132,7 @@ SharedPoints StereoFrontend::Impl::CountShared() const {
   for (const Track& track : tracks) {
     if (!track.id.IsValid() || !track.keyframe_bearing) continue;
     ++shared.num_tracked;
-    shared.num_landmarks += track.landmark_is_of_keyframe ? 1 : 0;
+    shared.num_landmarks += track.id < first_after_keyframe ? 1 : 0;
   }
   return shared;
 }
@@ -172,9 +173,9 @@ void StereoFrontend::Impl::StartKeyframe() {
     track.keyframe_bearing.reset();
     if (!track.id.IsValid()) continue;
     track.keyframe_bearing = Vector3d(track.ray.xy.x(), track.ray.xy.y(), 1).normalized();
-    track.landmark_is_of_keyframe = true;
     ++size;
   }
+  first_after_keyframe = LandmarkId{next_landmark};
   R_C_kf_prev = Quaterniond::Identity();
   keyframe_policy.SetKeyframeSize(size);
 }

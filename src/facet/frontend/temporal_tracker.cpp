@@ -38,7 +38,6 @@ bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& 
   track.inverse_depth.reset();
   track.drift.reset();
   track.keyframe_bearing.reset();
-  track.landmark_is_of_keyframe = false;
   return true;
 }
 
@@ -110,7 +109,6 @@ bool TemporalTracker::Accept(const ImagePyramid& now,
     if (!new_reference_->IsValid(found.level)) return false;
     std::swap(track.reference, new_reference_);
     track.reference_warp = PatchWarp{};
-    track.landmark_is_of_keyframe = false;
   }
   std::swap(track.patch, scratch_);
   track.px = Vector2d(warp.x, warp.y);

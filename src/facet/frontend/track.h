@@ -27,8 +27,6 @@ struct Track {
   std::optional<Vector2d> drift;
   /// Bearing in the last keyframe that saw the point there.
   std::optional<Vector3d> keyframe_bearing;
-  /// That keyframe saw it as the same landmark.
-  bool landmark_is_of_keyframe = false;
   /// Patch in the newest image, around px.
   std::unique_ptr<PatchPyramid> patch = std::make_unique<PatchPyramid>();
   /// Patch that px is aligned with, from the frame where the track began or was refreshed.

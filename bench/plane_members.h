@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How far the landmarks that a run holds on its planes truly are from them.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "true_scene.h"
+
+#include "facet/io/planes_file.h"
+#include "facet/map/map_snapshot.h"
+
+namespace facet {
+
+/// Counts each landmark of a plane once. A plane of the run is the true one that most of its
+/// landmarks are on.
+class PlaneMembers {
+ public:
+  /// Reads truth/planes.csv. Throws InputError.
+  explicit PlaneMembers(const std::filesystem::path& sequence);
+
+  /// Where a landmark was seen first.
+  void AddPoint(LandmarkId landmark, const ScenePoint& point) { points_.emplace(landmark, point); }
+
+  /// The estimate after a keyframe.
+  void Add(const MapSnapshot& map);
+
+  void Print() const;
+
+ private:
+  int TruePlaneOf(const std::set<LandmarkId>& members) const;
+
+  std::vector<TruePlane> planes_G_;
+  std::unordered_map<LandmarkId, ScenePoint> points_;
+  std::map<PlaneId, std::set<LandmarkId>> members_;
+};
+
+}  // namespace facet
