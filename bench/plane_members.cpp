@@ -19,24 +19,45 @@ void PlaneMembers::Add(const MapSnapshot& map) {
   }
 }
 
-int PlaneMembers::TruePlaneOf(const std::set<LandmarkId>& members) const {
+std::vector<std::pair<int, int>> PlaneMembers::TrueSurfacesOf(
+    const std::set<LandmarkId>& members) const {
   std::map<int, int> votes;
-  for (const LandmarkId landmark : members) {
-    if (const int plane = points_.at(landmark).plane; plane >= 0) ++votes[plane];
+  for (const LandmarkId landmark : members)
+    ++votes[points_.at(landmark).plane];
+  std::vector<std::pair<int, int>> sorted(votes.begin(), votes.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
+    return a.second > b.second;
+  });
+  return sorted;
+}
+
+void PlaneMembers::PrintPlane(PlaneId id, const std::vector<std::pair<int, int>>& surfaces) const {
+  constexpr std::size_t kShown = 6;
+  std::printf("  plane %u:", id.value);
+  for (std::size_t k = 0; k < std::min(kShown, surfaces.size()); ++k) {
+    const auto [plane, count] = surfaces[k];
+    if (plane < 0) {
+      std::printf("  %d curved", count);
+      continue;
+    }
+    const TruePlane& p = planes_G_[static_cast<std::size_t>(plane)];
+    std::printf("  %d %s %d", count, p.label.c_str(), plane);
   }
-  const auto most = std::max_element(
-      votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == votes.end() ? -1 : most->first;
+  std::printf("\n");
 }
 
 void PlaneMembers::Print() const {
   constexpr double kLimits_m[] = {0.003, 0.01, 0.02, 0.03};
   constexpr int kBins = 5;
   int counts[kBins] = {}, total = 0;
+  if (!members_.empty()) std::printf("landmarks of each plane by the surface they truly are on\n");
   for (const auto& [id, members] : members_) {
-    const int plane = TruePlaneOf(members);
-    if (plane < 0) continue;
-    const TruePlane& truth = planes_G_[static_cast<std::size_t>(plane)];
+    const std::vector<std::pair<int, int>> surfaces = TrueSurfacesOf(members);
+    PrintPlane(id, surfaces);
+    const auto first =
+        std::find_if(surfaces.begin(), surfaces.end(), [](const auto& s) { return s.first >= 0; });
+    if (first == surfaces.end()) continue;
+    const TruePlane& truth = planes_G_[static_cast<std::size_t>(first->first)];
     for (const LandmarkId landmark : members) {
       const double distance_m = std::abs(truth.n_G.dot(points_.at(landmark).p_W) - truth.d_G);
       ++counts[std::upper_bound(kLimits_m, kLimits_m + kBins - 1, distance_m) - kLimits_m];

@@ -32,7 +32,9 @@ class PlaneMembers {
   void Print() const;
 
  private:
-  int TruePlaneOf(const std::set<LandmarkId>& members) const;
+  /// Rows of planes.csv (-1: no plane) and how many members lie on each, the most first.
+  std::vector<std::pair<int, int>> TrueSurfacesOf(const std::set<LandmarkId>& members) const;
+  void PrintPlane(PlaneId id, const std::vector<std::pair<int, int>>& surfaces) const;
 
   std::vector<TruePlane> planes_G_;
   std::unordered_map<LandmarkId, ScenePoint> points_;

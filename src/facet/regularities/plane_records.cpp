@@ -13,6 +13,17 @@ namespace facet {
 namespace {
 
 constexpr AgreementLimits kOneSurface = {5 * std::numbers::pi / 180, 0.05};
+constexpr double kLargestFurniture_m2 = 4;
+// What is smaller than this is flat, or a row of things; a wall may have things on it.
+constexpr double kSmall_m2 = 1;
+constexpr double kMaxScatterOfSmall = 0.5;
+constexpr int kMinJudged = 5;  // keyframes
+
+// What is larger than furniture goes on behind what hides it: a gap as wide as itself is none.
+double LargestGap_m(const KnownPlane& a, const KnownPlane& b) {
+  const double area_m2 = std::min(a.support.area_m2(), b.support.area_m2());
+  return area_m2 > kLargestFurniture_m2 ? std::sqrt(area_m2) : kPlaneGrowth_m;
+}
 
 // As the world knows it, not the newest camera.
 PlaneEstimate InWorld(PlaneEstimate estimate) {
@@ -23,14 +34,16 @@ PlaneEstimate InWorld(PlaneEstimate estimate) {
 
 bool AreOneSurface(const KnownPlane& a, const KnownPlane& b) {
   const Plane &plane_a = a.best->plane_W, &plane_b = b.best->plane_W;
+  // Half-way between them neither has to reach far.
+  const Vector3d middle_W = (a.support.Centroid(plane_a) + b.support.Centroid(plane_b)) / 2;
   return plane_a.n.dot(plane_b.n) > 0 &&
-         Agree(InWorld(*a.best),
-               a.support.Centroid(plane_a),
-               InWorld(*b.best),
-               b.support.Centroid(plane_b),
-               SE3(),
-               kOneSurface) &&
-         a.support.IsNear(b.support, plane_b, kPlaneGrowth_m);
+         Agree(InWorld(*a.best), middle_W, InWorld(*b.best), middle_W, SE3(), kOneSurface) &&
+         a.support.IsNear(b.support, plane_b, LargestGap_m(a, b));
+}
+
+bool IsRowOfThings(const KnownPlane& plane) {
+  return plane.support.area_m2() < kSmall_m2 && plane.scatter.num >= kMinJudged &&
+         plane.scatter.mean > kMaxScatterOfSmall;
 }
 
 double NormalVariance(const KnownPlane& plane) {
@@ -82,7 +95,7 @@ PlaneRecord MakeRecord(const KnownPlane& plane) {
 std::vector<PlaneRecord> MakeRecords(std::span<const KnownPlane> planes, bool may_unite) {
   std::vector<KnownPlane> solved;
   std::copy_if(planes.begin(), planes.end(), std::back_inserter(solved), [](const auto& plane) {
-    return plane.best.has_value();
+    return plane.best.has_value() && !IsRowOfThings(plane);
   });
   std::sort(solved.begin(), solved.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   if (may_unite) Unite(solved);

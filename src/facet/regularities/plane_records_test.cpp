@@ -11,8 +11,9 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// 2 x 2 m around `middle_W` on a wall that is turned by `yaw_deg` from x = const.
-KnownPlane Wall(int id, const Vector3d& middle_W, double yaw_deg, double sigma_deg) {
+// A square around `middle_W` on a wall that is turned by `yaw_deg` from x = const.
+KnownPlane Wall(
+    int id, const Vector3d& middle_W, double yaw_deg, double sigma_deg, double side_m = 2) {
   PlaneCandidate candidate;
   candidate.plane_W.n = {std::cos(yaw_deg * kDegree), std::sin(yaw_deg * kDegree), 0};
   candidate.plane_W.d = candidate.plane_W.n.dot(middle_W);
@@ -30,7 +31,7 @@ KnownPlane Wall(int id, const Vector3d& middle_W, double yaw_deg, double sigma_d
   estimate.covariance.block<3, 3>(6, 6) = std::pow(sigma_deg * kDegree, 2) * B * B.transpose();
   estimate.covariance(9, 9) = 0.01 * 0.01;
   known.best = estimate;
-  const Vector3d a = B.col(0), b = B.col(1);
+  const Vector3d a = side_m / 2 * B.col(0), b = side_m / 2 * B.col(1);
   known.support.AddTriangle({middle_W - a - b, middle_W + a - b, middle_W + a + b});
   known.support.AddTriangle({middle_W - a + b, middle_W - a - b, middle_W + a + b});
   return known;
@@ -73,6 +74,30 @@ TEST(PlaneRecordsTest, WhatDiffersOrIsApartKeepsItsRecord) {
                                   << other.best->anchor_W.transpose();
   }
   EXPECT_EQ(MakeRecords(std::vector{wall, Wall(1, {3, 0, 1}, 3, 1)}, true).size(), 1u);
+}
+
+TEST(PlaneRecordsTest, LargePiecesAreOneAcrossAGap) {
+  const KnownPlane wall = Wall(0, {3, 0, 1}, 0, 0.5, 3);
+  const auto num_records = [&](const KnownPlane& other) {
+    return MakeRecords(std::vector{wall, other}, true).size();
+  };
+  EXPECT_EQ(num_records(Wall(1, {3, 5, 1}, 0, 0.5, 3)), 1u);      // 2 m between them
+  EXPECT_EQ(num_records(Wall(1, {3, 7.5, 1}, 0, 0.5, 3)), 2u);    // 4.5 m
+  EXPECT_EQ(num_records(Wall(1, {3, 4.3, 1}, 0, 0.5, 1.6)), 2u);  // a cupboard door
+  // 1 deg with a sigma of half of it: 5 cm at the middle of the other, half of that between them.
+  EXPECT_EQ(num_records(Wall(1, {3, 4, 1}, 1, 0.5, 3)), 1u);
+}
+
+TEST(PlaneRecordsTest, ARowOfThingsIsNoPlane) {
+  KnownPlane things = Wall(0, {3, 0, 1}, 0, 0.5, 0.8);
+  for (int k = 0; k < 6; ++k)
+    things.scatter.Add(0.7);
+  EXPECT_TRUE(MakeRecords(std::vector{things}, true).empty());
+  KnownPlane large = Wall(0, {3, 0, 1}, 0, 0.5, 2);
+  large.scatter = things.scatter;
+  EXPECT_EQ(MakeRecords(std::vector{large}, true).size(), 1u);
+  things.scatter.num = 3;  // too early to tell
+  EXPECT_EQ(MakeRecords(std::vector{things}, true).size(), 1u);
 }
 
 TEST(PlaneRecordsTest, AcrossAResetNothingIsUnitedAndWhatWasNeverSolvedIsNotTold) {
