@@ -22,18 +22,30 @@ const double kMinDisputeCosine = std::cos(25 * kDegree);
 // A plane that is farther off by this gives its surface up.
 constexpr double kClearlyFarther_m = 0.01;
 
+double Square(double x) {
+  return x * x;
+}
+
 double DistanceFrom(const KnownPlane& plane, const Vector3d& p_W) {
   return std::abs(plane.estimate.plane_W.SignedDistance(p_W));
 }
 
-bool Disputes(const KnownPlane& a, const KnownPlane& b, const Vector3d& p_W) {
+bool MayDispute(const KnownPlane& a, const KnownPlane& b) {
   const double cosine = a.estimate.plane_W.n.dot(b.estimate.plane_W.n);
   return !a.IsTentative() && !b.IsTentative() && cosine > kMinDisputeCosine &&
-         cosine < kMaxDisputeCosine && DistanceFrom(a, p_W) < kDispute_m &&
-         DistanceFrom(b, p_W) < kDispute_m;
+         cosine < kMaxDisputeCosine;
 }
 
-// Largest distance of a corner in gates; `limit` or more if it is that far.
+// Those that may dispute surface with the plane: often none.
+std::vector<int> RivalsOf(const KnownPlane& plane, const std::vector<KnownPlane>& planes) {
+  std::vector<int> rivals;
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    if (MayDispute(plane, planes[k])) rivals.push_back(static_cast<int>(k));
+  }
+  return rivals;
+}
+
+// Largest squared distance of a corner in gates; `limit` or more if it is that far.
 double WorstCorner(const SurfaceFaces& faces,
                    const SurfaceFace& face,
                    const Plane& plane,
@@ -43,22 +55,23 @@ double WorstCorner(const SurfaceFaces& faces,
   double worst = 0;
   for (const int corner : face.corners) {
     const FacePoint& point = faces.points[corner];
-    const double sigma = std::sqrt(point.VarianceAlong(plane.n) + plane_variance_m2);
-    const double gate = std::clamp(3 * sigma, options.min_gate_m, options.max_gate_m);
-    worst = std::max(worst, std::abs(plane.SignedDistance(point.p_W)) / gate);
+    const double gate = std::clamp(9 * (point.VarianceAlong(plane.n) + plane_variance_m2),
+                                   Square(options.min_gate_m),
+                                   Square(options.max_gate_m));
+    worst = std::max(worst, Square(plane.SignedDistance(point.p_W)) / gate);
     if (worst >= limit) break;
   }
   return worst;
 }
 
-// Its own surface, or so near to it that it may grow, and known to be nobody else's.
-bool MayHave(const KnownPlane& plane,
-             const Vector3d& p_W,
-             const std::vector<const KnownPlane*>& active) {
-  if (plane.support.HasSurface(p_W)) return true;
-  if (!plane.support.IsNear(p_W, kPlaneGrowth_m)) return false;
-  return std::none_of(active.begin(), active.end(), [&](const KnownPlane* other) {
-    return Disputes(*other, plane, p_W) && other->support.HasSurface(p_W);
+// Known surface of a rival where both are near.
+bool IsForeign(const std::vector<KnownPlane>& planes,
+               const std::vector<int>& rivals,
+               const KnownPlane& plane,
+               const Vector3d& p_W) {
+  return std::any_of(rivals.begin(), rivals.end(), [&](int other) {
+    return DistanceFrom(planes[other], p_W) < kDispute_m && DistanceFrom(plane, p_W) < kDispute_m &&
+           planes[other].support.HasSurface(p_W);
   });
 }
 
@@ -72,26 +85,33 @@ std::vector<int> ClaimFaces(const SurfaceFaces& faces,
     return faces.faces[f].centre_W;
   });
   const Timestamp now = map.latest.t;
-  std::vector<const KnownPlane*> active;
-  for (const KnownPlane& plane : planes) {
-    if (!plane.IsTentative() && ToSeconds(now - plane.last_seen) <= options.active_s)
-      active.push_back(&plane);
-  }
+  const auto is_active = [&](const KnownPlane& plane) {
+    return !plane.IsTentative() && ToSeconds(now - plane.last_seen) <= options.active_s;
+  };
   std::vector<int> plane_of_face(faces.faces.size(), -1);
-  std::vector<double> best(faces.faces.size(), 1.0);  // largest distance of a corner in gates
+  std::vector<double> best(faces.faces.size(), 1.0);  // as from WorstCorner
   const double min_cosine = std::cos(options.max_face_angle_deg * kDegree);
-  for (const KnownPlane* known : active) {
-    const Plane& plane = known->estimate.plane_W;
-    const DistanceUncertainty uncertainty(known->estimate, map.latest.T_WB);
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    const KnownPlane& known = planes[k];
+    if (!is_active(known)) continue;
+    const Plane& plane = known.estimate.plane_W;
+    const DistanceUncertainty uncertainty(known.estimate, map.latest.T_WB);
+    std::vector<int> rivals = RivalsOf(known, planes);
+    std::erase_if(rivals, [&](int other) { return !is_active(planes[other]); });
+    // Its own surface, or so near to it that it may grow, and known to be nobody else's.
+    const auto may_have = [&](const Vector3d& p_W) {
+      return known.support.HasSurface(p_W) ||
+             (known.support.IsNear(p_W, kPlaneGrowth_m) && !IsForeign(planes, rivals, known, p_W));
+    };
     centres.ForEachNear(plane, options.max_gate_m, [&](std::size_t f) {
       const SurfaceFace& face = faces.faces[f];
       if (std::abs(plane.n.dot(face.n_W)) < min_cosine) return;
       const double variance =
           uncertainty.VarianceAt(face.centre_W) + kSurfaceFlatness_m * kSurfaceFlatness_m;
       const double worst = WorstCorner(faces, face, plane, variance, best[f], options);
-      if (worst >= best[f] || !MayHave(*known, face.centre_W, active)) return;
+      if (worst >= best[f] || !may_have(face.centre_W)) return;
       best[f] = worst;
-      plane_of_face[f] = static_cast<int>(known - planes.data());
+      plane_of_face[f] = static_cast<int>(k);
     });
   }
   return plane_of_face;
@@ -101,6 +121,9 @@ void TakeSurface(const SurfaceFaces& faces,
                  const std::vector<int>& plane_of_face,
                  Timestamp now,
                  std::vector<KnownPlane>& planes) {
+  std::vector<std::vector<int>> rivals;
+  for (const KnownPlane& plane : planes)
+    rivals.push_back(RivalsOf(plane, planes));
   for (std::size_t f = 0; f < faces.faces.size(); ++f) {
     if (plane_of_face[f] < 0 || !faces.faces[f].in_view) continue;
     KnownPlane& plane = planes[plane_of_face[f]];
@@ -110,10 +133,11 @@ void TakeSurface(const SurfaceFaces& faces,
     plane.last_seen = now;
     const Vector3d& centre_W = faces.faces[f].centre_W;
     const double distance_m = DistanceFrom(plane, centre_W);
-    for (KnownPlane& other : planes) {
-      if (Disputes(other, plane, centre_W) &&
-          DistanceFrom(other, centre_W) > distance_m + kClearlyFarther_m)
-        other.support.Remove(centre_W);
+    for (const int k : rivals[plane_of_face[f]]) {
+      const double its_distance_m = DistanceFrom(planes[k], centre_W);
+      if (distance_m < kDispute_m && its_distance_m < kDispute_m &&
+          its_distance_m > distance_m + kClearlyFarther_m)
+        planes[k].support.Remove(centre_W);
     }
   }
 }
@@ -121,15 +145,14 @@ void TakeSurface(const SurfaceFaces& faces,
 void LeaveForeignSurface(const MapSnapshot& map,
                          const std::vector<KnownPlane>& planes,
                          PlaneAssignments& out) {
-  for (const LandmarkEstimate& landmark : map.landmarks) {
-    for (const KnownPlane& plane : planes) {
-      if (plane.IsTentative() || !landmark.IsOn(plane.id) || plane.support.HasSurface(landmark.p_W))
-        continue;
-      const bool is_foreign =
-          std::any_of(planes.begin(), planes.end(), [&](const KnownPlane& other) {
-            return Disputes(other, plane, landmark.p_W) && other.support.HasSurface(landmark.p_W);
-          });
-      if (is_foreign) out.left.emplace_back(landmark.id, plane.id);
+  for (const KnownPlane& plane : planes) {
+    if (plane.IsTentative()) continue;
+    const std::vector<int> rivals = RivalsOf(plane, planes);
+    if (rivals.empty()) continue;
+    for (const LandmarkEstimate& landmark : map.landmarks) {
+      if (landmark.IsOn(plane.id) && !plane.support.HasSurface(landmark.p_W) &&
+          IsForeign(planes, rivals, plane, landmark.p_W))
+        out.left.emplace_back(landmark.id, plane.id);
     }
   }
 }

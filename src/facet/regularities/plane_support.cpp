@@ -15,14 +15,7 @@ constexpr int kMaxCells = 100;  // per side of one triangle
 
 using Cell = std::array<int, 2>;
 
-std::uint64_t Key(int x, int y) {
-  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32) |
-         static_cast<std::uint32_t>(y);
-}
-
-Vector2d MiddleOf(std::uint64_t key, double size_m) {
-  const auto x = static_cast<std::int32_t>(key >> 32);
-  const auto y = static_cast<std::int32_t>(key & 0xffffffffU);
+Vector2d MiddleOf(int x, int y, double size_m) {
   return size_m * Vector2d(x + 0.5, y + 0.5);
 }
 
@@ -32,8 +25,8 @@ int FloorDivide(int a, int b) {
 
 // The middles of a block's cells.
 template <class Function>
-void ForEachCell(std::uint64_t block, std::uint32_t mask, const Function& function) {
-  const Vector2d corner = MiddleOf(block, kCoarse_m) - 0.5 * kCoarse_m * Vector2d::Ones();
+void ForEachCell(int x, int y, std::uint32_t mask, const Function& function) {
+  const Vector2d corner = MiddleOf(x, y, kCoarse_m) - 0.5 * kCoarse_m * Vector2d::Ones();
   for (int bit = 0; bit < kBlock * kBlock; ++bit) {
     if ((mask >> bit & 1U) == 0) continue;
     function(Vector2d(corner + kCell_m * Vector2d(bit % kBlock + 0.5, bit / kBlock + 0.5)));
@@ -90,25 +83,22 @@ void PlaneSupport::AddTriangle(const std::array<Vector3d, 3>& p_W) {
   if (last[0] - first[0] > kMaxCells || last[1] - first[1] > kMaxCells) return;
   // Which side of each edge a middle is on is linear along a column.
   const Vector3d step = kCell_m * Vector3d(b.x() - a.x(), c.x() - b.x(), a.x() - c.x());
-  LastBlock block;
   for (int x = first[0]; x <= last[0]; ++x) {
     const Vector2d middle = kCell_m * Vector2d(x + 0.5, first[1] + 0.5);
     const Vector3d sides(Cross(a, b, middle), Cross(b, c, middle), Cross(c, a, middle));
     for (int y = first[1]; y <= last[1]; ++y) {
       const Vector3d here = sides + (y - first[1]) * step;
-      if (here.x() >= 0 && here.y() >= 0 && here.z() >= 0) AddCell(x, y, block);
+      if (here.x() >= 0 && here.y() >= 0 && here.z() >= 0) AddCell(x, y);
     }
   }
 }
 
-void PlaneSupport::AddCell(int x, int y, LastBlock& last) {
+void PlaneSupport::AddCell(int x, int y) {
   const int block_x = FloorDivide(x, kBlock), block_y = FloorDivide(y, kBlock);
   const int bit = (x - kBlock * block_x) + kBlock * (y - kBlock * block_y);
-  const std::uint64_t key = Key(block_x, block_y);
-  if (last.mask == nullptr || key != last.key) last = {key, &blocks_[key]};
-  std::uint32_t& mask = *last.mask;
-  if ((mask >> bit & 1U) != 0) return;
-  mask |= 1U << bit;
+  std::uint32_t* const block = blocks_.At(block_x, block_y);
+  if (block == nullptr || (*block >> bit & 1U) != 0) return;
+  *block |= 1U << bit;
   ++num_cells_;
   sum_ += kCell_m * Vector2d(x + 0.5, y + 0.5);
 }
@@ -120,27 +110,23 @@ void PlaneSupport::Remove(const Vector3d& p_W) {
   for (int x = middle[0] - 1; x <= middle[0] + 1; ++x) {
     for (int y = middle[1] - 1; y <= middle[1] + 1; ++y) {
       const int block_x = FloorDivide(x, kBlock), block_y = FloorDivide(y, kBlock);
-      const auto block = blocks_.find(Key(block_x, block_y));
-      if (block == blocks_.end()) continue;
       const std::uint32_t bit = 1U << ((x - kBlock * block_x) + kBlock * (y - kBlock * block_y));
-      if ((block->second & bit) == 0) continue;
-      block->second &= ~bit;
+      if ((blocks_.Get(block_x, block_y) & bit) == 0) continue;
+      *blocks_.At(block_x, block_y) &= ~bit;
       --num_cells_;
       sum_ -= kCell_m * Vector2d(x + 0.5, y + 0.5);
-      if (block->second == 0) blocks_.erase(block);
     }
   }
 }
 
 // The cells of the other lie at an angle to these: a few stay empty.
 void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
-  LastBlock last;
-  for (const auto& [block, mask] : other.blocks_) {
-    ForEachCell(block, mask, [&](const Vector2d& middle) {
+  other.blocks_.ForEach([&](int x, int y, std::uint32_t mask) {
+    ForEachCell(x, y, mask, [&](const Vector2d& middle) {
       const Vector2d xy = ToPlane(other.ToWorld(middle, plane_W));
-      AddCell(CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m), last);
+      AddCell(CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m));
     });
-  }
+  });
 }
 
 // The cells around the point lie in one block, two or four.
@@ -152,9 +138,8 @@ bool PlaneSupport::HasSurface(const Vector3d& p_W) const {
             last_y = FloorDivide(middle[1] + 1, kBlock);
   for (int x = FloorDivide(middle[0] - 1, kBlock); x <= last_x; ++x) {
     for (int y = FloorDivide(middle[1] - 1, kBlock); y <= last_y; ++y) {
-      const auto block = blocks_.find(Key(x, y));
-      if (block == blocks_.end()) continue;
-      if ((block->second & CellsAround(middle[0] - kBlock * x, middle[1] - kBlock * y)) != 0)
+      const std::uint32_t block = blocks_.Get(x, y);
+      if (block != 0 && (block & CellsAround(middle[0] - kBlock * x, middle[1] - kBlock * y)) != 0)
         return true;
     }
   }
@@ -162,26 +147,25 @@ bool PlaneSupport::HasSurface(const Vector3d& p_W) const {
 }
 
 bool PlaneSupport::IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const {
-  return std::any_of(other.blocks_.begin(), other.blocks_.end(), [&](const auto& block) {
-    for (const double dx : {-0.5, 0.5}) {
-      for (const double dy : {-0.5, 0.5}) {
-        const Vector2d corner = MiddleOf(block.first, kCoarse_m) + kCoarse_m * Vector2d(dx, dy);
-        if (IsNear(other.ToWorld(corner, plane_W), radius_m)) return true;
-      }
+  bool is_near = false;
+  other.blocks_.ForEach([&](int x, int y, std::uint32_t) {
+    for (int k = 0; k < 4 && !is_near; ++k) {
+      const Vector2d corner = kCoarse_m * Vector2d(x + k % 2, y + k / 2);
+      is_near = IsNear(other.ToWorld(corner, plane_W), radius_m);
     }
-    return false;
   });
+  return is_near;
 }
 
 bool PlaneSupport::IsNear(const Vector3d& p_W, double radius_m) const {
   const Vector2d xy = ToPlane(p_W);
   if (!HasCell(xy)) return false;
   const int x = CellOf(xy.x(), kCoarse_m), y = CellOf(xy.y(), kCoarse_m);
-  if (blocks_.contains(Key(x, y))) return true;  // most often
+  if (blocks_.Get(x, y) != 0) return true;  // most often
   const int reach = std::max(1, static_cast<int>(std::lround(radius_m / kCoarse_m)));
   for (int dx = -reach; dx <= reach; ++dx) {
     for (int dy = -reach; dy <= reach; ++dy) {
-      if (blocks_.contains(Key(x + dx, y + dy))) return true;
+      if (blocks_.Get(x + dx, y + dy) != 0) return true;
     }
   }
   return false;
@@ -199,12 +183,12 @@ Vector3d PlaneSupport::Centroid(const Plane& plane_W) const {
 // Andrew's monotone chain.
 std::vector<Vector3d> PlaneSupport::Outline(const Plane& plane_W) const {
   std::vector<Vector2d> corners;
-  for (const auto& [block, mask] : blocks_) {
-    ForEachCell(block, mask, [&](const Vector2d& middle) {
+  blocks_.ForEach([&](int x, int y, std::uint32_t mask) {
+    ForEachCell(x, y, mask, [&](const Vector2d& middle) {
       for (int k = 0; k < 4; ++k)
         corners.push_back(middle + 0.5 * kCell_m * Vector2d(k % 2 * 2 - 1, k / 2 * 2 - 1));
     });
-  }
+  });
   std::sort(corners.begin(), corners.end(), [](const Vector2d& a, const Vector2d& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
   });

@@ -3,16 +3,16 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "facet/geometry/plane.h"
+#include "facet/regularities/block_grid.h"
 
 namespace facet {
 
 /// The cells are fixed to a point and two directions of the plane as it was at first; later,
-/// slightly different estimates of the plane do not move them. Memory grows with the area.
+/// slightly different estimates of the plane do not move them. Surface that would make the
+/// rectangle around it larger than a square kilometre is left out.
 class PlaneSupport {
  public:
   PlaneSupport(const Plane& plane_W, const Vector3d& origin_W);
@@ -45,19 +45,14 @@ class PlaneSupport {
   std::vector<Vector3d> Outline(const Plane& plane_W) const;
 
  private:
-  // Cells come in neighbours; what the map of blocks holds stays where it is.
-  struct LastBlock {
-    std::uint64_t key = 0;
-    std::uint32_t* mask = nullptr;
-  };
-  void AddCell(int x, int y, LastBlock& last);
+  void AddCell(int x, int y);
   Vector2d ToPlane(const Vector3d& p_W) const;
   Vector3d ToWorld(const Vector2d& xy, const Plane& plane_W) const;
 
   Vector3d origin_W_;
   Matrix<3, 2> basis_;
   Vector3d n_W_;
-  std::unordered_map<std::uint64_t, std::uint32_t> blocks_;  // of 5 x 5 cells, one bit each
+  BlockGrid blocks_;  // of 5 x 5 cells, one bit each
   int num_cells_ = 0;
   Vector2d sum_ = Vector2d::Zero();  // of the cells' middles
 };

@@ -13,7 +13,7 @@ FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3
   point.p_W = p_W;
   const Vector3d ray = p_W - camera_W;
   const double distance = ray.norm();
-  if (distance > 1e-6) point.ray_W = ray / distance;
+  if (distance > 1e-6) point.ray_W = 1 / distance * ray;
   point.sigma_along_m = sigma_depth_m;
   point.sigma_across_m = kSigmaDirection * distance;
   return point;
@@ -47,10 +47,10 @@ void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
     const Vector3d& c = source.vertices[face.corners[2]];
     const Vector3d n = (b - a).cross(c - a);
     const double norm = n.norm();
-    face.centre_W = (a + b + c) / 3;
+    face.centre_W = 1.0 / 3 * (a + b + c);
     const bool has_area = norm > 1e-12 && std::isfinite(norm);
     face.area_m2 = has_area ? 0.5 * norm : 0;
-    face.n_W = has_area ? Vector3d(n / norm) : Vector3d::UnitZ();
+    face.n_W = has_area ? Vector3d(1 / norm * n) : Vector3d::UnitZ();
     face.may_vote = mesh.may_vote[f] != 0 && has_area;
     face.in_view = mesh.in_view[f] != 0;
   }

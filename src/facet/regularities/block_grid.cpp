@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/block_grid.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace facet {
+
+namespace {
+
+struct Range {
+  std::int64_t first, size;
+};
+
+// With room for more on the side where it grows, so that this is rare.
+Range Including(std::int64_t first, std::int64_t size, std::int64_t x) {
+  if (size == 0) return {x - 1, 3};
+  const std::int64_t room = size / 2 + 1;
+  if (x < first) return {x - room, first + size - (x - room)};
+  if (x >= first + size) return {first, x + room + 1 - first};
+  return {first, size};
+}
+
+}  // namespace
+
+std::uint32_t* BlockGrid::At(int x, int y) {
+  const std::int64_t column = std::int64_t{x} - x_, row = std::int64_t{y} - y_;
+  const bool is_inside = column >= 0 && column < width_ && row >= 0 && row < height_;
+  if (!is_inside && !Grow(x, y)) return nullptr;
+  return &blocks_[static_cast<std::size_t>((y - y_) * width_ + (x - x_))];
+}
+
+bool BlockGrid::Grow(int x, int y) {
+  const Range columns = Including(x_, width_, x), rows = Including(y_, height_, y);
+  if (columns.size > kMaxBlocks || rows.size > kMaxBlocks ||
+      columns.size * rows.size > kMaxBlocks) {
+    return false;
+  }
+  std::vector<std::uint32_t> grown(static_cast<std::size_t>(columns.size * rows.size), 0);
+  for (std::int64_t row = 0; row < height_; ++row) {
+    std::copy_n(blocks_.begin() + row * width_,
+                width_,
+                grown.begin() + (row + y_ - rows.first) * columns.size + x_ - columns.first);
+  }
+  blocks_ = std::move(grown);
+  x_ = columns.first;
+  y_ = rows.first;
+  width_ = columns.size;
+  height_ = rows.size;
+  return true;
+}
+
+}  // namespace facet
