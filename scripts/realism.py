@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""scripts/realism.py SEQUENCE REFERENCE... [--build build]
+"""scripts/realism.py SEQUENCE REFERENCE... [--build build/bench]
 
 How a simulated sequence compares with recorded ones, to the front end: corners per image, strength of the corners,
 track life, share of points found in the right image, error of the tracked pixels, and how fast the images move. The
@@ -79,7 +79,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sequence")
     parser.add_argument("references", nargs="+")
-    parser.add_argument("--build", default="build", type=Path)
+    parser.add_argument("--build", default="build/bench", type=Path, help="where the benches are")
     parser.add_argument("--refine-poses", default=3, type=int)
     arguments = parser.parse_args()
     names = [arguments.sequence, *arguments.references]
