@@ -176,6 +176,9 @@ TEST_F(BadInputTest, ValuesThatDoNotFitTogether) {
   ExpectFailure(2,
                 "mesh.map.truncation_m = 0.02 is below mesh.map.voxel_m = 0.08",
                 "--set mesh.map.truncation_m=0.02");
+  ExpectFailure(2,
+                "regularities.tracking.max_gate_m = 0.01 is below",
+                "--set regularities.tracking.max_gate_m=0.01");
 }
 
 TEST_F(BadInputTest, WrongUsage) {

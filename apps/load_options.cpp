@@ -25,6 +25,14 @@ VioOptions LoadOptions(const std::string& file, const std::vector<std::string>& 
                     map.truncation_m,
                     map.voxel_m));
   }
+  const PlaneTrackingOptions& tracking = options.regularities.tracking;
+  if (tracking.max_gate_m < tracking.min_gate_m) {
+    throw ConfigError(
+        fmt::format("regularities.tracking.max_gate_m = {} is below "
+                    "regularities.tracking.min_gate_m = {}",
+                    tracking.max_gate_m,
+                    tracking.min_gate_m));
+  }
   return options;
 }
 

@@ -12,10 +12,9 @@ struct Range {
   std::int64_t first, size;
 };
 
-// With room for more on the side where it grows, so that this is rare.
-Range Including(std::int64_t first, std::int64_t size, std::int64_t x) {
-  if (size == 0) return {x - 1, 3};
-  const std::int64_t room = size / 2 + 1;
+// With room for more on the side where it grows.
+Range Including(std::int64_t first, std::int64_t size, std::int64_t x, std::int64_t room) {
+  if (size == 0) return {x, 1};
   if (x < first) return {x - room, first + size - (x - room)};
   if (x >= first + size) return {first, x + room + 1 - first};
   return {first, size};
@@ -31,10 +30,17 @@ std::uint32_t* BlockGrid::At(int x, int y) {
 }
 
 bool BlockGrid::Grow(int x, int y) {
-  const Range columns = Including(x_, width_, x), rows = Including(y_, height_, y);
-  if (columns.size > kMaxBlocks || rows.size > kMaxBlocks ||
-      columns.size * rows.size > kMaxBlocks) {
-    return false;
+  const auto fits = [](const Range& columns, const Range& rows) {
+    return columns.size <= kMaxBlocks && rows.size <= kMaxBlocks &&
+           columns.size * rows.size <= kMaxBlocks;
+  };
+  // Half as much again each time, so that this is rare.
+  Range columns = Including(x_, width_, x, width_ / 2);
+  Range rows = Including(y_, height_, y, height_ / 2);
+  if (!fits(columns, rows)) {
+    columns = Including(x_, width_, x, 0);
+    rows = Including(y_, height_, y, 0);
+    if (!fits(columns, rows)) return false;
   }
   std::vector<std::uint32_t> grown(static_cast<std::size_t>(columns.size * rows.size), 0);
   for (std::int64_t row = 0; row < height_; ++row) {

@@ -10,7 +10,7 @@
 namespace facet {
 
 /// One number per block, 0 where there is none. Memory is that of the rectangle around what was
-/// set, up to kMaxBlocks of it.
+/// set, with some room, up to kMaxBlocks.
 class BlockGrid {
  public:
   static constexpr std::int64_t kMaxBlocks = std::int64_t{1} << 22;

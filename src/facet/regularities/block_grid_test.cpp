@@ -32,19 +32,37 @@ TEST(BlockGridTest, HoldsWhatAMapHoldsWhereverItGrows) {
     EXPECT_EQ(grid.Get(place.second, place.first), value);
 }
 
-TEST(BlockGridTest, WhatWasNeverSetIsZeroAndCostsNothing) {
+TEST(BlockGridTest, WhatWasNeverSetIsZero) {
   BlockGrid grid;
   EXPECT_EQ(grid.Get(0, 0), 0u);
   *grid.At(-4, 7) = 1;
-  EXPECT_EQ(grid.Get(-3, 7), 0u);
   constexpr int kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
+  EXPECT_EQ(grid.Get(-3, 7), 0u);
+  EXPECT_EQ(grid.Get(-4, 6), 0u);
   for (const int x : {kMin, kMax}) {
     EXPECT_EQ(grid.Get(x, 7), 0u);
     EXPECT_EQ(grid.Get(-4, x), 0u);
-    EXPECT_EQ(grid.At(x, 7), nullptr);
-    EXPECT_EQ(grid.At(x, x), nullptr);
   }
-  EXPECT_EQ(grid.Get(-4, 7), 1u);
+}
+
+TEST(BlockGridTest, RefusesWhatWouldBeTooLarge) {
+  constexpr int kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
+  constexpr int kSide = 2048;  // kMaxBlocks is its square
+  for (const int corner : {-1, 1}) {
+    BlockGrid grid;
+    *grid.At(0, 0) = 3;
+    for (const int x : {kMin, kMax, 2 * kSide}) {
+      EXPECT_EQ(grid.At(x, x == 2 * kSide ? kSide : 0), nullptr);
+      EXPECT_EQ(grid.At(x, x), nullptr);
+    }
+    // Up to the limit, without room for more.
+    std::uint32_t* const last = grid.At(corner * (kSide - 1), corner * (kSide - 1));
+    ASSERT_NE(last, nullptr);
+    *last = 5;
+    EXPECT_EQ(grid.At(corner * kSide, corner * kSide), nullptr);
+    EXPECT_EQ(grid.Get(0, 0), 3u);
+    EXPECT_EQ(grid.Get(corner * (kSide - 1), corner * (kSide - 1)), 5u);
+  }
 }
 
 }  // namespace

@@ -55,23 +55,27 @@ double WorstCorner(const SurfaceFaces& faces,
   double worst = 0;
   for (const int corner : face.corners) {
     const FacePoint& point = faces.points[corner];
-    const double gate = std::clamp(9 * (point.VarianceAlong(plane.n) + plane_variance_m2),
-                                   Square(options.min_gate_m),
-                                   Square(options.max_gate_m));
-    worst = std::max(worst, Square(plane.SignedDistance(point.p_W)) / gate);
+    const double variance = point.VarianceAlong(plane.n) + plane_variance_m2;
+    const double square_of_gate =
+        std::min(std::max(9 * variance, Square(options.min_gate_m)), Square(options.max_gate_m));
+    worst = std::max(worst, Square(plane.SignedDistance(point.p_W)) / square_of_gate);
     if (worst >= limit) break;
   }
   return worst;
 }
 
-// Known surface of a rival where both are near.
+// Where they cross.
+bool AreBothNear(const KnownPlane& a, const KnownPlane& b, const Vector3d& p_W) {
+  return DistanceFrom(a, p_W) < kDispute_m && DistanceFrom(b, p_W) < kDispute_m;
+}
+
+// Known surface of a rival.
 bool IsForeign(const std::vector<KnownPlane>& planes,
                const std::vector<int>& rivals,
                const KnownPlane& plane,
                const Vector3d& p_W) {
   return std::any_of(rivals.begin(), rivals.end(), [&](int other) {
-    return DistanceFrom(planes[other], p_W) < kDispute_m && DistanceFrom(plane, p_W) < kDispute_m &&
-           planes[other].support.HasSurface(p_W);
+    return AreBothNear(planes[other], plane, p_W) && planes[other].support.HasSurface(p_W);
   });
 }
 
@@ -134,9 +138,8 @@ void TakeSurface(const SurfaceFaces& faces,
     const Vector3d& centre_W = faces.faces[f].centre_W;
     const double distance_m = DistanceFrom(plane, centre_W);
     for (const int k : rivals[plane_of_face[f]]) {
-      const double its_distance_m = DistanceFrom(planes[k], centre_W);
-      if (distance_m < kDispute_m && its_distance_m < kDispute_m &&
-          its_distance_m > distance_m + kClearlyFarther_m)
+      if (AreBothNear(planes[k], plane, centre_W) &&
+          DistanceFrom(planes[k], centre_W) > distance_m + kClearlyFarther_m)
         planes[k].support.Remove(centre_W);
     }
   }

@@ -69,6 +69,50 @@ TEST_F(FaceClaimsTest, APlaneGrowsOverWhatIsWithinItsGate) {
   EXPECT_GT(std::count(claims.begin(), claims.end(), kBoard), 3);
 }
 
+// However little is known of the corners' depths.
+TEST_F(FaceClaimsTest, NothingBeyondTheLargestGateIsClaimed) {
+  planes_ = {Known(strip_, PlaneId{7})};
+  Show(strip_, 0);
+  const auto num_claimed = [&](double before_m) {
+    Patch patch = strip_;
+    patch.centre_W.x() -= before_m;
+    SurfaceFaces faces = MakeFaces({patch}, view_);
+    for (FacePoint& point : faces.points) {
+      point.p_W.x() = strip_.centre_W.x() - before_m;
+      point.sigma_along_m = 0.3;
+    }
+    const std::vector<int> claims = ClaimFaces(faces, planes_, map_, PlaneTrackingOptions());
+    return std::count(claims.begin(), claims.end(), 0);
+  };
+  EXPECT_GT(num_claimed(0.045), 3);
+  EXPECT_EQ(num_claimed(0.055), 0);
+}
+
+TEST_F(FaceClaimsTest, FacesThatLieAcrossAreNotClaimed) {
+  planes_ = {Known(strip_, PlaneId{7})};
+  Show(strip_, 0);
+  SurfaceFaces faces = MakeFaces({strip_}, view_);
+  for (SurfaceFace& face : faces.faces)
+    face.n_W = ExpSO3({0, 30 * std::numbers::pi / 180, 0}) * face.n_W;
+  const std::vector<int> claims = ClaimFaces(faces, planes_, map_, PlaneTrackingOptions());
+  EXPECT_EQ(std::count(claims.begin(), claims.end(), 0), 0);
+}
+
+// Landmarks and surface far before the crossing are no matter of dispute.
+TEST_F(FaceClaimsTest, FarFromWhereTheyCrossPlanesDisputeNothing) {
+  Show(strip_, kWall);
+  const Vector3d far_W = crossing_ + Vector3d(0, 0.85, -1.5);  // 18 cm from the board's plane
+  const Patch below = MakeWall(far_W, 0, 0.6, 0.6);
+  Show(below, kWall);
+  map_.landmarks = {LandmarkAt(far_W, PlaneId{4})};
+  PlaneAssignments out;
+  LeaveForeignSurface(map_, planes_, out);
+  EXPECT_TRUE(out.left.empty());
+  map_.landmarks = {LandmarkAt(strip_.centre_W, PlaneId{4})};
+  LeaveForeignSurface(map_, planes_, out);
+  EXPECT_EQ(out.left.size(), 1u);
+}
+
 TEST_F(FaceClaimsTest, ButNotOntoSurfaceThatIsKnownToBeAnothers) {
   Show(strip_, kWall);
   const std::vector<int> claims = ClaimStrip();

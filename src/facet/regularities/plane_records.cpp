@@ -19,7 +19,7 @@ constexpr double kSmall_m2 = 1;
 constexpr double kMaxScatterOfSmall = 0.5;
 constexpr int kMinJudged = 5;  // keyframes
 
-// What is larger than furniture goes on behind what hides it: a gap as wide as itself is none.
+// What is larger than furniture goes on behind what hides it, about as far as it is wide.
 double LargestGap_m(const KnownPlane& a, const KnownPlane& b) {
   const double area_m2 = std::min(a.support.area_m2(), b.support.area_m2());
   return area_m2 > kLargestFurniture_m2 ? std::sqrt(area_m2) : kPlaneGrowth_m;
@@ -36,8 +36,11 @@ bool AreOneSurface(const KnownPlane& a, const KnownPlane& b) {
   const Plane &plane_a = a.best->plane_W, &plane_b = b.best->plane_W;
   // Half-way between them neither has to reach far.
   const Vector3d middle_W = (a.support.Centroid(plane_a) + b.support.Centroid(plane_b)) / 2;
+  const auto on = [&](const Plane& plane) {
+    return Vector3d(middle_W - plane.SignedDistance(middle_W) * plane.n);
+  };
   return plane_a.n.dot(plane_b.n) > 0 &&
-         Agree(InWorld(*a.best), middle_W, InWorld(*b.best), middle_W, SE3(), kOneSurface) &&
+         Agree(InWorld(*a.best), on(plane_a), InWorld(*b.best), on(plane_b), SE3(), kOneSurface) &&
          a.support.IsNear(b.support, plane_b, LargestGap_m(a, b));
 }
 
@@ -50,6 +53,13 @@ double NormalVariance(const KnownPlane& plane) {
   return plane.best->covariance.block<3, 3>(6, 6).trace();
 }
 
+void JoinScatter(const KnownPlane& part, KnownPlane& whole) {
+  const double a = part.scatter.num * part.support.area_m2();
+  const double b = whole.scatter.num * whole.support.area_m2();
+  if (a + b > 0) whole.scatter.mean = (a * part.scatter.mean + b * whole.scatter.mean) / (a + b);
+  whole.scatter.num = std::max(part.scatter.num, whole.scatter.num);
+}
+
 // `planes` is sorted by id: the name is the oldest's, the estimate the best one's.
 void Unite(std::vector<KnownPlane>& planes) {
   for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -58,6 +68,7 @@ void Unite(std::vector<KnownPlane>& planes) {
         ++j;
         continue;
       }
+      JoinScatter(planes[j], planes[i]);
       planes[i].Absorb(planes[j], planes[j].best->plane_W);
       if (NormalVariance(planes[j]) < NormalVariance(planes[i])) {
         planes[i].best = planes[j].best;
@@ -95,10 +106,11 @@ PlaneRecord MakeRecord(const KnownPlane& plane) {
 std::vector<PlaneRecord> MakeRecords(std::span<const KnownPlane> planes, bool may_unite) {
   std::vector<KnownPlane> solved;
   std::copy_if(planes.begin(), planes.end(), std::back_inserter(solved), [](const auto& plane) {
-    return plane.best.has_value() && !IsRowOfThings(plane);
+    return plane.best.has_value();
   });
   std::sort(solved.begin(), solved.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   if (may_unite) Unite(solved);
+  std::erase_if(solved, IsRowOfThings);
   std::vector<PlaneRecord> records;
   std::transform(solved.begin(), solved.end(), std::back_inserter(records), MakeRecord);
   return records;

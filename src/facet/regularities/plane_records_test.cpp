@@ -83,21 +83,48 @@ TEST(PlaneRecordsTest, LargePiecesAreOneAcrossAGap) {
   };
   EXPECT_EQ(num_records(Wall(1, {3, 5, 1}, 0, 0.5, 3)), 1u);      // 2 m between them
   EXPECT_EQ(num_records(Wall(1, {3, 7.5, 1}, 0, 0.5, 3)), 2u);    // 4.5 m
-  EXPECT_EQ(num_records(Wall(1, {3, 4.3, 1}, 0, 0.5, 1.6)), 2u);  // a cupboard door
-  // 1 deg with a sigma of half of it: 5 cm at the middle of the other, half of that between them.
+  EXPECT_EQ(num_records(Wall(1, {3, 3.7, 1}, 0, 0.5, 2.2)), 1u);  // 1.1 m to 4.8 m^2
+  EXPECT_EQ(num_records(Wall(1, {3, 3.6, 1}, 0, 0.5, 1.8)), 2u);  // 1.2 m to 3.2 m^2
+  // 1 deg with a sigma of half of it: 7 cm at the middle of the other, half of that between them.
   EXPECT_EQ(num_records(Wall(1, {3, 4, 1}, 1, 0.5, 3)), 1u);
+  // Neither is known well, but half-way they are 8 cm apart.
+  KnownPlane step = Wall(1, {3.08, 3.2, 1}, 0, 0.5, 3);
+  step.best->covariance(9, 9) = 0.1 * 0.1;
+  EXPECT_EQ(num_records(step), 2u);
+  step.best->plane_W.d -= 0.04;
+  EXPECT_EQ(num_records(step), 1u);
+}
+
+KnownPlane Scattered(KnownPlane plane, double scatter, int num_keyframes) {
+  for (int k = 0; k < num_keyframes; ++k)
+    plane.scatter.Add(scatter);
+  return plane;
 }
 
 TEST(PlaneRecordsTest, ARowOfThingsIsNoPlane) {
-  KnownPlane things = Wall(0, {3, 0, 1}, 0, 0.5, 0.8);
-  for (int k = 0; k < 6; ++k)
-    things.scatter.Add(0.7);
+  const auto is_told = [](double side_m, double scatter, int num_keyframes) {
+    const KnownPlane plane = Scattered(Wall(0, {3, 0, 1}, 0, 0.5, side_m), scatter, num_keyframes);
+    return !MakeRecords(std::vector{plane}, true).empty();
+  };
+  EXPECT_FALSE(is_told(0.8, 0.55, 5));
+  EXPECT_TRUE(is_told(0.8, 0.45, 5));
+  EXPECT_TRUE(is_told(1.2, 0.55, 5));
+  EXPECT_TRUE(is_told(0.8, 0.55, 4));  // too early to tell
+}
+
+TEST(PlaneRecordsTest, APieceOfAWallMayScatter) {
+  const KnownPlane wall = Scattered(Wall(0, {3, 0, 1}, 0, 0.5, 3), 0.2, 9);
+  const KnownPlane piece = Scattered(Wall(1, {3, 2, 1}, 0, 0.5, 0.8), 0.6, 9);
+  const KnownPlane other = Scattered(Wall(2, {3, 2.9, 1}, 0, 0.5, 0.8), 0.6, 9);
+  const std::vector<PlaneRecord> records = MakeRecords(std::vector{wall, piece}, true);
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].absorbed, std::vector{PlaneId{1}});
+  EXPECT_EQ(MakeRecords(std::vector{piece, other}, true).size(), 1u);  // 1.3 m^2 together
+  // Small pieces scatter as they do on average.
+  const KnownPlane flat = Scattered(Wall(2, {3, 2.7, 1}, 0, 0.5, 0.6), 0.0, 9);
+  const KnownPlane things = Scattered(Wall(1, {3, 2, 1}, 0, 0.5, 0.6), 0.8, 9);
+  EXPECT_EQ(MakeRecords(std::vector{things, flat}, true).size(), 1u);
   EXPECT_TRUE(MakeRecords(std::vector{things}, true).empty());
-  KnownPlane large = Wall(0, {3, 0, 1}, 0, 0.5, 2);
-  large.scatter = things.scatter;
-  EXPECT_EQ(MakeRecords(std::vector{large}, true).size(), 1u);
-  things.scatter.num = 3;  // too early to tell
-  EXPECT_EQ(MakeRecords(std::vector{things}, true).size(), 1u);
 }
 
 TEST(PlaneRecordsTest, AcrossAResetNothingIsUnitedAndWhatWasNeverSolvedIsNotTold) {

@@ -129,6 +129,20 @@ TEST(PlaneSupportTest, HugeAndUndefinedTrianglesAreLeftOut) {
   support.AddTriangle(
       {Vector3d::Zero(), Vector3d::Constant(std::nan("")), Vector3d::Constant(std::nan(""))});
   EXPECT_EQ(support.area_m2(), 0);
+  support.AddTriangle({Vector3d::Zero(), Vector3d(1, 0, 0), Vector3d(0, 1, 0)});
+  const double area_m2 = support.area_m2();
+  EXPECT_GT(area_m2, 0.3);
+  const Vector3d far(3000, 3000, 0);
+  support.AddTriangle({far, far + Vector3d(1, 0, 0), far + Vector3d(0, 1, 0)});
+  EXPECT_EQ(support.area_m2(), area_m2);
+  for (const Vector3d& p_W : {Vector3d(0.1, 0.1, 0), Vector3d(0.6, 0.1, 0), Vector3d(0.1, 0.6, 0)})
+    support.Remove(p_W);
+  EXPECT_LT(support.area_m2(), area_m2 - 0.1);
+  for (double x = 0; x < 1; x += 0.1) {
+    for (double y = 0; y < 1; y += 0.1)
+      support.Remove(Vector3d(x, y, 0));
+  }
+  EXPECT_EQ(support.area_m2(), 0);
   EXPECT_FALSE(support.IsNear(Vector3d(1e300, 0, 0), 1));
   EXPECT_FALSE(support.IsNear(Vector3d::Constant(std::nan("")), 1));
   EXPECT_TRUE(support.Outline({Vector3d::UnitZ(), 0}).empty());
