@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 
 namespace facet {
 
@@ -33,7 +34,7 @@ std::vector<std::pair<int, int>> PlaneMembers::TrueSurfacesOf(
 
 void PlaneMembers::PrintPlane(PlaneId id, const std::vector<std::pair<int, int>>& surfaces) const {
   constexpr std::size_t kShown = 6;
-  std::printf("  plane %u:", id.value);
+  std::printf("  plane %s:", std::to_string(id.value).c_str());
   for (std::size_t k = 0; k < std::min(kShown, surfaces.size()); ++k) {
     const auto [plane, count] = surfaces[k];
     if (plane < 0) {
@@ -64,7 +65,10 @@ void PlaneMembers::Print() const {
       ++total;
     }
   }
-  if (total == 0) return;
+  if (total == 0) {
+    if (!members_.empty()) std::printf("landmarks on planes: none of them on a true plane\n");
+    return;
+  }
   std::printf("landmarks on planes: %d; truly off the plane that most of it are on by\n", total);
   const char* names[kBins] = {"< 3 mm", "3 to 10 mm", "10 to 20 mm", "20 to 30 mm", "more"};
   for (int k = 0; k < kBins; ++k)

@@ -16,8 +16,8 @@
 
 namespace facet {
 
-/// Counts each landmark of a plane once. A plane of the run is the true one that most of its
-/// landmarks are on.
+/// Counts each landmark of a plane once, those whose first ray meets no surface not at all. A plane
+/// of the run is the true one that most of its landmarks are on.
 class PlaneMembers {
  public:
   /// Reads truth/planes.csv. Throws InputError.

@@ -16,7 +16,6 @@ namespace facet {
 
 namespace {
 
-constexpr double kGrowth_m = 0.5;  // how far beyond its known surface a plane may have points
 constexpr double kDegree = std::numbers::pi / 180;
 
 using Triangle = std::array<int, 3>;
@@ -74,7 +73,7 @@ class Judge {
                                 planes_[k].uncertainty.VarianceAt(point.p_W);
         const double gate_m = std::max(3 * std::sqrt(variance), options_.tracking.min_gate_m);
         if (std::abs(plane.SignedDistance(point.p_W)) > gate_m) return;
-        if (planes_[k].known->support.IsNear(point.p_W, kGrowth_m)) on_[i] |= Planes{1} << k;
+        if (planes_[k].known->support.IsNear(point.p_W, kPlaneGrowth_m)) on_[i] |= Planes{1} << k;
       });
     }
   }
