@@ -159,6 +159,35 @@ TEST_F(FaceClaimsTest, SurfaceThatWasTakenForAnothersIsGivenUp) {
   EXPECT_EQ(out.left[0], (std::pair{LandmarkId{0}, PlaneId{4}}));
 }
 
+// Along the line where they meet neither is nearer.
+TEST_F(FaceClaimsTest, SurfaceThatIsNearlyAsNearIsKept) {
+  const Patch at_crossing = MakeWall({3, 0.85, 1.4}, 0, 0.2, 0.1);  // at most 6 mm from the board's
+  planes_[kBoard].support.AddTriangle({at_crossing.centre_W + Vector3d(0, -0.4, -0.4),
+                                       at_crossing.centre_W + Vector3d(0, 0.4, -0.4),
+                                       at_crossing.centre_W + Vector3d(0, 0, 0.5)});
+  const double area_m2 = planes_[kBoard].support.area_m2();
+  view_.sigma_depth_m = 0;
+  Show(at_crossing, kWall);
+  EXPECT_EQ(planes_[kBoard].support.area_m2(), area_m2);
+}
+
+TEST_F(FaceClaimsTest, OnlyTheNewestViewBecomesSurface) {
+  planes_ = {Known(strip_, PlaneId{7})};
+  SurfaceFaces faces = MakeFaces({strip_}, view_);
+  for (SurfaceFace& face : faces.faces)
+    face.in_view = false;
+  const std::vector<int> all_on_it(faces.faces.size(), 0);
+  planes_[0].last_seen = Timestamp{0};
+  TakeSurface(faces, all_on_it, map_.latest.t, planes_);
+  EXPECT_EQ(planes_[0].support.area_m2(), 0);
+  EXPECT_EQ(planes_[0].last_seen, Timestamp{0});
+  for (SurfaceFace& face : faces.faces)
+    face.in_view = true;
+  TakeSurface(faces, all_on_it, map_.latest.t, planes_);
+  EXPECT_GT(planes_[0].support.area_m2(), 0.2);
+  EXPECT_EQ(planes_[0].last_seen, map_.latest.t);
+}
+
 // A vanished surface is no reason to leave, as long as nobody else has it.
 TEST_F(FaceClaimsTest, LandmarksWithoutSurfaceStay) {
   map_.landmarks = {LandmarkAt(crossing_ + Vector3d(0, 2, 0), PlaneId{4})};
