@@ -13,7 +13,6 @@ PlaneMembers::PlaneMembers(const std::filesystem::path& sequence)
 
 void PlaneMembers::Add(const MapSnapshot& map) {
   for (const LandmarkEstimate& landmark : map.landmarks) {
-    if (!points_.contains(landmark.id)) continue;
     for (const PlaneId plane : landmark.planes) {
       if (plane.IsValid()) members_[plane].insert(landmark.id);
     }
@@ -21,10 +20,10 @@ void PlaneMembers::Add(const MapSnapshot& map) {
 }
 
 std::vector<std::pair<int, int>> PlaneMembers::TrueSurfacesOf(
-    const std::set<LandmarkId>& members) const {
+    const std::vector<ScenePoint>& members) {
   std::map<int, int> votes;
-  for (const LandmarkId landmark : members)
-    ++votes[points_.at(landmark).plane];
+  for (const ScenePoint& member : members)
+    ++votes[member.plane];
   std::vector<std::pair<int, int>> sorted(votes.begin(), votes.end());
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
     return a.second > b.second;
@@ -47,20 +46,24 @@ void PlaneMembers::PrintPlane(PlaneId id, const std::vector<std::pair<int, int>>
   std::printf("\n");
 }
 
-void PlaneMembers::Print() const {
+void PlaneMembers::Print(const PointOf& point_of) const {
   constexpr double kLimits_m[] = {0.003, 0.01, 0.02, 0.03};
   constexpr int kBins = 5;
   int counts[kBins] = {}, total = 0;
   if (!members_.empty()) std::printf("landmarks of each plane by the surface they truly are on\n");
-  for (const auto& [id, members] : members_) {
+  for (const auto& [id, landmarks] : members_) {
+    std::vector<ScenePoint> members;
+    for (const LandmarkId landmark : landmarks) {
+      if (const ScenePoint* point = point_of(landmark)) members.push_back(*point);
+    }
     const std::vector<std::pair<int, int>> surfaces = TrueSurfacesOf(members);
     PrintPlane(id, surfaces);
     const auto first =
         std::find_if(surfaces.begin(), surfaces.end(), [](const auto& s) { return s.first >= 0; });
     if (first == surfaces.end()) continue;
     const TruePlane& truth = planes_G_[static_cast<std::size_t>(first->first)];
-    for (const LandmarkId landmark : members) {
-      const double distance_m = std::abs(truth.n_G.dot(points_.at(landmark).p_W) - truth.d_G);
+    for (const ScenePoint& member : members) {
+      const double distance_m = std::abs(truth.n_G.dot(member.p_W) - truth.d_G);
       ++counts[std::upper_bound(kLimits_m, kLimits_m + kBins - 1, distance_m) - kLimits_m];
       ++total;
     }

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -16,28 +16,26 @@
 
 namespace facet {
 
-/// Counts each landmark of a plane once, those whose first ray meets no surface not at all. A plane
-/// of the run is the true one that most of its landmarks are on.
+/// Counts each landmark of a plane once. A plane of the run is the true one that most of its
+/// landmarks are on.
 class PlaneMembers {
  public:
   /// Reads truth/planes.csv. Throws InputError.
   explicit PlaneMembers(const std::filesystem::path& sequence);
 
-  /// Where a landmark was seen first.
-  void AddPoint(LandmarkId landmark, const ScenePoint& point) { points_.emplace(landmark, point); }
-
   /// The estimate after a keyframe.
   void Add(const MapSnapshot& map);
 
-  void Print() const;
+  /// Where a landmark was seen first; one without such a point does not count.
+  using PointOf = std::function<const ScenePoint*(LandmarkId)>;
+  void Print(const PointOf& point_of) const;
 
  private:
   /// Rows of planes.csv (-1: no plane) and how many members lie on each, the most first.
-  std::vector<std::pair<int, int>> TrueSurfacesOf(const std::set<LandmarkId>& members) const;
+  static std::vector<std::pair<int, int>> TrueSurfacesOf(const std::vector<ScenePoint>& members);
   void PrintPlane(PlaneId id, const std::vector<std::pair<int, int>>& surfaces) const;
 
   std::vector<TruePlane> planes_G_;
-  std::unordered_map<LandmarkId, ScenePoint> points_;
   std::map<PlaneId, std::set<LandmarkId>> members_;
 };
 

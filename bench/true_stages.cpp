@@ -59,11 +59,8 @@ bool IsAmong(const std::vector<std::string>& names, Ground ground) {
 /// Errors of the tracked pixels, and the observations with true ones instead.
 class PixelJudge {
  public:
-  PixelJudge(const StereoRig& rig,
-             const TrueScene& scene,
-             const Replacement& replacement,
-             PlaneMembers& members)
-      : rig_(rig), scene_(scene), replacement_(replacement), members_(members) {}
+  PixelJudge(const StereoRig& rig, const TrueScene& scene, const Replacement& replacement)
+      : rig_(rig), scene_(scene), replacement_(replacement) {}
 
   void Replace(const SE3& T_WB, FrameObservations& frame, std::ostream* dump) {
     std::vector<FeatureObservation> kept;
@@ -73,7 +70,6 @@ class PixelJudge {
         const auto found = scene_.Find(rig_, T_WB, o.px_left);
         if (!found) continue;
         track = tracks_.emplace(o.landmark, TrueTrack{*found, 0}).first;
-        members_.AddPoint(o.landmark, *found);
       }
       ++track->second.age;
       const ScenePoint& point = track->second.point;
@@ -97,6 +93,12 @@ class PixelJudge {
       kept.push_back(o);
     }
     frame.features = kept;
+  }
+
+  /// Where a landmark was seen first; null if its ray met nothing.
+  const ScenePoint* PointOf(LandmarkId landmark) const {
+    const auto track = tracks_.find(landmark);
+    return track == tracks_.end() ? nullptr : &track->second.point;
   }
 
   void Print() const {
@@ -150,7 +152,6 @@ class PixelJudge {
   const StereoRig& rig_;
   const TrueScene& scene_;
   Replacement replacement_;
-  PlaneMembers& members_;
   Rng rng_{1};
   std::unordered_map<LandmarkId, TrueTrack> tracks_;
   std::map<Ground, Errors> by_ground_;
@@ -179,7 +180,7 @@ void Process(const std::string& sequence,
   const Trajectory truth = ReadTrajectory(FindTruth(sequence));
   const TrueScene scene(sequence);
   PlaneMembers members(sequence);
-  PixelJudge judge(exact_rig, scene, what, members);
+  PixelJudge judge(exact_rig, scene, what);
   FrontStage front(dataset.rig(), options);
   BackStage back(dataset.rig(), dataset.imu_noise(), options);
   std::vector<StampedPose> estimate;
@@ -207,7 +208,7 @@ void Process(const std::string& sequence,
               estimate.size(),
               dataset.frames().size());
   judge.Print();
-  members.Print();
+  members.Print([&](LandmarkId landmark) { return judge.PointOf(landmark); });
 }
 
 int Main(int argc, char** argv) {

@@ -23,8 +23,8 @@ struct RobustOptions {
   double reprojection_width = 5.0;
   double plane_sigma_m = 0.02;  ///< landmarks of a plane across it, each for itself, 1-sigma
   double plane_common_sigma_m = 0.0025;  ///< the same, what those of one plane have in common
-  double plane_huber_sigma =
-      2.0;  ///< distances to planes beyond this many row sigmas grow linearly
+  double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many of their rows' sigmas
+                                   ///< grow linearly
   double sighting_huber_sigma = 2.0;  ///< sightings of planes beyond this grow linearly
   RelationNoise relations{};
   ProjectionNoise projection{};

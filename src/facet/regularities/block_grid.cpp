@@ -23,10 +23,8 @@ Range Including(std::int64_t first, std::int64_t size, std::int64_t x, std::int6
 }  // namespace
 
 std::uint32_t* BlockGrid::At(int x, int y) {
-  const std::int64_t column = std::int64_t{x} - x_, row = std::int64_t{y} - y_;
-  const bool is_inside = column >= 0 && column < width_ && row >= 0 && row < height_;
-  if (!is_inside && !Grow(x, y)) return nullptr;
-  return &blocks_[static_cast<std::size_t>((y - y_) * width_ + (x - x_))];
+  if (!IsInside(x, y) && !Grow(x, y)) return nullptr;
+  return &blocks_[PlaceOf(x, y)];
 }
 
 bool BlockGrid::Grow(int x, int y) {

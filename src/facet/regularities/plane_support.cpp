@@ -15,10 +15,6 @@ constexpr int kMaxCells = 100;  // per side of one triangle
 
 using Cell = std::array<int, 2>;
 
-Vector2d MiddleOf(int x, int y, double size_m) {
-  return size_m * Vector2d(x + 0.5, y + 0.5);
-}
-
 int FloorDivide(int a, int b) {
   return a >= 0 ? a / b : -((b - 1 - a) / b);
 }
@@ -26,7 +22,7 @@ int FloorDivide(int a, int b) {
 // The middles of a block's cells.
 template <class Function>
 void ForEachCell(int x, int y, std::uint32_t mask, const Function& function) {
-  const Vector2d corner = MiddleOf(x, y, kCoarse_m) - 0.5 * kCoarse_m * Vector2d::Ones();
+  const Vector2d corner = kCoarse_m * Vector2d(x, y);
   for (int bit = 0; bit < kBlock * kBlock; ++bit) {
     if ((mask >> bit & 1U) == 0) continue;
     function(Vector2d(corner + kCell_m * Vector2d(bit % kBlock + 0.5, bit / kBlock + 0.5)));
@@ -147,14 +143,13 @@ bool PlaneSupport::HasSurface(const Vector3d& p_W) const {
 }
 
 bool PlaneSupport::IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const {
-  bool is_near = false;
-  other.blocks_.ForEach([&](int x, int y, std::uint32_t) {
-    for (int k = 0; k < 4 && !is_near; ++k) {
+  return other.blocks_.AnyOf([&](int x, int y, std::uint32_t) {
+    for (int k = 0; k < 4; ++k) {
       const Vector2d corner = kCoarse_m * Vector2d(x + k % 2, y + k / 2);
-      is_near = IsNear(other.ToWorld(corner, plane_W), radius_m);
+      if (IsNear(other.ToWorld(corner, plane_W), radius_m)) return true;
     }
+    return false;
   });
-  return is_near;
 }
 
 bool PlaneSupport::IsNear(const Vector3d& p_W, double radius_m) const {
