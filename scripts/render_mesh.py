@@ -153,6 +153,8 @@ def main():
     parser.add_argument("--edges", action="store_true")
     parser.add_argument("--backs", action="store_true", help="also faces seen from behind, in dark red")
     args = parser.parse_args()
+    if not args.pose and not (args.eye and args.target):
+        parser.error("say where from: --pose, or --from and --to")
     xyz, faces, grey, ids = read_ply(args.mesh)
     if args.pose:
         R, t = camera_of(args.pose)
