@@ -36,24 +36,36 @@ struct WeightedPlane {
   double expected_thickness_m = 0;
 };
 
-std::vector<int> DistinctCorners(const SurfaceFaces& faces, const std::vector<int>& on_plane) {
-  std::vector<char> is_listed(faces.points.size(), 0);
-  std::vector<int> corners;
-  corners.reserve(3 * on_plane.size());
-  for (const int f : on_plane) {
-    for (const int corner : faces.faces[f].corners) {
-      if (is_listed[corner] == 0) corners.push_back(corner);
-      is_listed[corner] = 1;
-    }
-  }
-  return corners;
-}
+// Lists corners once. It is asked several times for every plane that is tried.
+class CornerLister {
+ public:
+  explicit CornerLister(const SurfaceFaces& faces)
+      : faces_(faces), listed_in_(faces.points.size(), 0) {}
 
-// Through the distinct corners of the faces, each with its own uncertainty across the plane.
-WeightedPlane FitFaces(const SurfaceFaces& faces,
-                       const std::vector<int>& on_plane,
-                       const Vector3d& n_W) {
-  const std::vector<int> corners = DistinctCorners(faces, on_plane);
+  /// Of these faces; valid until the next call.
+  const std::vector<int>& DistinctCorners(const std::vector<int>& on_plane) {
+    ++call_;
+    corners_.clear();
+    for (const int f : on_plane) {
+      for (const int corner : faces_.faces[f].corners) {
+        if (listed_in_[corner] != call_) corners_.push_back(corner);
+        listed_in_[corner] = call_;
+      }
+    }
+    return corners_;
+  }
+
+ private:
+  const SurfaceFaces& faces_;
+  std::vector<int> listed_in_;  // by corner: the last call that has listed it
+  int call_ = 0;
+  std::vector<int> corners_;
+};
+
+// Each corner with its own uncertainty across the plane.
+WeightedPlane FitCorners(const SurfaceFaces& faces,
+                         const std::vector<int>& corners,
+                         const Vector3d& n_W) {
   WeightedPlane out;
   out.points.reserve(corners.size());
   out.weights.reserve(corners.size());
@@ -106,6 +118,7 @@ std::vector<int> LabelPieces(const std::vector<Cell>& cells, int& num_pieces) {
 // Splits faces of one plane into pieces that are connected over a grid of cells.
 std::vector<std::vector<int>> ConnectedPieces(const SurfaceFaces& faces,
                                               const std::vector<int>& on_plane,
+                                              const std::vector<int>& corners,
                                               const Plane& plane_W) {
   const Matrix<3, 2> basis = TangentBasis(plane_W.n);
   const auto cell_of = [&](const Vector3d& p_W) {
@@ -115,7 +128,7 @@ std::vector<std::vector<int>> ConnectedPieces(const SurfaceFaces& faces,
   std::vector<Cell> cells, middles;
   for (const int f : on_plane)
     middles.push_back(cell_of(faces.faces[f].centre_W));
-  for (const int corner : DistinctCorners(faces, on_plane))
+  for (const int corner : corners)
     cells.push_back(cell_of(faces.points[corner].p_W));
   cells.insert(cells.end(), middles.begin(), middles.end());
   std::sort(cells.begin(), cells.end());
@@ -182,30 +195,31 @@ std::vector<int> Without(const std::vector<int>& faces, const std::vector<int>& 
 }
 
 // All lists of faces are ascending.
-struct CandidateSearch {
-  const SurfaceFaces& faces;
-  double min_area_m2;
-  const DetectionOptions& options;
+class CandidateSearch {
+ public:
+  CandidateSearch(const SurfaceFaces& faces, double min_area_m2, const DetectionOptions& options)
+      : faces_(faces), min_area_m2_(min_area_m2), options_(options), corners_(faces) {}
 
   // A plane that bridges two surfaces, or lies across them, is taken apart, and each part finds its
   // own faces.
   void Run(const std::vector<int>& pool,
            const Plane& start,
            int num_splits,
-           std::vector<PlaneCandidate>& out) const {
+           std::vector<PlaneCandidate>& out) {
     Plane plane = start;
     std::vector<int> on_plane;
     for (int round = 0; round < kMaxRounds; ++round) {
-      std::vector<int> found = FacesOnPlane(faces, pool, plane, options.max_distance_m);
-      if (AreaOf(faces, found) < min_area_m2) return;
+      std::vector<int> found = FacesOnPlane(faces_, pool, plane, options_.max_distance_m);
+      if (AreaOf(faces_, found) < min_area_m2_) return;
       if (found == on_plane) break;
       on_plane = std::move(found);
-      plane = FitFaces(faces, on_plane, plane.n).fit.plane;
+      plane = Fit(on_plane, plane.n).fit.plane;
     }
-    const std::vector<std::vector<int>> pieces = ConnectedPieces(faces, on_plane, plane);
+    const std::vector<std::vector<int>> pieces =
+        ConnectedPieces(faces_, on_plane, corners_.DistinctCorners(on_plane), plane);
     if (pieces.size() > 1 && num_splits > 0) {
       const auto is_large = [&](const std::vector<int>& piece) {
-        return AreaOf(faces, piece) >= min_area_m2;
+        return AreaOf(faces_, piece) >= min_area_m2_;
       };
       const auto num_large = std::count_if(pieces.begin(), pieces.end(), is_large);
       // One among crumbs only has to find its own plane.
@@ -214,8 +228,8 @@ struct CandidateSearch {
       return;
     }
     for (const std::vector<int>& piece : pieces) {
-      if (AreaOf(faces, piece) < min_area_m2) continue;
-      const WeightedPlane fit = FitFaces(faces, piece, start.n);
+      if (AreaOf(faces_, piece) < min_area_m2_) continue;
+      const WeightedPlane fit = Fit(piece, start.n);
       const auto step = FindStep(fit.points, fit.weights, fit.fit);
       if (!step) {
         Accept(piece, fit, start, out);
@@ -223,32 +237,37 @@ struct CandidateSearch {
         RunParts(BothSides(piece, *step), pool, start, num_splits - 1, out);
       } else {  // extending the sides led here again
         for (const std::vector<int>& side : BothSides(piece, *step))
-          Accept(side, FitFaces(faces, side, start.n), start, out);
+          Accept(side, Fit(side, start.n), start, out);
       }
     }
+  }
+
+ private:
+  WeightedPlane Fit(const std::vector<int>& on_plane, const Vector3d& n_W) {
+    return FitCorners(faces_, corners_.DistinctCorners(on_plane), n_W);
   }
 
   void Accept(const std::vector<int>& on_plane,
               const WeightedPlane& fit,
               const Plane& start,
               std::vector<PlaneCandidate>& out) const {
-    if (static_cast<int>(on_plane.size()) >= options.min_faces &&
-        AreaOf(faces, on_plane) >= min_area_m2 && IsAcceptable(fit, start, options))
-      out.push_back(MakeCandidate(faces, on_plane, fit, options));
+    if (static_cast<int>(on_plane.size()) >= options_.min_faces &&
+        AreaOf(faces_, on_plane) >= min_area_m2_ && IsAcceptable(fit, start, options_))
+      out.push_back(MakeCandidate(faces_, on_plane, fit, options_));
   }
 
   void RunParts(const std::vector<std::vector<int>>& parts,
                 std::vector<int> pool,
                 const Plane& start,
                 int num_splits,
-                std::vector<PlaneCandidate>& out) const {
+                std::vector<PlaneCandidate>& out) {
     const std::size_t num_before = out.size();
     for (std::vector<int> part : parts) {
       for (std::size_t k = num_before; k < out.size(); ++k)
         part = Without(part, out[k].faces);
-      if (AreaOf(faces, part) < min_area_m2) continue;
-      const WeightedPlane fit = FitFaces(faces, part, start.n);
-      if (static_cast<int>(fit.points.size()) < options.min_vertices) continue;
+      if (AreaOf(faces_, part) < min_area_m2_) continue;
+      const WeightedPlane fit = Fit(part, start.n);
+      if (static_cast<int>(fit.points.size()) < options_.min_vertices) continue;
       const std::size_t first = out.size();
       Run(pool, fit.fit.plane, num_splits, out);
       for (std::size_t k = first; k < out.size(); ++k)
@@ -260,9 +279,14 @@ struct CandidateSearch {
                                           const SurfaceStep& step) const {
     std::vector<std::vector<int>> sides(2);
     for (const int f : piece)
-      sides[step.IsBeyond(faces.faces[f].centre_W) ? 1 : 0].push_back(f);
+      sides[step.IsBeyond(faces_.faces[f].centre_W) ? 1 : 0].push_back(f);
     return sides;
   }
+
+  const SurfaceFaces& faces_;
+  const double min_area_m2_;
+  const DetectionOptions& options_;
+  CornerLister corners_;
 };
 
 }  // namespace
@@ -329,13 +353,12 @@ PlaneOrientation OrientationOf(const Vector3d& n_W,
 }
 
 std::vector<PlaneCandidate> FitCandidates(const SurfaceFaces& faces,
-                                          std::span<const int> pool,
+                                          const std::vector<int>& around,
                                           const Plane& start,
                                           double min_area_m2,
                                           const DetectionOptions& options) {
-  const CandidateSearch search{faces, min_area_m2, options};
   std::vector<PlaneCandidate> out;
-  search.Run(FacesAround(faces, pool, start), start, kMaxSplits, out);
+  CandidateSearch(faces, min_area_m2, options).Run(around, start, kMaxSplits, out);
   return out;
 }
 

@@ -39,12 +39,12 @@ std::vector<int> FacesAround(const SurfaceFaces& faces,
                              std::span<const int> pool,
                              const Plane& start);
 
-/// Fits a plane to the pool's faces (ascending) near `start`, all three degrees of freedom, and
-/// judges it. Every connected piece large enough is a candidate of its own: two tables of the same
+/// Fits a plane to the faces around `start` (ascending), all three degrees of freedom, and judges
+/// it. Every connected piece large enough is a candidate of its own: two tables of the same
 /// height are two planes, and so are two surfaces that a step parts. Candidates that are too small,
 /// too thick or too narrow are left out, and so are those that turned away from `start`.
 std::vector<PlaneCandidate> FitCandidates(const SurfaceFaces& faces,
-                                          std::span<const int> pool,
+                                          const std::vector<int>& around,
                                           const Plane& start,
                                           double min_area_m2,
                                           const DetectionOptions& options);

@@ -23,7 +23,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 std::vector<PlaneCandidate> Fit(const SurfaceFaces& faces, const Plane& start) {
   const DetectionOptions options;
-  return FitCandidates(faces, AllOf(faces), start, options.min_area_m2, options);
+  return FitCandidates(
+      faces, FacesAround(faces, AllOf(faces), start), start, options.min_area_m2, options);
 }
 
 TEST(PlaneCandidateTest, FitsAllThreeDegreesOfFreedomFromARoughStart) {

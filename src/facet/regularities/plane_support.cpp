@@ -29,15 +29,44 @@ void ForEachCell(int x, int y, std::uint32_t mask, const Function& function) {
   }
 }
 
-// Bits of the 3 x 3 cells around a cell, as far as they lie in the block that x and y are counted
-// from.
-std::uint32_t CellsAround(int x, int y) {
+// Bits of a rectangle of cells, as far as they lie in the block that both are counted from.
+constexpr std::uint32_t CellsBetween(const Cell& first, const Cell& last) {
+  const int left = std::max(0, first[0]), right = std::min(kBlock - 1, last[0]);
+  if (left > right) return 0;
+  const std::uint32_t columns = (2U << right) - (1U << left);
   std::uint32_t mask = 0;
-  for (int row = std::max(0, y - 1); row <= std::min(kBlock - 1, y + 1); ++row) {
-    for (int column = std::max(0, x - 1); column <= std::min(kBlock - 1, x + 1); ++column)
-      mask |= 1U << (column + kBlock * row);
-  }
+  for (int row = std::max(0, first[1]); row <= std::min(kBlock - 1, last[1]); ++row)
+    mask |= columns << (kBlock * row);
   return mask;
+}
+
+// Bits of the 3 x 3 cells around a cell, as far as they lie in the block that x and y are counted
+// from; for cells from -1 to kBlock.
+class CellsAround {
+ public:
+  constexpr CellsAround() {
+    for (int y = -1; y <= kBlock; ++y) {
+      for (int x = -1; x <= kBlock; ++x)
+        masks_[Place(x, y)] = CellsBetween({x - 1, y - 1}, {x + 1, y + 1});
+    }
+  }
+
+  std::uint32_t operator()(int x, int y) const { return masks_[Place(x, y)]; }
+
+ private:
+  static constexpr std::size_t Place(int x, int y) {
+    return static_cast<std::size_t>((y + 1) * (kBlock + 2) + x + 1);
+  }
+
+  std::array<std::uint32_t, (kBlock + 2) * (kBlock + 2)> masks_{};
+};
+
+constexpr CellsAround kCellsAround;
+
+// On which side the next block is beside the cell: -1, 1, or 0 inside.
+int BlockBeside(int cell) {
+  if (cell == 0) return -1;
+  return cell == kBlock - 1 ? 1 : 0;
 }
 
 // What is farther off than this has no cell: neither have coordinates that are not numbers.
@@ -47,8 +76,11 @@ bool HasCell(const Vector2d& xy) {
   return xy.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < kMaxReach_m;
 }
 
+// Rounds down; without SSE 4.1 std::floor is a call.
 int CellOf(double m, double size_m) {
-  return static_cast<int>(std::floor(m / size_m));
+  const double cells = m / size_m;
+  const int towards_zero = static_cast<int>(cells);
+  return towards_zero - (cells < towards_zero ? 1 : 0);
 }
 
 double Cross(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
@@ -125,21 +157,21 @@ void PlaneSupport::Add(const PlaneSupport& other, const Plane& plane_W) {
   });
 }
 
-// The cells around the point lie in one block, two or four.
+// The cells around the point lie in one block, two or four; most often the first look tells.
 bool PlaneSupport::HasSurface(const Vector3d& p_W) const {
   const Vector2d xy = ToPlane(p_W);
   if (!HasCell(xy)) return false;
   const Cell middle = {CellOf(xy.x(), kCell_m), CellOf(xy.y(), kCell_m)};
-  const int last_x = FloorDivide(middle[0] + 1, kBlock),
-            last_y = FloorDivide(middle[1] + 1, kBlock);
-  for (int x = FloorDivide(middle[0] - 1, kBlock); x <= last_x; ++x) {
-    for (int y = FloorDivide(middle[1] - 1, kBlock); y <= last_y; ++y) {
-      const std::uint32_t block = blocks_.Get(x, y);
-      if (block != 0 && (block & CellsAround(middle[0] - kBlock * x, middle[1] - kBlock * y)) != 0)
-        return true;
-    }
-  }
-  return false;
+  const int block_x = FloorDivide(middle[0], kBlock), block_y = FloorDivide(middle[1], kBlock);
+  const int x = middle[0] - kBlock * block_x, y = middle[1] - kBlock * block_y;
+  if ((blocks_.Get(block_x, block_y) & kCellsAround(x, y)) != 0) return true;
+  const int dx = BlockBeside(x), dy = BlockBeside(y);
+  const auto has_any = [&](int right, int up) {
+    return (blocks_.Get(block_x + right, block_y + up) &
+            kCellsAround(x - kBlock * right, y - kBlock * up)) != 0;
+  };
+  return (dx != 0 && has_any(dx, 0)) || (dy != 0 && has_any(0, dy)) ||
+         (dx != 0 && dy != 0 && has_any(dx, dy));
 }
 
 bool PlaneSupport::IsNear(const PlaneSupport& other, const Plane& plane_W, double radius_m) const {
