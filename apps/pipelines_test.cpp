@@ -2,9 +2,11 @@
 // The three pipelines on a recording: SPR finds the room's planes, S and SP have none, and all of
 // them follow the path.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +16,7 @@
 
 #include "facet/eval/run_evaluation.h"
 #include "facet/io/planes_file.h"
+#include "facet/io/ply_reader.h"
 #include "facet/testing/data_dir.h"
 #include "facet/testing/folders.h"
 
@@ -60,6 +63,33 @@ TEST_F(PipelinesTest, SprFindsPlanesThatAreThere) {
   EXPECT_GE(evaluation.planes->precision.value_or(0), 0.8);
   EXPECT_LE(evaluation.planes->normal_error_deg_median.value_or(90), 2.0);
   EXPECT_LE(evaluation.causal.ate_m.rmse, 0.004) << "m";
+}
+
+// In the end: planes have become part of others by then, or turned out to be none.
+TEST_F(PipelinesTest, EveryPlaneOfTheMeshesIsListed) {
+  const fs::path out = Run("SPR");
+  std::map<int, EstimatedPlane> listed;
+  for (const EstimatedPlane& plane : ReadEstimatedPlanes(out / "planes.csv"))
+    listed[static_cast<int>(plane.id)] = plane;
+  for (const char* name : {"mesh.ply", "map.ply"}) {
+    const TriangleMesh mesh = ReadPly(out / name);
+    std::map<int, std::vector<double>> distances_m;  // of corners from their plane
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+      const int id = mesh.plane_ids[f];
+      if (id < 0) continue;
+      ASSERT_TRUE(listed.contains(id)) << name << ": plane " << id;
+      for (const int corner : mesh.faces[f]) {
+        const EstimatedPlane& plane = listed[id];
+        distances_m[id].push_back(std::abs(plane.n_W.dot(mesh.vertices[corner]) - plane.d_W));
+      }
+    }
+    EXPECT_FALSE(distances_m.empty()) << name;
+    for (auto& [id, distances] : distances_m) {
+      const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+      std::nth_element(distances.begin(), middle, distances.end());
+      EXPECT_LT(*middle, 0.05) << name << ": plane " << id << " [m]";
+    }
+  }
 }
 
 TEST_F(PipelinesTest, AFullMapIsReportedOnce) {

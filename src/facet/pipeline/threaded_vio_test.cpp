@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The whole system on images of a corner of a room that are painted here: pose, planes and map are
+// right, and on two threads they are the same bit for bit. Also the run for the thread sanitizer.
+#include "facet/pipeline/threaded_vio.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "facet/base/random.h"
+#include "facet/pipeline/vio_pipeline.h"
+#include "facet/sim/euroc_rig.h"
+
+namespace facet {
+namespace {
+
+constexpr Timestamp kBegin{1'400'000'000'000'000'000};
+constexpr Duration kFrameInterval{50'000'000};
+constexpr Duration kImuInterval{5'000'000};
+constexpr Timestamp kEnd{kBegin.ns + 3'500'000'000};
+constexpr double kWallX = 2.5, kFloorZ = -0.8;
+
+constexpr double kTexel_m = 0.01;
+
+/// Sheets of paper on top of each other, the same on all walls.
+cv::Mat MakeTexture() {
+  constexpr int kTexels = 1024;
+  cv::Mat texture(kTexels, kTexels, CV_8UC1, 128.0);
+  Rng rng(1);
+  const auto draw = [&](double low, double high) {
+    return static_cast<int>(rng.Uniform(low, high));
+  };
+  for (int k = 0; k < 6000; ++k) {
+    const cv::Rect sheet(draw(0, kTexels), draw(0, kTexels), draw(4, 30), draw(4, 30));
+    cv::rectangle(texture, sheet, draw(20, 235), cv::FILLED);
+  }
+  cv::GaussianBlur(texture, texture, {}, 0.7);
+  return texture;
+}
+
+/// A wall ahead and the floor, seen by one camera that does not turn.
+class Painter {
+ public:
+  Painter(const CameraModel& camera, const Matrix3d& R_WC) {
+    for (int row = 0; row < camera.height(); ++row) {
+      for (int column = 0; column < camera.width(); ++column) {
+        const auto ray_C = camera.Unproject({column, row});
+        rays_W_.push_back(ray_C ? Vector3d(R_WC * *ray_C) : Vector3d::UnitX());
+      }
+    }
+    u_.create(camera.height(), camera.width(), CV_32FC1);
+    v_.create(camera.height(), camera.width(), CV_32FC1);
+  }
+
+  cv::Mat Paint(const Vector3d& p_WC, const cv::Mat& texture) {
+    for (std::size_t i = 0; i < rays_W_.size(); ++i) {
+      const Vector3d& ray = rays_W_[i];
+      const double to_wall = (kWallX - p_WC.x()) / ray.x();
+      const double to_floor = ray.z() < 0 ? (kFloorZ - p_WC.z()) / ray.z() : 1e9;
+      const Vector3d p = p_WC + std::min(to_wall, to_floor) * ray;
+      const double along = to_wall < to_floor ? p.z() : p.x() + 7;
+      u_.ptr<float>()[i] = static_cast<float>(512 + p.y() / kTexel_m);
+      v_.ptr<float>()[i] = static_cast<float>(512 + along / kTexel_m);
+    }
+    cv::Mat image;
+    cv::remap(texture, image, u_, v_, cv::INTER_LINEAR, cv::BORDER_WRAP);
+    return image;
+  }
+
+ private:
+  std::vector<Vector3d> rays_W_;
+  cv::Mat u_, v_;
+};
+
+/// The body sways without turning; its left camera looks along x.
+struct Sway {
+  static constexpr double kX = 0.15, kY = 0.3, kZ = 0.1;           // [m]
+  static constexpr double kRateX = 1.3, kRateY = 2, kRateZ = 1.7;  // [rad/s]
+
+  static Vector3d Position(double t) {
+    return {kX * std::sin(kRateX * t), kY * std::sin(kRateY * t), kZ * std::sin(kRateZ * t)};
+  }
+  static Vector3d Acceleration(double t) {
+    const Vector3d p = Position(t);
+    return {-kRateX * kRateX * p.x(), -kRateY * kRateY * p.y(), -kRateZ * kRateZ * p.z()};
+  }
+};
+
+struct Recording {
+  StereoRig rig = EurocRig();
+  std::vector<StereoFrame> frames;
+  std::vector<ImuSample> imu;
+  SE3 T_WB0;  // where the body is at first
+};
+
+Recording MakeRecording() {
+  Recording out;
+  Matrix3d R_WC0;
+  R_WC0 << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const Matrix3d R_WB = R_WC0 * out.rig.T_BC[0].R().transpose();
+  out.T_WB0 = {Quaterniond(R_WB), Sway::Position(0)};
+  const cv::Mat texture = MakeTexture();
+  Painter left(out.rig.cameras[0], R_WC0);
+  Painter right(out.rig.cameras[1], R_WB * out.rig.T_BC[1].R());
+  for (Timestamp t = kBegin; t < kEnd; t = t + kFrameInterval) {
+    const SE3 T_WB(out.T_WB0.q, Sway::Position(ToSeconds(t - kBegin)));
+    out.frames.push_back({t,
+                          left.Paint(T_WB * out.rig.T_BC[0].p, texture),
+                          right.Paint(T_WB * out.rig.T_BC[1].p, texture)});
+  }
+  for (Timestamp t = kBegin; t <= kEnd; t = t + kImuInterval) {
+    const Vector3d force_W =
+        Sway::Acceleration(ToSeconds(t - kBegin)) + kGravity * Vector3d::UnitZ();
+    out.imu.push_back({t, Vector3d::Zero(), R_WB.transpose() * force_W});
+  }
+  return out;
+}
+
+/// Calls add_imu and add_stereo in the order of time.
+template <class AddImu, class AddStereo>
+void Feed(const Recording& recording, const AddImu& add_imu, const AddStereo& add_stereo) {
+  std::size_t next = 0;
+  for (const StereoFrame& frame : recording.frames) {
+    for (; next < recording.imu.size() && recording.imu[next].t <= frame.t + kImuInterval; ++next)
+      add_imu(recording.imu[next]);
+    add_stereo(frame);
+  }
+}
+
+class ThreadedVioTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    recording_ = new Recording(MakeRecording());
+    one_ = new VioPipeline(recording_->rig, ImuNoise{}, VioOptions{});
+    outputs_ = new std::vector<VioOutput>;
+    Feed(
+        *recording_,
+        [](const ImuSample& sample) { one_->AddImu(sample); },
+        [](const StereoFrame& frame) { outputs_->push_back(one_->AddStereo(frame)); });
+  }
+  static void TearDownTestSuite() {
+    delete outputs_;
+    delete one_;
+    delete recording_;
+  }
+
+  // Painted and run once for all tests.
+  static inline Recording* recording_ = nullptr;
+  static inline VioPipeline* one_ = nullptr;
+  static inline std::vector<VioOutput>* outputs_ = nullptr;
+};
+
+TEST_F(ThreadedVioTest, FollowsThePath) {
+  // W has its origin at the first pose that is output.
+  ASSERT_TRUE(outputs_->back().has_pose);
+  const auto first = std::find_if(
+      outputs_->begin(), outputs_->end(), [](const VioOutput& output) { return output.has_pose; });
+  EXPECT_LE(ToSeconds(first->t - kBegin), 1);
+  const auto true_pose = [](Timestamp t) {
+    return SE3(recording_->T_WB0.q, Sway::Position(ToSeconds(t - kBegin)));
+  };
+  const SE3 T_W_true = first->state.T_WB * true_pose(first->t).Inverse();
+  for (auto output = first; output != outputs_->end(); ++output) {
+    const SE3 expected = T_W_true * true_pose(output->t);
+    EXPECT_LT((output->state.T_WB.p - expected.p).norm(), 0.02) << ToSeconds(output->t - kBegin);
+    EXPECT_LT(output->state.T_WB.q.angularDistance(expected.q), 0.01);
+  }
+}
+
+TEST_F(ThreadedVioTest, FindsFloorAndWall) {
+  int num_floors = 0, num_walls = 0;
+  for (const PlaneRecord& plane : one_->Planes()) {
+    num_floors += plane.label == PlaneLabel::kFloor ? 1 : 0;
+    num_walls += plane.label == PlaneLabel::kWall ? 1 : 0;
+    EXPECT_NE(plane.orientation, PlaneOrientation::kOblique);
+  }
+  EXPECT_EQ(num_floors, 1);
+  EXPECT_EQ(num_walls, 1);
+  ASSERT_TRUE(one_->Map());
+  EXPECT_GT(one_->Map()->faces.size(), 500u);
+}
+
+TEST_F(ThreadedVioTest, GivesTheSameBitsAsOneThread) {
+  ThreadedVio two(recording_->rig, ImuNoise{}, VioOptions{});
+  std::vector<VioOutput> outputs;
+  const auto append = [&](const std::vector<VioOutput>& ready) {
+    outputs.insert(outputs.end(), ready.begin(), ready.end());
+  };
+  Feed(
+      *recording_,
+      [&](const ImuSample& sample) { two.AddImu(sample); },
+      [&](const StereoFrame& frame) { append(two.AddStereo(frame)); });
+  append(two.Finish());
+  ASSERT_EQ(outputs.size(), outputs_->size());
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const VioOutput &a = outputs[i], &b = (*outputs_)[i];
+    EXPECT_EQ(a.t, b.t);
+    EXPECT_EQ(a.has_pose, b.has_pose) << i;
+    EXPECT_EQ(a.is_keyframe, b.is_keyframe) << i;
+    EXPECT_EQ(a.state.T_WB.p, b.state.T_WB.p) << i;
+    EXPECT_EQ(a.state.T_WB.q.coeffs(), b.state.T_WB.q.coeffs()) << i;
+    EXPECT_EQ(a.num_constraints, b.num_constraints) << i;
+  }
+  EXPECT_EQ(two.Map()->vertices, one_->Map()->vertices);
+  EXPECT_EQ(two.Planes().size(), one_->Planes().size());
+  EXPECT_EQ(two.WindowKeyframes().size(), one_->WindowKeyframes().size());
+}
+
+}  // namespace
+}  // namespace facet
