@@ -71,6 +71,7 @@ std::optional<ScenePoint> TrueScene::Find(const StereoRig& rig,
   const std::optional<Hit> hit = surfaces_->Cast(rig, T_WC, px);
   if (!hit) return std::nullopt;
   return ScenePoint{hit->p_W,
+                    hit->n_W,
                     surfaces_->Judge(rig, T_WC, px, *hit),
                     surfaces_->mesh.plane_ids[static_cast<std::size_t>(hit->face)]};
 }

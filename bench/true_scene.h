@@ -18,6 +18,7 @@ constexpr std::array<const char*, 4> kGroundNames = {"flat", "curved", "crease",
 /// A point of the true surfaces.
 struct ScenePoint {
   Vector3d p_W = Vector3d::Zero();
+  Vector3d n_W = Vector3d::UnitZ();  ///< unit, either side
   Ground ground = Ground::kFlat;
   int plane = -1;  ///< row of planes.csv
 };

@@ -18,19 +18,12 @@
 
 #include "plane_members.h"
 #include "track_residuals.h"
-#include "true_scene.h"
+#include "true_run.h"
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "facet/base/random.h"
-#include "facet/eval/trajectory_error.h"
-#include "facet/io/asl_dataset.h"
-#include "facet/io/calibration_file.h"
 #include "facet/io/config_file.h"
-#include "facet/io/errors.h"
-#include "facet/io/trajectory_file.h"
-#include "facet/pipeline/back_stage.h"
-#include "facet/pipeline/front_stage.h"
 
 namespace facet {
 namespace {
@@ -158,55 +151,30 @@ class PixelJudge {
   std::map<int, std::vector<double>> by_age_;
 };
 
-/// The true pose at a stamp that is in the file, or between two that are.
-SE3 TruthAt(const Trajectory& truth, Timestamp t) {
-  const StampedPose wanted{t, SE3()};
-  const Association found = Associate(std::span(&wanted, 1), truth.poses);
-  if (found.pairs.empty()) throw InputError("the ground truth does not cover the images");
-  return found.pairs.front().T_GB;
-}
-
 void Process(const std::string& sequence,
              const VioOptions& options,
              const Replacement& what,
              const std::string& dump_file) {
   std::ofstream dump(dump_file);
   if (!dump_file.empty()) dump << "frame,landmark,age,ground,plane,x,y,error_x,error_y\n";
-  AslDataset dataset(sequence);
-  const std::filesystem::path exact = std::filesystem::path(sequence) / "truth";
-  const StereoRig exact_rig = std::filesystem::exists(exact / "cam0")
-                                  ? FindCalibration({}, {exact.string(), {}}).rig
-                                  : dataset.rig();
-  const Trajectory truth = ReadTrajectory(FindTruth(sequence));
-  const TrueScene scene(sequence);
+  TrueSequence run(sequence);
   PlaneMembers members(sequence);
-  PixelJudge judge(exact_rig, scene, what);
-  FrontStage front(dataset.rig(), options);
-  BackStage back(dataset.rig(), dataset.imu_noise(), options);
+  PixelJudge judge(run.exact_rig, run.scene, what);
   std::vector<StampedPose> estimate;
-  std::size_t next_imu = 0;
-  for (std::size_t i = 0; i < dataset.frames().size(); ++i) {
-    const Timestamp t = dataset.frames()[i].t;
-    const auto& imu = dataset.imu();
-    while (next_imu < imu.size() && (next_imu == 0 || imu[next_imu - 1].t <= t))
-      front.AddImu(imu[next_imu++]);
-    StereoFrame frame{t, {}, {}};
-    dataset.ReadPair(i, frame.left, frame.right);
-    FrontPacket packet = front.Process(frame);
-    judge.Replace(
-        TruthAt(truth, t), packet.frontend.observations, dump_file.empty() ? nullptr : &dump);
-    const VioOutput out = back.Process(packet);
-    if (back.feedback()) front.AddFeedback(*back.feedback());
-    if (out.has_pose) estimate.push_back({t, out.state.T_WB});
+  const auto replace = [&](int, const SE3& T_WB, const cv::Mat&, FrameObservations& frame) {
+    judge.Replace(T_WB, frame, dump_file.empty() ? nullptr : &dump);
+  };
+  RunStages(run, options, replace, [&](const VioOutput& out) {
+    if (out.has_pose) estimate.push_back({out.t, out.state.T_WB});
     if (out.snapshot) members.Add(*out.snapshot);
-  }
-  const TrajectoryError error = EvaluateTrajectory(estimate, truth.poses);
+  });
+  const TrajectoryError error = EvaluateTrajectory(estimate, run.truth.poses);
   std::printf("left %s, right %s: ATE rmse %.3f mm, %zu of %zu poses\n",
               what.left ? "exact" : "tracked",
               what.right ? "exact" : "tracked",
               1e3 * error.ate_m.rmse,
               estimate.size(),
-              dataset.frames().size());
+              run.dataset.frames().size());
   judge.Print();
   members.Print([&](LandmarkId landmark) { return judge.PointOf(landmark); });
 }

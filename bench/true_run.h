@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A simulated sequence with its truth, and the pipeline's stages run over it one by one.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "true_scene.h"
+#include <opencv2/core.hpp>
+
+#include "facet/eval/trajectory_error.h"
+#include "facet/io/asl_dataset.h"
+#include "facet/io/trajectory_file.h"
+#include "facet/map/observation.h"
+#include "facet/pipeline/vio_options.h"
+#include "facet/pipeline/vio_output.h"
+
+namespace facet {
+
+struct TrueSequence {
+  /// Throws InputError.
+  explicit TrueSequence(const std::string& folder);
+
+  /// The true pose at a stamp that is in the file, or between two that are. Throws InputError.
+  SE3 PoseAt(Timestamp t) const;
+
+  AslDataset dataset;
+  StereoRig exact_rig;  ///< that the images obey
+  Trajectory truth;
+  TrueScene scene;
+};
+
+/// A frame between front and back stage; the observations may be changed.
+using VisitFrame =
+    std::function<void(int index, const SE3& T_WB, const cv::Mat& left, FrameObservations&)>;
+
+void RunStages(TrueSequence& sequence,
+               const VioOptions& options,
+               const VisitFrame& visit,
+               const std::function<void(const VioOutput&)>& take);
+
+}  // namespace facet
