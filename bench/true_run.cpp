@@ -2,7 +2,9 @@
 #include "true_run.h"
 
 #include <filesystem>
+#include <span>
 
+#include "facet/eval/trajectory_error.h"
 #include "facet/io/calibration_file.h"
 #include "facet/io/errors.h"
 #include "facet/pipeline/back_stage.h"
@@ -12,6 +14,7 @@ namespace facet {
 
 namespace {
 
+// Without a calibration in truth/ the images obey the given one.
 StereoRig ExactRig(const std::string& folder, const AslDataset& dataset) {
   const std::filesystem::path exact = std::filesystem::path(folder) / "truth";
   if (!std::filesystem::exists(exact / "cam0")) return dataset.rig();
@@ -36,7 +39,7 @@ SE3 TrueSequence::PoseAt(Timestamp t) const {
 void RunStages(TrueSequence& sequence,
                const VioOptions& options,
                const VisitFrame& visit,
-               const std::function<void(const VioOutput&)>& take) {
+               const std::function<void(const VioOutput&)>& take_output) {
   AslDataset& dataset = sequence.dataset;
   FrontStage front(dataset.rig(), options);
   BackStage back(dataset.rig(), dataset.imu_noise(), options);
@@ -52,7 +55,7 @@ void RunStages(TrueSequence& sequence,
     visit(static_cast<int>(i), sequence.PoseAt(t), frame.left, packet.frontend.observations);
     const VioOutput out = back.Process(packet);
     if (back.feedback()) front.AddFeedback(*back.feedback());
-    take(out);
+    take_output(out);
   }
 }
 

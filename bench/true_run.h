@@ -8,7 +8,6 @@
 #include "true_scene.h"
 #include <opencv2/core.hpp>
 
-#include "facet/eval/trajectory_error.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/io/trajectory_file.h"
 #include "facet/map/observation.h"
@@ -30,13 +29,16 @@ struct TrueSequence {
   TrueScene scene;
 };
 
-/// A frame between front and back stage; the observations may be changed.
+/// A frame between front and back stage: its place in the sequence, the true pose, the left image,
+/// and the observations, which may be changed.
 using VisitFrame =
     std::function<void(int index, const SE3& T_WB, const cv::Mat& left, FrameObservations&)>;
 
+/// Calls `visit` and then, after the back stage, `take_output`, once for each frame. Throws
+/// InputError.
 void RunStages(TrueSequence& sequence,
                const VioOptions& options,
                const VisitFrame& visit,
-               const std::function<void(const VioOutput&)>& take);
+               const std::function<void(const VioOutput&)>& take_output);
 
 }  // namespace facet

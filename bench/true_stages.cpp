@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -23,6 +24,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "facet/base/random.h"
+#include "facet/eval/trajectory_error.h"
 #include "facet/io/config_file.h"
 
 namespace facet {

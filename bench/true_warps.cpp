@@ -3,10 +3,12 @@
 // How exact would tracks on flat ground be if the shape of their patches were known? While pipeline
 // S tracks a simulated sequence, each track's first patch is found again in later images with the
 // true affine warp, shifted, turned and scaled, or free in all six parameters, beginning at the
-// truth; the errors stand beside those of the tracker, for the tracks that are still followed.
+// truth; the errors stand beside those of the tracker, for the tracks that are still followed and
+// found by all ways.
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <exception>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -22,12 +24,13 @@
 
 #include "facet/frontend/patch_tracker.h"
 #include "facet/io/config_file.h"
+#include "facet/map/observation.h"
 
 namespace facet {
 namespace {
 
 constexpr std::array<int, 6> kAges = {1, 2, 8, 20, 40, 80};  // frames
-constexpr LevelRange kLevels = {1, 0};
+constexpr LevelRange kFinest = {0, 0};
 
 /// How the first patch is found again, from the true place on.
 struct Way {
@@ -79,8 +82,9 @@ PatchWarp NearestSimilarity(PatchWarp warp) {
   return warp;
 }
 
-/// Along both axes [px].
+/// Along both axes [px]: two values per track.
 struct Errors {
+  int num_left_out = 0;  ///< tracks that one of the ways did not find
   std::vector<double> tracker;
   std::array<std::vector<double>, kWays.size()> ways;
 };
@@ -102,6 +106,7 @@ class WarpStudy {
         births_[o.landmark] = Begin(index, T_WB, image, o.px_left);
       } else if (birth->second) {
         Judge(*birth->second, index, T_WB * rig_.T_BC[0], image, o.px_left);
+        if (index - birth->second->frame > kAges.back()) birth->second.reset();
       }
     }
   }
@@ -112,6 +117,7 @@ class WarpStudy {
       PrintRow("tracker", errors.tracker);
       for (std::size_t w = 0; w < kWays.size(); ++w)
         PrintRow(kWays[w].name, errors.ways[w]);
+      std::printf("  left out, not found by all %7d\n", errors.num_left_out);
     }
   }
 
@@ -130,7 +136,7 @@ class WarpStudy {
     birth->frame = index;
     const auto x = static_cast<float>(px.x()), y = static_cast<float>(px.y());
     for (std::size_t w = 0; w < kWays.size(); ++w)
-      trackers_[w].Extract(image, x, y, kLevels, birth->patches[w]);
+      trackers_[w].Extract(image, x, y, kFinest, birth->patches[w]);
     return birth;
   }
 
@@ -146,7 +152,10 @@ class WarpStudy {
     std::array<PatchWarp, kWays.size()> found;
     for (std::size_t w = 0; w < kWays.size(); ++w) {
       found[w] = kWays[w].is_true_shape ? *truth : NearestSimilarity(*truth);
-      if (!trackers_[w].Align(birth.patches[w], image, {0, 0}, found[w]).ok) return;
+      if (!trackers_[w].Align(birth.patches[w], image, kFinest, found[w]).ok) {
+        ++errors_[age].num_left_out;
+        return;
+      }
     }
     Errors& errors = errors_[age];
     const Vector2d place(truth->x, truth->y);

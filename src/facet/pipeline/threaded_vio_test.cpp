@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The whole system on images of a corner of a room that are painted here: pose, planes and map are
+// The whole system on images of a wall and a floor that are painted here: pose, planes and map are
 // right, and on two threads they are the same bit for bit. Also the run for the thread sanitizer.
 #include "facet/pipeline/threaded_vio.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "facet/base/median.h"
 #include "facet/base/random.h"
+#include "facet/base/types.h"
+#include "facet/geometry/se3.h"
+#include "facet/imu/imu_types.h"
 #include "facet/pipeline/vio_pipeline.h"
 #include "facet/sim/euroc_rig.h"
 
@@ -33,7 +41,7 @@ cv::Mat MakeTexture() {
     return static_cast<int>(rng.Uniform(low, high));
   };
   for (int k = 0; k < 6000; ++k) {
-    const cv::Rect sheet(draw(0, kTexels), draw(0, kTexels), draw(4, 30), draw(4, 30));
+    const cv::Rect sheet{draw(0, kTexels), draw(0, kTexels), draw(4, 30), draw(4, 30)};
     cv::rectangle(texture, sheet, draw(20, 235), cv::FILLED);
   }
   cv::GaussianBlur(texture, texture, {}, 0.7);
@@ -146,40 +154,75 @@ class ThreadedVioTest : public testing::Test {
     delete recording_;
   }
 
-  // Painted and run once for all tests.
+  static SE3 TruePose(Timestamp t) {
+    return {recording_->T_WB0.q, Sway::Position(ToSeconds(t - kBegin))};
+  }
+  static const VioOutput& First() {
+    return *std::find_if(outputs_->begin(), outputs_->end(), [](const VioOutput& output) {
+      return output.has_pose;
+    });
+  }
+  // W has its origin at the first pose that is output.
+  static SE3 TrueToWorld() { return First().state.T_WB * TruePose(First().t).Inverse(); }
+
   static inline Recording* recording_ = nullptr;
   static inline VioPipeline* one_ = nullptr;
   static inline std::vector<VioOutput>* outputs_ = nullptr;
 };
 
 TEST_F(ThreadedVioTest, FollowsThePath) {
-  // W has its origin at the first pose that is output.
   ASSERT_TRUE(outputs_->back().has_pose);
-  const auto first = std::find_if(
-      outputs_->begin(), outputs_->end(), [](const VioOutput& output) { return output.has_pose; });
-  EXPECT_LE(ToSeconds(first->t - kBegin), 1);
-  const auto true_pose = [](Timestamp t) {
-    return SE3(recording_->T_WB0.q, Sway::Position(ToSeconds(t - kBegin)));
-  };
-  const SE3 T_W_true = first->state.T_WB * true_pose(first->t).Inverse();
-  for (auto output = first; output != outputs_->end(); ++output) {
-    const SE3 expected = T_W_true * true_pose(output->t);
-    EXPECT_LT((output->state.T_WB.p - expected.p).norm(), 0.02) << ToSeconds(output->t - kBegin);
-    EXPECT_LT(output->state.T_WB.q.angularDistance(expected.q), 0.01);
+  EXPECT_LE(ToSeconds(First().t - kBegin), 1);
+  const SE3 T_W_true = TrueToWorld();
+  for (const VioOutput& output : *outputs_) {
+    if (!output.has_pose) continue;
+    const SE3 expected = T_W_true * TruePose(output.t);
+    EXPECT_LT((output.state.T_WB.p - expected.p).norm(), 0.003) << ToSeconds(output.t - kBegin);
+    EXPECT_LT(output.state.T_WB.q.angularDistance(expected.q), 0.005);
   }
 }
 
-TEST_F(ThreadedVioTest, FindsFloorAndWall) {
+TEST_F(ThreadedVioTest, FindsFloorAndWallWhereTheyAre) {
+  const SE3 T_true_W = TrueToWorld().Inverse();
   int num_floors = 0, num_walls = 0;
   for (const PlaneRecord& plane : one_->Planes()) {
+    const bool is_wall = plane.label == PlaneLabel::kWall;
     num_floors += plane.label == PlaneLabel::kFloor ? 1 : 0;
-    num_walls += plane.label == PlaneLabel::kWall ? 1 : 0;
-    EXPECT_NE(plane.orientation, PlaneOrientation::kOblique);
+    num_walls += is_wall ? 1 : 0;
+    const Vector3d n = T_true_W.q * plane.plane_W.n, centre = T_true_W * plane.centroid_W;
+    EXPECT_GT(is_wall ? -n.x() : n.z(), std::cos(0.01));
+    EXPECT_NEAR(is_wall ? centre.x() - kWallX : centre.z() - kFloorZ, 0, 0.02);
   }
   EXPECT_EQ(num_floors, 1);
   EXPECT_EQ(num_walls, 1);
-  ASSERT_TRUE(one_->Map());
-  EXPECT_GT(one_->Map()->faces.size(), 500u);
+}
+
+TEST_F(ThreadedVioTest, MapsFloorAndWall) {
+  const std::optional<TriangleMesh> map = one_->Map();
+  ASSERT_TRUE(map);
+  EXPECT_GT(map->faces.size(), 3000U);
+  const SE3 T_true_W = TrueToWorld().Inverse();
+  std::vector<double> distances_m;
+  for (const Vector3d& vertex : map->vertices) {
+    const Vector3d p = T_true_W * vertex;
+    distances_m.push_back(std::min(std::abs(p.x() - kWallX), std::abs(p.z() - kFloorZ)));
+  }
+  EXPECT_LT(*Median(distances_m), 0.02);
+}
+
+void ExpectSame(const VioOutput& a, const VioOutput& b) {
+  EXPECT_EQ(a.t, b.t);
+  EXPECT_EQ(a.has_pose, b.has_pose);
+  EXPECT_EQ(a.is_keyframe, b.is_keyframe);
+  EXPECT_EQ(a.state.T_WB.p, b.state.T_WB.p);
+  EXPECT_EQ(a.state.T_WB.q.coeffs(), b.state.T_WB.q.coeffs());
+  EXPECT_EQ(a.state.v_WB, b.state.v_WB);
+  EXPECT_EQ(a.sigma_p, b.sigma_p);
+  EXPECT_EQ(a.num_constraints, b.num_constraints);
+  ASSERT_EQ(a.mesh == nullptr, b.mesh == nullptr);
+  if (!a.mesh) return;
+  EXPECT_EQ(a.mesh->mesh.vertices, b.mesh->mesh.vertices);
+  EXPECT_EQ(a.mesh->mesh.plane_ids, b.mesh->mesh.plane_ids);
 }
 
 TEST_F(ThreadedVioTest, GivesTheSameBitsAsOneThread) {
@@ -195,16 +238,21 @@ TEST_F(ThreadedVioTest, GivesTheSameBitsAsOneThread) {
   append(two.Finish());
   ASSERT_EQ(outputs.size(), outputs_->size());
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    const VioOutput &a = outputs[i], &b = (*outputs_)[i];
-    EXPECT_EQ(a.t, b.t);
-    EXPECT_EQ(a.has_pose, b.has_pose) << i;
-    EXPECT_EQ(a.is_keyframe, b.is_keyframe) << i;
-    EXPECT_EQ(a.state.T_WB.p, b.state.T_WB.p) << i;
-    EXPECT_EQ(a.state.T_WB.q.coeffs(), b.state.T_WB.q.coeffs()) << i;
-    EXPECT_EQ(a.num_constraints, b.num_constraints) << i;
+    SCOPED_TRACE(i);
+    ExpectSame(outputs[i], (*outputs_)[i]);
   }
-  EXPECT_EQ(two.Map()->vertices, one_->Map()->vertices);
-  EXPECT_EQ(two.Planes().size(), one_->Planes().size());
+  const std::optional<TriangleMesh> map = two.Map(), expected_map = one_->Map();
+  ASSERT_TRUE(map && expected_map);
+  EXPECT_EQ(map->vertices, expected_map->vertices);
+  EXPECT_EQ(map->faces, expected_map->faces);
+  EXPECT_EQ(map->plane_ids, expected_map->plane_ids);
+  const std::vector<PlaneRecord> planes = two.Planes(), expected_planes = one_->Planes();
+  ASSERT_EQ(planes.size(), expected_planes.size());
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    EXPECT_EQ(planes[i].id, expected_planes[i].id);
+    EXPECT_EQ(planes[i].plane_W.n, expected_planes[i].plane_W.n);
+    EXPECT_EQ(planes[i].plane_W.d, expected_planes[i].plane_W.d);
+  }
   EXPECT_EQ(two.WindowKeyframes().size(), one_->WindowKeyframes().size());
 }
 

@@ -36,7 +36,8 @@ struct WeightedPlane {
   double expected_thickness_m = 0;
 };
 
-// Lists corners once. It is asked several times for every plane that is tried.
+// Lists each corner of some faces once. It keeps its marks, because it is asked several times for
+// every plane that is tried.
 class CornerLister {
  public:
   explicit CornerLister(const SurfaceFaces& faces)

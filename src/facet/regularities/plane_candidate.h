@@ -39,10 +39,11 @@ std::vector<int> FacesAround(const SurfaceFaces& faces,
                              std::span<const int> pool,
                              const Plane& start);
 
-/// Fits a plane to the faces around `start` (ascending), all three degrees of freedom, and judges
-/// it. Every connected piece large enough is a candidate of its own: two tables of the same
-/// height are two planes, and so are two surfaces that a step parts. Candidates that are too small,
-/// too thick or too narrow are left out, and so are those that turned away from `start`.
+/// Fits a plane to `around`, which must be what FacesAround gives for the same `start` (ascending):
+/// all three degrees of freedom, and judges it. Every connected piece large enough is a candidate
+/// of its own: two tables of the same height are two planes, and so are two surfaces that a step
+/// parts. Candidates that are too small, too thick or too narrow are left out, and so are those
+/// that turned away from `start`.
 std::vector<PlaneCandidate> FitCandidates(const SurfaceFaces& faces,
                                           const std::vector<int>& around,
                                           const Plane& start,

@@ -63,7 +63,7 @@ class CellsAround {
 
 constexpr CellsAround kCellsAround;
 
-// On which side the next block is beside the cell: -1, 1, or 0 inside.
+// Into which block beside its own the 3 x 3 cells around a cell reach: -1, 1, or 0: none.
 int BlockBeside(int cell) {
   if (cell == 0) return -1;
   return cell == kBlock - 1 ? 1 : 0;
@@ -76,7 +76,7 @@ bool HasCell(const Vector2d& xy) {
   return xy.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < kMaxReach_m;
 }
 
-// Rounds down; without SSE 4.1 std::floor is a call.
+// Rounds down what HasCell; without SSE 4.1 std::floor is a call.
 int CellOf(double m, double size_m) {
   const double cells = m / size_m;
   const int towards_zero = static_cast<int>(cells);
