@@ -2,11 +2,11 @@
 // The back end alone on EuRoC's calibration recording: trajectory, landmarks and cost; `--help`
 // lists the options.
 #include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
 #include "april_corners_study.h"
+#include "program.h"
 #include <CLI/CLI.hpp>
 
 #include "facet/eval/paired_comparison.h"
@@ -179,10 +179,5 @@ int Main(int argc, char** argv) {
 }  // namespace facet
 
 int main(int argc, char** argv) {
-  try {
-    return facet::Main(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "april_corners: %s\n", error.what());
-    return 1;
-  }
+  return facet::RunProgram("april_corners", facet::Main, argc, argv);
 }

@@ -2,11 +2,11 @@
 // consistency [--seeds N] [--set key=value]...
 // Monte Carlo of the back end on simulated features along real flights.
 #include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
 #include "consistency_study.h"
+#include "program.h"
 #include <CLI/CLI.hpp>
 
 #include "facet/io/config_file.h"
@@ -45,10 +45,5 @@ int Main(int argc, char** argv) {
 }  // namespace facet
 
 int main(int argc, char** argv) {
-  try {
-    return facet::Main(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "consistency: %s\n", error.what());
-    return 1;
-  }
+  return facet::RunProgram("consistency", facet::Main, argc, argv);
 }

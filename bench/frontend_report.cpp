@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <iostream>
 #include <string>
 #include <vector>
 
+#include "program.h"
 #include "track_residuals.h"
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
@@ -329,10 +329,5 @@ int Main(int argc, char** argv) {
 }  // namespace facet
 
 int main(int argc, char** argv) {
-  try {
-    return facet::Main(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "frontend_report: " << error.what() << '\n';
-    return 1;
-  }
+  return facet::RunProgram("frontend_report", facet::Main, argc, argv);
 }

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "ladder_report.h"
+#include "program.h"
 #include <CLI/CLI.hpp>
 
 #include "facet/base/stage_timer.h"
@@ -158,10 +158,5 @@ int Main(int argc, char** argv) {
 }  // namespace facet
 
 int main(int argc, char** argv) {
-  try {
-    return facet::Main(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "ladder: %s\n", error.what());
-    return 1;
-  }
+  return facet::RunProgram("ladder", facet::Main, argc, argv);
 }

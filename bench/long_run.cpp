@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <iterator>
 #include <map>
 #include <string>
@@ -14,6 +13,7 @@
 
 #include "consistency_study.h"
 #include "ladder_planes.h"
+#include "program.h"
 #include <CLI/CLI.hpp>
 
 #include "facet/io/config_file.h"
@@ -181,10 +181,5 @@ int Main(int argc, char** argv) {
 }  // namespace facet
 
 int main(int argc, char** argv) {
-  try {
-    return facet::Main(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "long_run: %s\n", error.what());
-    return 1;
-  }
+  return facet::RunProgram("long_run", facet::Main, argc, argv);
 }

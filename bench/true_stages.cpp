@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
-#include <exception>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "plane_members.h"
+#include "program.h"
 #include "track_residuals.h"
 #include "true_run.h"
 #include <CLI/CLI.hpp>
@@ -210,10 +210,5 @@ int Main(int argc, char** argv) {
 }  // namespace facet
 
 int main(int argc, char** argv) {
-  try {
-    return facet::Main(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "true_stages: " << error.what() << '\n';
-    return 1;
-  }
+  return facet::RunProgram("true_stages", facet::Main, argc, argv);
 }

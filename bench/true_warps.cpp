@@ -8,8 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <exception>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,6 +15,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "program.h"
 #include "track_residuals.h"
 #include "true_run.h"
 #include <CLI/CLI.hpp>
@@ -212,10 +211,5 @@ int Main(int argc, char** argv) {
 }  // namespace facet
 
 int main(int argc, char** argv) {
-  try {
-    return facet::Main(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "true_warps: " << error.what() << '\n';
-    return 1;
-  }
+  return facet::RunProgram("true_warps", facet::Main, argc, argv);
 }
