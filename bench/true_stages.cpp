@@ -9,7 +9,7 @@
 #include <bit>
 #include <cstdio>
 #include <fstream>
-#include <iostream>
+#include <ostream>
 #include <map>
 #include <optional>
 #include <string>
