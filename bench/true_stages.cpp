@@ -9,9 +9,9 @@
 #include <bit>
 #include <cstdio>
 #include <fstream>
-#include <ostream>
 #include <map>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <unordered_map>
 #include <vector>
