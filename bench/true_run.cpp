@@ -6,6 +6,7 @@
 
 #include "facet/eval/trajectory_error.h"
 #include "facet/io/calibration_file.h"
+#include "facet/io/config_file.h"
 #include "facet/io/errors.h"
 #include "facet/pipeline/back_stage.h"
 #include "facet/pipeline/front_stage.h"
@@ -34,6 +35,14 @@ SE3 TrueSequence::PoseAt(Timestamp t) const {
   const Association found = Associate(std::span(&wanted, 1), truth.poses);
   if (found.pairs.empty()) throw InputError("the ground truth does not cover the images");
   return found.pairs.front().T_GB;
+}
+
+VioOptions OptionsOfS(const std::vector<std::string>& overrides) {
+  VioOptions options;
+  options.pipeline = "S";
+  options.mesh.enabled = false;
+  ApplyOverrides(overrides, ListFields(options));
+  return options;
 }
 
 void RunStages(TrueSequence& sequence,

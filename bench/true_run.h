@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "true_scene.h"
 #include <opencv2/core.hpp>
@@ -28,6 +29,9 @@ struct TrueSequence {
   Trajectory truth;
   TrueScene scene;
 };
+
+/// Pipeline S without mesh, but for what the overrides (key=value) say. Throws ConfigError.
+VioOptions OptionsOfS(const std::vector<std::string>& overrides);
 
 /// A frame between front and back stage: its place in the sequence, the true pose, the left image,
 /// and the observations, which may be changed.

@@ -7,7 +7,9 @@
 #include <memory>
 #include <optional>
 
+#include "facet/base/types.h"
 #include "facet/camera/stereo_rig.h"
+#include "facet/geometry/se3.h"
 
 namespace facet {
 

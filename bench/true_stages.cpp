@@ -25,7 +25,6 @@
 
 #include "facet/base/random.h"
 #include "facet/eval/trajectory_error.h"
-#include "facet/io/config_file.h"
 
 namespace facet {
 namespace {
@@ -198,11 +197,7 @@ int Main(int argc, char** argv) {
   cv::setNumThreads(1);
   what.left = left == "exact";
   what.right = right == "exact";
-  VioOptions options;
-  options.pipeline = "S";
-  options.mesh.enabled = false;
-  ApplyOverrides(overrides, ListFields(options));
-  Process(sequence, options, what, dump);
+  Process(sequence, OptionsOfS(overrides), what, dump);
   return 0;
 }
 

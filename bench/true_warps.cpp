@@ -22,7 +22,6 @@
 #include <opencv2/core/utility.hpp>
 
 #include "facet/frontend/patch_tracker.h"
-#include "facet/io/config_file.h"
 #include "facet/map/observation.h"
 
 namespace facet {
@@ -199,11 +198,7 @@ int Main(int argc, char** argv) {
   app.add_option("--set", overrides, "option of the pipeline, key=value");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
-  VioOptions options;
-  options.pipeline = "S";
-  options.mesh.enabled = false;
-  ApplyOverrides(overrides, ListFields(options));
-  Process(sequence, options);
+  Process(sequence, OptionsOfS(overrides));
   return 0;
 }
 

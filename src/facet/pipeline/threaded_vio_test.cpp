@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -14,8 +13,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "facet/base/median.h"
-#include "facet/base/random.h"
 #include "facet/base/types.h"
+#include "facet/frontend/synthetic_image.h"
 #include "facet/geometry/se3.h"
 #include "facet/imu/imu_types.h"
 #include "facet/pipeline/vio_pipeline.h"
@@ -30,22 +29,12 @@ constexpr Duration kImuInterval{5'000'000};
 constexpr Timestamp kEnd{kBegin.ns + 3'500'000'000};
 constexpr double kWallX = 2.5, kFloorZ = -0.8;
 
-constexpr double kTexel_m = 0.01;
+constexpr double kTexel_m = 0.006;  // about a pixel
 
-/// Sheets of paper on top of each other, the same on all walls.
 cv::Mat MakeTexture() {
   constexpr int kTexels = 1024;
-  cv::Mat texture(kTexels, kTexels, CV_8UC1, 128.0);
-  Rng rng(1);
-  const auto draw = [&](double low, double high) {
-    return static_cast<int>(rng.Uniform(low, high));
-  };
-  for (int k = 0; k < 6000; ++k) {
-    const cv::Rect sheet{draw(0, kTexels), draw(0, kTexels), draw(4, 30), draw(4, 30)};
-    cv::rectangle(texture, sheet, draw(20, 235), cv::FILLED);
-  }
-  cv::GaussianBlur(texture, texture, {}, 0.7);
-  return texture;
+  return testing::Render(
+      testing::WaveTexture(1), kTexels, kTexels, [](double x, double y) { return Vector2d(x, y); });
 }
 
 /// A wall ahead and the floor, seen by one camera that does not turn.
@@ -137,7 +126,7 @@ void Feed(const Recording& recording, const AddImu& add_imu, const AddStereo& ad
   }
 }
 
-class ThreadedVioTest : public testing::Test {
+class ThreadedVioTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     recording_ = new Recording(MakeRecording());
