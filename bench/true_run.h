@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A simulated sequence with its truth, and the pipeline's stages run over it one by one.
+// A simulated sequence with its truth, and the pipeline's stages run over it.
 #pragma once
 
 #include <functional>
 #include <string>
-#include <vector>
 
+#include "stage_run.h"
 #include "true_scene.h"
 #include <opencv2/core.hpp>
 
 #include "facet/io/asl_dataset.h"
 #include "facet/io/trajectory_file.h"
 #include "facet/map/observation.h"
-#include "facet/pipeline/vio_options.h"
-#include "facet/pipeline/vio_output.h"
 
 namespace facet {
 
@@ -29,9 +27,6 @@ struct TrueSequence {
   Trajectory truth;
   TrueScene scene;
 };
-
-/// Pipeline S without mesh, but for what the overrides (key=value) say. Throws ConfigError.
-VioOptions OptionsOfS(const std::vector<std::string>& overrides);
 
 /// A frame between front and back stage: its place in the sequence, the true pose, the left image,
 /// and the observations, which may be changed.

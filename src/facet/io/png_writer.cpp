@@ -40,7 +40,7 @@ void Encode(std::FILE* stream, const cv::Mat& image) {
                static_cast<png_uint_32>(image.cols),
                static_cast<png_uint_32>(image.rows),
                8,
-               PNG_COLOR_TYPE_GRAY,
+               image.channels() == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB,
                PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT,
                PNG_FILTER_TYPE_DEFAULT);
@@ -55,7 +55,8 @@ void Encode(std::FILE* stream, const cv::Mat& image) {
 }  // namespace
 
 void WritePng(const std::filesystem::path& file, const cv::Mat& image) {
-  FACET_CHECK(image.type() == CV_8UC1 && !image.empty()) << "not an 8-bit grey image";
+  FACET_CHECK((image.type() == CV_8UC1 || image.type() == CV_8UC3) && !image.empty())
+      << "not an 8-bit grey or RGB image";
   const auto fail = [&](const std::string& reason) {
     throw OutputError(file.string() + ": cannot be written (disk full, permissions?)" + reason);
   };

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "stage_run.h"
+
+#include "facet/io/config_file.h"
+#include "facet/pipeline/back_stage.h"
+
+namespace facet {
+
+VioOptions OptionsOfS(const std::vector<std::string>& overrides) {
+  VioOptions options;
+  options.pipeline = "S";
+  options.mesh.enabled = false;
+  ApplyOverrides(overrides, ListFields(options));
+  return options;
+}
+
+void RunStages(AslDataset& dataset,
+               const VioOptions& options,
+               const VisitPacket& visit,
+               const std::function<void(const VioOutput&)>& take_output) {
+  FrontStage front(dataset.rig(), options);
+  BackStage back(dataset.rig(), dataset.imu_noise(), options);
+  std::size_t next_imu = 0;
+  for (std::size_t i = 0; i < dataset.frames().size(); ++i) {
+    const Timestamp t = dataset.frames()[i].t;
+    const auto& imu = dataset.imu();
+    while (next_imu < imu.size() && (next_imu == 0 || imu[next_imu - 1].t <= t))
+      front.AddImu(imu[next_imu++]);
+    StereoFrame frame{t, {}, {}};
+    dataset.ReadPair(i, frame.left, frame.right);
+    FrontPacket packet = front.Process(frame);
+    visit(i, frame, packet);
+    const VioOutput out = back.Process(packet);
+    if (back.feedback()) front.AddFeedback(*back.feedback());
+    take_output(out);
+  }
+}
+
+}  // namespace facet
