@@ -171,6 +171,27 @@ TEST_F(ThreadedVioTest, FollowsThePath) {
   }
 }
 
+TEST_F(ThreadedVioTest, FollowsThePathWithoutRightImages) {
+  constexpr Timestamp kRightEnds{kBegin.ns + 1'200'000'000};
+  VioPipeline vio(recording_->rig, ImuNoise{}, VioOptions{});
+  const SE3 T_W_true = TrueToWorld();
+  int num_mono = 0;
+  Feed(
+      *recording_,
+      [&](const ImuSample& sample) { vio.AddImu(sample); },
+      [&](StereoFrame frame) {
+        if (frame.t > kRightEnds) frame.right = cv::Mat();
+        const VioOutput output = vio.AddStereo(frame);
+        if (frame.t <= kRightEnds) return;
+        ++num_mono;
+        ASSERT_TRUE(output.has_pose);
+        const SE3 expected = T_W_true * TruePose(output.t);
+        EXPECT_LT((output.state.T_WB.p - expected.p).norm(), 0.006) << ToSeconds(output.t - kBegin);
+        EXPECT_NE(output.status, TrackingStatus::kLost);
+      });
+  EXPECT_GT(num_mono, 40);
+}
+
 TEST_F(ThreadedVioTest, FindsFloorAndWallWhereTheyAre) {
   const SE3 T_true_W = TrueToWorld().Inverse();
   int num_floors = 0, num_walls = 0;
