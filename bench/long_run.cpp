@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// long_run [--duration S] [--seeds N] [--pipelines S,planes,relations] [--set key=value]...
+// long_run [--duration S] [--seeds N] [--pipelines S,planes,relations] [--roughness M]
+//          [--set key=value]...
 // Does the covariance still describe the error after ten minutes with planes that stay? Made-up
 // flights in one room, simulated features, true planes and relations. Prints the normalised errors
 // minute by minute, and over all runs.
@@ -163,6 +164,10 @@ int Main(int argc, char** argv) {
          "--pipelines", pipelines, "S, planes (true ones, kept), relations (the same with them)")
       ->delimiter(',')
       ->check(CLI::IsMember({"S", "planes", "relations"}));
+  app.add_option("--roughness",
+                 options.simulator.roughness_m,
+                 "how far points stand out from their walls, 1-sigma [m]")
+      ->check(CLI::Range(0.0, 0.5));
   app.add_option("--set", overrides, "option of the estimator, key=value");
   CLI11_PARSE(app, argc, argv);
 

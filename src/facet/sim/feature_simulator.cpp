@@ -173,7 +173,13 @@ class TrackSimulator {
     const SE3 T_WC = T_WB * rig_.T_BC[0];
     const auto hit = scene_.CastRay(T_WC.p, T_WC.q * *bearing_C);
     if (!hit) return std::nullopt;
-    return TrueLandmark{hit->p_W, hit->surface};
+    return TrueLandmark{hit->p_W + Relief(hit->surface), hit->surface};
+  }
+
+  Vector3d Relief(PlaneId surface) const {
+    if (options_.roughness_m <= 0) return Vector3d::Zero();
+    const Vector3d& n_W = scene_.surfaces()[static_cast<std::size_t>(surface.value)].n_W;
+    return rng_.Uniform(0, std::sqrt(12.0) * options_.roughness_m) * n_W;
   }
 
   const StereoRig& rig_;

@@ -38,6 +38,9 @@ struct FeatureSimulatorOptions {
   double redetected_share = 0.5;      ///< of new tracks that are lost points, under a new id
   double pixel_sigma = 0.5;  ///< 1-sigma per axis, both images; also what the observations say
   bool add_pixel_noise = true;
+  /// 1-sigma of how far points stand out from their surface, evenly from none to sqrt(12) times
+  /// this: real walls have frames, pipes and paper on them [m].
+  double roughness_m = 0;
   double outlier_share = 0;  ///< of left and, independently, of right observations
   double outlier_px = 20;    ///< outliers are off by up to this, at least 3 sigma
   double start_s = 0;        ///< the first frame comes this long after the trajectory's begin ...

@@ -69,6 +69,24 @@ TEST(FeatureSimulatorTest, LandmarksLieOnTheirSurfaces) {
   EXPECT_GT(run.surfaces.size(), 10u);
 }
 
+TEST(FeatureSimulatorTest, LandmarksStandOutFromRoughSurfaces) {
+  FeatureSimulatorOptions options = Perfect();
+  options.roughness_m = 0.02;
+  const SimulatedRun run = Simulate(options, 2);
+  double sum = 0, square = 0;
+  for (const auto& [id, landmark] : run.landmarks) {
+    const Surface& s = run.surfaces.at(landmark.surface.value);
+    const double height = s.n_W.dot(landmark.p_W) - s.d_W();
+    EXPECT_GT(height, -1e-9);
+    sum += height;
+    square += height * height;
+  }
+  const double mean = sum / static_cast<double>(run.landmarks.size());
+  const double variance = square / static_cast<double>(run.landmarks.size()) - mean * mean;
+  EXPECT_NEAR(mean, std::sqrt(3) * options.roughness_m, 0.1 * options.roughness_m);
+  EXPECT_NEAR(std::sqrt(variance), options.roughness_m, 0.1 * options.roughness_m);
+}
+
 // Noise-free samples joined over the whole run end where the trajectory ends, up to the error of
 // the midpoint rule.
 TEST(FeatureSimulatorTest, ImuWithoutNoiseReproducesTheTruth) {
