@@ -52,15 +52,36 @@ std::optional<SE3> FloorPlan::Find(const Thing& thing, Rng& rng) {
       const double x = rng.Uniform(-reach.x(), reach.x()), y = rng.Uniform(-reach.y(), reach.y());
       T_FO = SE3(Yaw(rng.Uniform(0, 4 * kQuarterTurn)), {x, y, 0});
     }
-    const Vector2d center = T_FO.p.head<2>();
-    const bool is_taken = std::any_of(taken_.begin(), taken_.end(), [&](const Disc& disc) {
-      return (disc.center - center).norm() < disc.radius + radius + 0.02;
-    });
-    if (is_taken || !IsClearOfPath(path_W_, T_WF_ * T_FO, thing.size, clearance_m_)) continue;
-    taken_.push_back({center, radius});
-    return T_WF_ * T_FO;
+    if (Take(T_FO, thing.size, clearance_m_)) return T_WF_ * T_FO;
   }
   return std::nullopt;
+}
+
+std::optional<SE3> FloorPlan::FindNear(const Thing& thing,
+                                       std::span<const Vector3d> points_W,
+                                       Rng& rng) {
+  constexpr double kReach = 0.5, kClearance = 0.33;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const Vector3d& p_W =
+        points_W[static_cast<std::size_t>(rng.Index(static_cast<int>(points_W.size())))];
+    Vector3d p_F = T_WF_.Inverse() * p_W;
+    p_F += Vector3d(rng.Uniform(-kReach, kReach), rng.Uniform(-kReach, kReach), 0);
+    const SE3 T_FO(Yaw(rng.Uniform(0, 4 * kQuarterTurn)), {p_F.x(), p_F.y(), 0});
+    if (Take(T_FO, thing.size, kClearance)) return T_WF_ * T_FO;
+  }
+  return std::nullopt;
+}
+
+// Whether the place is free; then it is no longer.
+bool FloorPlan::Take(const SE3& T_FO, const Vector3d& size, double clearance_m) {
+  const Vector2d center = T_FO.p.head<2>();
+  const double radius = 0.5 * size.head<2>().norm();
+  const bool is_taken = std::any_of(taken_.begin(), taken_.end(), [&](const Disc& disc) {
+    return (disc.center - center).norm() < disc.radius + radius + 0.02;
+  });
+  if (is_taken || !IsClearOfPath(path_W_, T_WF_ * T_FO, size, clearance_m)) return false;
+  taken_.push_back({center, radius});
+  return true;
 }
 
 std::optional<SE3> FloorPlan::FindOnWall(const Vector2d& size,

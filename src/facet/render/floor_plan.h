@@ -36,6 +36,10 @@ class FloorPlan {
   /// found in a number of attempts.
   std::optional<SE3> Find(const Thing& thing, Rng& rng);
 
+  /// The same with its middle within half a metre of one of these points [W], seen from above, and
+  /// nearer to the path than other things may be.
+  std::optional<SE3> FindNear(const Thing& thing, std::span<const Vector3d> points_W, Rng& rng);
+
   /// A place on wall 0..3, as the pose of a panel of this size (its +y into the room); nothing else
   /// hangs there.
   std::optional<SE3> FindOnWall(const Vector2d& size, double min_z, double max_z, Rng& rng);
@@ -52,6 +56,8 @@ class FloorPlan {
     int wall = 0;
     Vector2d center, half_size;
   };
+
+  bool Take(const SE3& T_FO, const Vector3d& size, double clearance_m);
 
   SE3 T_WF_;
   Vector2d half_size_;

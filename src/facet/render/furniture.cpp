@@ -74,6 +74,24 @@ void AddTable(const Spot& spot, const Vector3d& size) {
   }
 }
 
+void AddBench(const Spot& spot, const Vector3d& size) {
+  constexpr double kBoard = 0.022, kBeam = 0.09, kTurn_rad = 0.01;
+  Rng& rng = spot.builder.rng();
+  const ShapeBuilder::Finish boards{"bench", MaterialOf(spot, "boards")};
+  const double top = size.z() - kBoard;
+  for (double y = -size.y() / 2; y < size.y() / 2 - 0.05;) {
+    const double width = std::min(rng.Uniform(0.09, 0.15), size.y() / 2 - y);
+    PlaceInside(spot, {0, y + width / 2, top + kBoard / 2}, rng.Uniform(-kTurn_rad, kTurn_rad));
+    spot.builder.AddBox(boards, Vector3d::Zero(), {size.x(), width, kBoard});
+    y += width + rng.Uniform(0.02, 0.06);
+  }
+  PlaceInside(spot, Vector3d::Zero());
+  for (const double x : {-0.45, 0.0, 0.45}) {
+    spot.builder.AddBox(boards, {x * size.x(), 0, top - kBeam / 2}, {kBeam, size.y(), kBeam});
+    spot.builder.AddBox(boards, {x * size.x(), 0, (top - kBeam) / 2}, {kBeam, kBeam, top - kBeam});
+  }
+}
+
 void AddShelf(const Spot& spot, const Vector3d& size) {
   constexpr double kBoard = 0.025;
   Rng& rng = spot.builder.rng();

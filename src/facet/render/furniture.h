@@ -15,6 +15,9 @@ struct Spot {
 
 /// A table with things on it. size: width (x), depth (y), height.
 void AddTable(const Spot& spot, const Vector3d& size);
+/// A bench of rough boards with gaps between them, as of a pallet. size: width (x), depth (y),
+/// height.
+void AddBench(const Spot& spot, const Vector3d& size);
 /// A shelf with an open front, filled with boxes and books.
 void AddShelf(const Spot& spot, const Vector3d& size);
 void AddChair(const Spot& spot);

@@ -53,6 +53,28 @@ Smoothing CompareWithRecord(const SplineTrajectory& trajectory,
   return s;
 }
 
+/// A record without biases gets constant ones: what the samples are on average more than the path
+/// through the poses explains.
+void FillInBiases(const std::vector<ImuSample>& imu, std::vector<NavState>& states) {
+  const bool has_biases = std::any_of(states.begin(), states.end(), [](const NavState& state) {
+    return state.bias.b_g != Vector3d::Zero() || state.bias.b_a != Vector3d::Zero();
+  });
+  if (has_biases) return;
+  const SplineTrajectory path = SplineTrajectory::Fit(states);
+  ImuBias sum;
+  double count = 0;
+  for (const ImuSample& sample : imu) {
+    if (sample.t < path.begin() || sample.t > path.end()) continue;
+    const ImuSample ideal = path.IdealImuAt(sample.t);
+    sum.b_g += sample.gyro - ideal.gyro;
+    sum.b_a += sample.accel - ideal.accel;
+    ++count;
+  }
+  if (count == 0) return;
+  for (NavState& state : states)
+    state.bias = {sum.b_g / count, sum.b_a / count};
+}
+
 /// The turn that makes the record's vertical the one that the accelerometer feels: the mean over
 /// the whole record of what the measured force lacks to explain the path.
 Quaterniond LevelingTurn(const SplineTrajectory& trajectory,
@@ -113,13 +135,14 @@ Motion MakeUpMotion(FlightKind kind,
 Motion LoadMotion(const std::filesystem::path& truth_csv,
                   const std::filesystem::path& imu_csv,
                   const MotionRange& range) {
-  const std::vector<NavState> states = LoadCsv([&] { return LoadGroundTruthCsv(truth_csv); });
+  std::vector<NavState> states = LoadCsv([&] { return LoadGroundTruthCsv(truth_csv); });
   std::vector<ImuSample> imu;
   Timestamp first = states.front().t, last = states.back().t;
   if (!imu_csv.empty()) {
     imu = LoadCsv([&] { return LoadImuCsv(imu_csv); });
     first = std::max(first, imu.front().t);
     last = std::min(last, imu.back().t);
+    FillInBiases(imu, states);
   }
   const Timestamp begin = first + FromSeconds(kMargin_s + kImuLead_s + range.start_s);
   const double available_s = ToSeconds(last - begin) - kMargin_s - kImuTail_s;

@@ -123,6 +123,29 @@ void AddFloorMarks(ShapeBuilder& builder, const RoomShape& room) {
   }
 }
 
+/// What somebody with a camera in the hand looks at: slatted benches with netted heaps on them, and
+/// rails, all at the height of the cameras.
+void AddNearThings(ShapeBuilder& builder, FloorPlan& plan, std::span<const Vector3d> near_W) {
+  Rng& rng = builder.rng();
+  double height = std::numeric_limits<double>::infinity();
+  for (const Vector3d& p_W : near_W)
+    height = std::min(height, (plan.T_WF().Inverse() * p_W).z());
+  for (int i = 0; i < 6; ++i) {
+    const double heap = rng.Uniform(0.6, 0.9);
+    const Vector3d bench(rng.Uniform(1.0, 1.3), 0.8, std::max(0.3, height - rng.Uniform(0.3, 0.5)));
+    const auto T_WO = plan.FindNear({{bench.x(), bench.y(), bench.z() + 0.75 * heap}}, near_W, rng);
+    if (!T_WO) continue;
+    AddBench({builder, *T_WO}, bench);
+    const SE3 T_OH(Quaterniond::Identity(), {rng.Uniform(-0.2, 0.2), 0, bench.z()});
+    AddNettedHeap({builder, *T_WO * T_OH}, heap);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const double width = rng.Uniform(1.0, 1.5);
+    if (const auto T_WO = plan.FindNear({{width, 0.15, height + 0.2}}, near_W, rng))
+      AddRailing({builder, *T_WO}, width, height + 0.15);
+  }
+}
+
 void AddFurniture(ShapeBuilder& builder, FloorPlan& plan) {
   Rng& rng = builder.rng();
   const MaterialLibrary& m = builder.materials();
@@ -203,6 +226,7 @@ SceneModel BuildRoom(const ScenePlan& plan) {
   scene.lighting = AddLamps(builder, floor, room);
   AddWallThings(builder, floor, room);
   AddFloorMarks(builder, room);
+  if (!plan.near_W.empty()) AddNearThings(builder, floor, plan.near_W);
   AddFurniture(builder, floor);
   scene.mesh = builder.TakeMesh();
   return scene;

@@ -20,6 +20,9 @@ struct SceneModel {
 struct ScenePlan {
   const MaterialLibrary& materials;
   std::span<const Vector3d> path_W;  ///< positions of the body, some cm apart
+  /// Points close in front of the cameras where somebody with a camera in the hand looks at
+  /// something; empty for flights, which keep away from things.
+  std::span<const Vector3d> near_W;
   std::uint64_t seed = 1;
 };
 

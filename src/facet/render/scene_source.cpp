@@ -36,6 +36,13 @@ const NamedScene* FindScene(const std::string& name) {
                     "or a scene file (docs/simulator.md)");
 }
 
+/// How far in front of the cameras things shall be; 0: wherever they happen to be.
+double NearThings_m(const SimulationRequest& request) {
+  constexpr double kArmsLength_m = 0.5;
+  if (request.options.near_things_m > 0) return request.options.near_things_m;
+  return FlightKindFromText(request.trajectory) == FlightKind::kHandHeld ? kArmsLength_m : 0;
+}
+
 }  // namespace
 
 Seeds::Seeds(std::uint64_t seed) {
@@ -81,10 +88,14 @@ SceneModel MakeScene(const SimulationRequest& request,
                      MaterialLibrary& materials) {
   const NamedScene* scene = FindScene(request.scene);
   if (!scene) return ReadSceneFile(request.scene, seeds.scene, materials);
-  std::vector<Vector3d> path_W;
-  for (Timestamp t = motion.imu_begin; t < motion.imu_end; t = t + FromSeconds(0.05))
-    path_W.push_back(motion.trajectory.At(t).state.T_WB.p);
-  return scene->build({materials, path_W, seeds.scene});
+  const double near_m = NearThings_m(request);
+  std::vector<Vector3d> path_W, near_W;
+  for (Timestamp t = motion.imu_begin; t < motion.imu_end; t = t + FromSeconds(0.05)) {
+    const SE3 T_WB = motion.trajectory.At(t).state.T_WB;
+    path_W.push_back(T_WB.p);
+    if (near_m > 0) near_W.push_back(T_WB * Vector3d(0, 0, near_m));  // the cameras look along z
+  }
+  return scene->build({materials, path_W, near_W, seeds.scene});
 }
 
 }  // namespace facet

@@ -29,6 +29,17 @@ struct Sensors {
   ImuNoise noise;
 };
 
+/// What the file of an IMU without noise says of it: no density may be zero, and between its
+/// samples the motion has to be guessed.
+ImuNoise WithoutNoise(ImuNoise noise) {
+  constexpr double kShare = 0.05;
+  for (double* density :
+       {&noise.gyro_noise, &noise.accel_noise, &noise.gyro_walk, &noise.accel_walk}) {
+    *density *= kShare;
+  }
+  return noise;
+}
+
 Sensors ChooseSensors(const SimulationRequest& request) {
   Sensors sensors{EurocRig(), {}};
   if (!request.calibration.empty()) {
@@ -36,6 +47,8 @@ Sensors ChooseSensors(const SimulationRequest& request) {
     sensors = {read.rig, read.imu_noise};
     sensors.rig.time_offset = {};  // the files of a sequence cannot say it
   }
+  const bool is_clean = request.imu.empty() && !request.options.imu.add_noise;
+  if (is_clean) sensors.noise = WithoutNoise(sensors.noise);
   sensors.noise.rate_hz = request.options.imu.rate_hz;
   return sensors;
 }

@@ -59,6 +59,9 @@ struct SimulatorOptions {
   CalibrationErrorOptions calibration;
   TruthOptions truth;
   double min_clearance_m = 0.3;  ///< between the body's path and every surface
+  /// In `room`: benches, heaps and rails this far in front of the cameras, as for somebody who
+  /// holds them and looks at something. 0: for hand-held motions only, then 0.5.
+  double near_things_m = 0;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -68,6 +71,10 @@ struct SimulatorOptions {
     v.Group("calibration", calibration);
     v.Group("truth", truth);
     v.Field("min_clearance_m", min_clearance_m, Range{0, 10}, "between path and surfaces");
+    v.Field("near_things_m",
+            near_things_m,
+            Range{0, 3},
+            "room: things this far in front of the cameras; 0: 0.5 if hand-held, else none");
   }
 };
 

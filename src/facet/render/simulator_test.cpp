@@ -116,6 +116,29 @@ TEST_F(SimulatorTest, WritesASequenceThatTheReadersAccept) {
   EXPECT_NE(planes[1].find(",floor,"), std::string::npos);
 }
 
+TEST_F(SimulatorTest, AnImuWithoutNoiseSaysSo) {
+  const double noisy = AslDataset(Simulate("noisy")).imu_noise().accel_noise;
+  request_.options.imu.add_noise = false;
+  EXPECT_DOUBLE_EQ(AslDataset(Simulate("clean")).imu_noise().accel_noise, 0.05 * noisy);
+}
+
+TEST_F(SimulatorTest, ThingsAreNearIfTheCamerasAreHeldOrIfAsked) {
+  const auto count_benches = [&](const char* flight, double near_m) {
+    request_.trajectory = flight;
+    request_.options.near_things_m = near_m;
+    request_.duration_s = 10;
+    const Seeds seeds(1);
+    MaterialLibrary materials(seeds.textures, {});
+    const auto parts =
+        MakeScene(request_, MakeMotion(request_, seeds), seeds, materials).mesh.parts;
+    return std::count_if(
+        parts.begin(), parts.end(), [](const ScenePart& part) { return part.label == "bench"; });
+  };
+  EXPECT_GT(count_benches("hand-held", 0), 0);
+  EXPECT_EQ(count_benches("fast", 0), 0);
+  EXPECT_GT(count_benches("fast", 1), 0);
+}
+
 TEST_F(SimulatorTest, ClutterHasNoPlane) {
   request_.scene = "clutter";
   const fs::path sequence = Simulate("clutter");
