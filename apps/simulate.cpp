@@ -108,6 +108,16 @@ std::string Describe(SimulateArguments& a, std::size_t index) {
          FormatConfig(ListFields(a.request.options));
 }
 
+void PrintFoundBias(const ImuBias& bias) {
+  std::printf("the ground truth lacks biases; constants that fit were taken:");
+  const auto print = [](const char* name, const Vector3d& b, const char* unit) {
+    if (b.allFinite()) std::printf(" %s %.4f %.4f %.4f %s", name, b.x(), b.y(), b.z(), unit);
+  };
+  print("gyroscope", bias.b_g, "rad/s");
+  print("accelerometer", bias.b_a, "m/s^2");
+  std::printf("\n");
+}
+
 void PrintOutcome(const SimulationReport& report,
                   const std::vector<std::unique_ptr<ResultFolder>>& folders) {
   std::printf("%d stereo pairs, %.1f s, %.1f m of path, up to %.2f m/s, nearest surface %.2f m\n",
@@ -132,6 +142,7 @@ void PrintOutcome(const SimulationReport& report,
                   report.smoothing->tilt_deg);
     }
   }
+  if (report.found_bias) PrintFoundBias(*report.found_bias);
   for (const auto& folder : folders)
     std::printf("written: %s\n", folder->target().c_str());
 }

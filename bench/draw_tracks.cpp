@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <unordered_map>
 #include <vector>
 
@@ -25,7 +26,9 @@ namespace {
 constexpr const char* kLegend =
     "Dots are tracked points, from blue (new) over green to red (64 frames and more as the same\n"
     "landmark), with their path over the last ten frames. A magenta cross is where a track of the\n"
-    "frame before ended. Dots in the right image (keyframes) are where it was found there.";
+    "frame before was lost, or was renewed: its patch no longer fitted, and it goes on as another\n"
+    "landmark (a blue dot beside the cross). Dots in the right image (keyframes) are where it was\n"
+    "found there.";
 
 cv::Scalar AgeColour(int age) {
   constexpr double kOldest = 64;
@@ -76,8 +79,6 @@ class TrackPainter {
     return both;
   }
 
-  std::size_t num_lost() const { return lost_.size(); }
-
  private:
   static cv::Mat ToRgb(const cv::Mat& grey, cv::Size size) {
     cv::Mat rgb(size, CV_8UC3, cv::Scalar::all(0));
@@ -104,27 +105,31 @@ struct Request {
   int every = 1;
 };
 
-void PaintCaption(std::size_t index,
-                  double t_s,
-                  std::size_t num_lost,
-                  const FrontendResult& result,
-                  cv::Mat& picture) {
+void PaintCaption(std::size_t index, double t_s, const FrontendResult& result, cv::Mat& picture) {
   const FrameObservations& frame = result.observations;
   std::array<char, 160> text{};
   std::snprintf(text.data(),
                 text.size(),
-                "%zu  %.2f s  tracked %d  ended %zu  new %d  %s",
+                "%zu  %.2f s  tracked %d (renewed %d)  lost %d  new %d  %s",
                 index,
                 t_s,
                 result.tracking.num_tracked,
-                num_lost,
+                result.tracking.num_refreshed,
+                result.tracking.num_lost() + result.num_outliers,
                 result.num_new,
                 frame.is_keyframe ? "keyframe" : "");
   cv::putText(picture, text.data(), {8, 16}, cv::FONT_HERSHEY_SIMPLEX, 0.45, kText, 1, cv::LINE_AA);
 }
 
+void CreateFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw OutputError(folder.string() + ": cannot be created: " + error.message());
+}
+
 int Draw(const Request& request, const VioOptions& options) {
   AslDataset dataset(request.sequence);
+  CreateFolder(request.out);
   TrackPainter painter;
   int pictures = 0;
   const auto visit = [&](std::size_t i, const StereoFrame& images, FrontPacket& packet) {
@@ -133,7 +138,7 @@ int Draw(const Request& request, const VioOptions& options) {
     const bool is_asked = t_s >= request.from_s && t_s <= request.from_s + request.duration_s;
     if (!is_asked || i % static_cast<std::size_t>(request.every) != 0) return;
     cv::Mat picture = painter.Paint(images, packet.frontend);
-    PaintCaption(i, t_s, painter.num_lost(), packet.frontend, picture);
+    PaintCaption(i, t_s, packet.frontend, picture);
     std::array<char, 32> name{};
     std::snprintf(name.data(), name.size(), "%06zu.png", i);
     WritePng(request.out / name.data(), picture);
@@ -153,11 +158,10 @@ int Main(int argc, char** argv) {
   app.add_option("--from", request.from_s, "first picture, seconds into the recording");
   app.add_option("--duration", request.duration_s, "length of the part that is drawn, s");
   app.add_option("--every", request.every, "one picture every N frames")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 100000));
   app.add_option("--set", overrides, "option of the pipeline, key=value");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
-  std::filesystem::create_directories(request.out);
   const int pictures = Draw(request, OptionsOfS(overrides));
   if (pictures == 0) throw InputError("no frame of the recording was asked for");
   std::printf("%d pictures in %s\n%s\n", pictures, request.out.string().c_str(), kLegend);

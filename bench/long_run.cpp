@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 
 #include "facet/io/config_file.h"
+#include "facet/io/errors.h"
 
 namespace facet {
 namespace {
@@ -171,6 +172,7 @@ int Main(int argc, char** argv) {
   app.add_option("--set", overrides, "option of the estimator, key=value");
   CLI11_PARSE(app, argc, argv);
 
+  if (!std::isfinite(options.simulator.roughness_m)) throw ConfigError("--roughness: not a number");
   ApplyOverrides(overrides, ListFields(options.estimator));
   for (const std::string& name : pipelines) {
     const auto index = std::find(std::begin(kNames), std::end(kNames), name) - std::begin(kNames);

@@ -8,6 +8,7 @@
 
 #include "facet/base/random.h"
 #include "facet/io/errors.h"
+#include "facet/io/png_writer.h"
 #include "facet/io/test_images.h"
 #include "facet/io/test_sequence.h"
 
@@ -64,6 +65,23 @@ double Grey(const std::uint16_t* s) {
 }
 double Luma(const std::uint16_t* s) {
   return 0.299 * s[0] + 0.587 * s[1] + 0.114 * s[2];
+}
+
+TEST(ImageReaderTest, PngThatWasWritten) {
+  const TempFolder folder;
+  const cv::Mat rgb = (cv::Mat_<cv::Vec3b>(1, 3) << cv::Vec3b(200, 0, 0),
+                       cv::Vec3b(0, 200, 0),
+                       cv::Vec3b(0, 0, 200));
+  cv::Mat read;
+  WritePng(folder / "rgb.png", rgb);
+  ImageReader().Read(folder / "rgb.png", read);
+  EXPECT_NEAR(read.at<std::uint8_t>(0, 0), 0.299 * 200, 1);
+  EXPECT_NEAR(read.at<std::uint8_t>(0, 1), 0.587 * 200, 1);
+  EXPECT_NEAR(read.at<std::uint8_t>(0, 2), 0.114 * 200, 1);
+  const cv::Mat grey = (cv::Mat_<std::uint8_t>(2, 1) << 7, 250);
+  WritePng(folder / "grey.png", grey);
+  ImageReader().Read(folder / "grey.png", read);
+  EXPECT_EQ(cv::countNonZero(read != grey), 0);
 }
 
 TEST(ImageReaderTest, PngOfEveryKind) {

@@ -61,13 +61,17 @@ std::optional<SE3> FloorPlan::FindNear(const Thing& thing,
                                        std::span<const Vector3d> points_W,
                                        Rng& rng) {
   constexpr double kReach = 0.5, kClearance = 0.33;
+  const double radius = 0.5 * thing.size.head<2>().norm();
+  const Vector2d reach = (half_size_.array() - radius - 0.1).matrix();
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const Vector3d& p_W =
         points_W[static_cast<std::size_t>(rng.Index(static_cast<int>(points_W.size())))];
-    Vector3d p_F = T_WF_.Inverse() * p_W;
-    p_F += Vector3d(rng.Uniform(-kReach, kReach), rng.Uniform(-kReach, kReach), 0);
-    const SE3 T_FO(Yaw(rng.Uniform(0, 4 * kQuarterTurn)), {p_F.x(), p_F.y(), 0});
-    if (Take(T_FO, thing.size, kClearance)) return T_WF_ * T_FO;
+    const Vector3d p_F = T_WF_.Inverse() * p_W;
+    const double x = p_F.x() + rng.Uniform(-kReach, kReach);
+    const double y = p_F.y() + rng.Uniform(-kReach, kReach);
+    const SE3 T_FO(Yaw(rng.Uniform(0, 4 * kQuarterTurn)), {x, y, 0});
+    const bool is_inside = (Vector2d(x, y).cwiseAbs() - reach).maxCoeff() < 0;
+    if (is_inside && Take(T_FO, thing.size, kClearance)) return T_WF_ * T_FO;
   }
   return std::nullopt;
 }

@@ -36,8 +36,8 @@ class FloorPlan {
   /// found in a number of attempts.
   std::optional<SE3> Find(const Thing& thing, Rng& rng);
 
-  /// The same with its middle within half a metre of one of these points [W], seen from above, and
-  /// nearer to the path than other things may be.
+  /// The same with its middle within half a metre of one of these points [W] in x and y, turned any
+  /// way, and nearer to the path than other things may be.
   std::optional<SE3> FindNear(const Thing& thing, std::span<const Vector3d> points_W, Rng& rng);
 
   /// A place on wall 0..3, as the pose of a panel of this size (its +y into the room); nothing else

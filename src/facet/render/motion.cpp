@@ -8,6 +8,7 @@
 
 #include "facet/io/errors.h"
 #include "facet/sim/euroc_csv.h"
+#include "facet/sim/missing_biases.h"
 
 namespace facet {
 namespace {
@@ -51,28 +52,6 @@ Smoothing CompareWithRecord(const SplineTrajectory& trajectory,
   s.position_rms_m = std::sqrt(s.position_rms_m / std::max(1.0, count));
   s.rotation_rms_deg = std::sqrt(s.rotation_rms_deg / std::max(1.0, count));
   return s;
-}
-
-/// A record without biases gets constant ones: what the samples are on average more than the path
-/// through the poses explains.
-void FillInBiases(const std::vector<ImuSample>& imu, std::vector<NavState>& states) {
-  const bool has_biases = std::any_of(states.begin(), states.end(), [](const NavState& state) {
-    return state.bias.b_g != Vector3d::Zero() || state.bias.b_a != Vector3d::Zero();
-  });
-  if (has_biases) return;
-  const SplineTrajectory path = SplineTrajectory::Fit(states);
-  ImuBias sum;
-  double count = 0;
-  for (const ImuSample& sample : imu) {
-    if (sample.t < path.begin() || sample.t > path.end()) continue;
-    const ImuSample ideal = path.IdealImuAt(sample.t);
-    sum.b_g += sample.gyro - ideal.gyro;
-    sum.b_a += sample.accel - ideal.accel;
-    ++count;
-  }
-  if (count == 0) return;
-  for (NavState& state : states)
-    state.bias = {sum.b_g / count, sum.b_a / count};
 }
 
 /// The turn that makes the record's vertical the one that the accelerometer feels: the mean over
@@ -142,18 +121,24 @@ Motion LoadMotion(const std::filesystem::path& truth_csv,
     imu = LoadCsv([&] { return LoadImuCsv(imu_csv); });
     first = std::max(first, imu.front().t);
     last = std::min(last, imu.back().t);
-    FillInBiases(imu, states);
   }
   const Timestamp begin = first + FromSeconds(kMargin_s + kImuLead_s + range.start_s);
   const double available_s = ToSeconds(last - begin) - kMargin_s - kImuTail_s;
   const double duration_s = range.duration_s > 0 ? range.duration_s : available_s;
-  if (available_s < 1 || duration_s > available_s) {
+  if (available_s < 1) {
+    throw InputError(truth_csv.string() + ": after --start " + std::to_string(range.start_s) +
+                     " ground truth and IMU have less than " +
+                     std::to_string(1 + 2 * kMargin_s + kImuLead_s + kImuTail_s) +
+                     " s in common, which a sequence needs at least");
+  }
+  if (duration_s > available_s) {
     throw InputError(truth_csv.string() + ": --start " + std::to_string(range.start_s) +
                      " and --duration " + std::to_string(duration_s) + " need more than the " +
-                     std::to_string(std::max(0.0, available_s + range.start_s)) +
+                     std::to_string(available_s + range.start_s) +
                      " s that ground truth and IMU have in common");
   }
   Motion motion;
+  if (!imu.empty()) motion.found_bias = FillInBiases(imu, states);
   motion.frames = ListFrames(begin, duration_s, range.frame_rate_hz);
   motion.imu_begin = begin - FromSeconds(kImuLead_s);
   motion.imu_end = motion.frames.back() + FromSeconds(kImuTail_s);

@@ -30,6 +30,7 @@ struct Motion {
   std::vector<NavState> recorded;   ///< for its biases
   std::vector<ImuSample> real_imu;  ///< empty: the IMU is to be simulated
   std::optional<Smoothing> smoothing;
+  std::optional<ImuBias> found_bias;  ///< see FillInBiases
 };
 
 /// Which part of a flight, and how often it is looked at.

@@ -124,15 +124,17 @@ void AddFloorMarks(ShapeBuilder& builder, const RoomShape& room) {
 }
 
 /// What somebody with a camera in the hand looks at: slatted benches with netted heaps on them, and
-/// rails, all at the height of the cameras.
+/// rails, at the height of the lowest of these points. As many as there is room for.
 void AddNearThings(ShapeBuilder& builder, FloorPlan& plan, std::span<const Vector3d> near_W) {
   Rng& rng = builder.rng();
   double height = std::numeric_limits<double>::infinity();
   for (const Vector3d& p_W : near_W)
     height = std::min(height, (plan.T_WF().Inverse() * p_W).z());
+  height = std::max(height, 0.4);
   for (int i = 0; i < 6; ++i) {
     const double heap = rng.Uniform(0.6, 0.9);
-    const Vector3d bench(rng.Uniform(1.0, 1.3), 0.8, std::max(0.3, height - rng.Uniform(0.3, 0.5)));
+    const double width = rng.Uniform(1.0, 1.3), below = rng.Uniform(0.3, 0.5);
+    const Vector3d bench(width, 0.8, std::max(0.3, height - below));
     const auto T_WO = plan.FindNear({{bench.x(), bench.y(), bench.z() + 0.75 * heap}}, near_W, rng);
     if (!T_WO) continue;
     AddBench({builder, *T_WO}, bench);

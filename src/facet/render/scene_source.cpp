@@ -39,7 +39,12 @@ const NamedScene* FindScene(const std::string& name) {
 /// How far in front of the cameras things shall be; 0: wherever they happen to be.
 double NearThings_m(const SimulationRequest& request) {
   constexpr double kArmsLength_m = 0.5;
-  if (request.options.near_things_m > 0) return request.options.near_things_m;
+  const double asked_m = request.options.near_things_m;
+  if (asked_m > 0 && request.scene != "room") {
+    throw ConfigError("near_things_m=" + std::to_string(asked_m) + ": --scene " + request.scene +
+                      " has no things to put there; only room has");
+  }
+  if (asked_m >= 0) return asked_m;
   return FlightKindFromText(request.trajectory) == FlightKind::kHandHeld ? kArmsLength_m : 0;
 }
 
@@ -93,7 +98,8 @@ SceneModel MakeScene(const SimulationRequest& request,
   for (Timestamp t = motion.imu_begin; t < motion.imu_end; t = t + FromSeconds(0.05)) {
     const SE3 T_WB = motion.trajectory.At(t).state.T_WB;
     path_W.push_back(T_WB.p);
-    if (near_m > 0) near_W.push_back(T_WB * Vector3d(0, 0, near_m));  // the cameras look along z
+    // The cameras look along the body's z, as EuRoC's do and as made-up flights expect.
+    if (near_m > 0) near_W.push_back(T_WB * Vector3d(0, 0, near_m));
   }
   return scene->build({materials, path_W, near_W, seeds.scene});
 }

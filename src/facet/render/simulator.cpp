@@ -204,6 +204,7 @@ void DescribePath(const Motion& motion, SimulationReport& report) {
   report.num_pairs = static_cast<int>(motion.frames.size());
   report.duration_s = ToSeconds(motion.frames.back() - motion.frames.front());
   report.smoothing = motion.smoothing;
+  report.found_bias = motion.found_bias;
   std::optional<Vector3d> previous;
   for (const Timestamp t : motion.frames) {
     const NavState state = motion.trajectory.At(t).state;

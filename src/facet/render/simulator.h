@@ -34,6 +34,7 @@ struct SimulationReport {
   std::size_t num_triangles = 0, num_planes = 0, num_points = 0;
   double render_wall_s = 0;  ///< of the images
   std::optional<Smoothing> smoothing;
+  std::optional<ImuBias> found_bias;  ///< of a real IMU, where the record told none: FillInBiases
 };
 
 /// Called now and then from any one thread at a time with the number of finished pairs; false stops

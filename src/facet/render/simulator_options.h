@@ -59,9 +59,9 @@ struct SimulatorOptions {
   CalibrationErrorOptions calibration;
   TruthOptions truth;
   double min_clearance_m = 0.3;  ///< between the body's path and every surface
-  /// In `room`: benches, heaps and rails this far in front of the cameras, as for somebody who
-  /// holds them and looks at something. 0: for hand-held motions only, then 0.5.
-  double near_things_m = 0;
+  /// In `room`: benches, heaps and rails about this far in front of the cameras, as for somebody
+  /// who holds them and looks at something. 0: none; -1: as the made-up motion says.
+  double near_things_m = -1;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -73,8 +73,8 @@ struct SimulatorOptions {
     v.Field("min_clearance_m", min_clearance_m, Range{0, 10}, "between path and surfaces");
     v.Field("near_things_m",
             near_things_m,
-            Range{0, 3},
-            "room: things this far in front of the cameras; 0: 0.5 if hand-held, else none");
+            Range{-1, 3},
+            "room: things about this far before the cameras; 0: none, -1: 0.5 if hand-held");
   }
 };
 

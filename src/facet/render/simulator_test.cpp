@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/io/asl_dataset.h"
+#include "facet/io/errors.h"
 #include "facet/io/test_sequence.h"
 #include "facet/io/trajectory_file.h"
 #include "facet/render/clearance.h"
@@ -117,26 +118,71 @@ TEST_F(SimulatorTest, WritesASequenceThatTheReadersAccept) {
 }
 
 TEST_F(SimulatorTest, AnImuWithoutNoiseSaysSo) {
-  const double noisy = AslDataset(Simulate("noisy")).imu_noise().accel_noise;
+  const ImuNoise noisy = AslDataset(Simulate("noisy")).imu_noise();
   request_.options.imu.add_noise = false;
-  EXPECT_DOUBLE_EQ(AslDataset(Simulate("clean")).imu_noise().accel_noise, 0.05 * noisy);
+  const ImuNoise clean = AslDataset(Simulate("clean")).imu_noise();
+  EXPECT_DOUBLE_EQ(clean.gyro_noise, 0.05 * noisy.gyro_noise);
+  EXPECT_DOUBLE_EQ(clean.accel_noise, 0.05 * noisy.accel_noise);
+  EXPECT_DOUBLE_EQ(clean.gyro_walk, 0.05 * noisy.gyro_walk);
+  EXPECT_DOUBLE_EQ(clean.accel_walk, 0.05 * noisy.accel_walk);
+}
+
+/// In how many of the images something of a bench is ahead, at most 1.2 m away.
+double ShareWithABenchNear(const Motion& motion, const SceneMesh& mesh) {
+  std::vector<Vector3d> corners_W;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (mesh.parts[mesh.triangles[i].part].label == "bench")
+      corners_W.emplace_back(mesh.corner(i, 0).cast<double>());
+  }
+  double count = 0;
+  for (const Timestamp t : motion.frames) {
+    const SE3 T_BW = motion.trajectory.At(t).state.T_WB.Inverse();
+    count += std::any_of(corners_W.begin(), corners_W.end(), [&](const Vector3d& corner_W) {
+      const Vector3d p_B = T_BW * corner_W;
+      return p_B.norm() < 1.2 && p_B.z() > 0.6 * p_B.norm();
+    });
+  }
+  return count / static_cast<double>(motion.frames.size());
+}
+
+/// How far the things that are put near reach through a wall.
+double WorstDepthInWalls(const SceneMesh& mesh) {
+  double worst = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const std::string& label = mesh.parts[mesh.triangles[i].part].label;
+    if (label != "bench" && label != "rail" && label != "net" && label != "heap") continue;
+    for (const ScenePart& part : mesh.parts) {
+      if (part.label != "wall") continue;
+      const Vector3d p_W = mesh.corner(i, 0).cast<double>();
+      worst = std::max(worst, part.d_W - part.n_W.dot(p_W));
+    }
+  }
+  return worst;
 }
 
 TEST_F(SimulatorTest, ThingsAreNearIfTheCamerasAreHeldOrIfAsked) {
-  const auto count_benches = [&](const char* flight, double near_m) {
+  const auto share_near = [&](const char* flight, double near_m, std::uint64_t seed) {
     request_.trajectory = flight;
     request_.options.near_things_m = near_m;
     request_.duration_s = 10;
-    const Seeds seeds(1);
+    const Seeds seeds(seed);
     MaterialLibrary materials(seeds.textures, {});
-    const auto parts =
-        MakeScene(request_, MakeMotion(request_, seeds), seeds, materials).mesh.parts;
-    return std::count_if(
-        parts.begin(), parts.end(), [](const ScenePart& part) { return part.label == "bench"; });
+    const Motion motion = MakeMotion(request_, seeds);
+    const SceneMesh mesh = MakeScene(request_, motion, seeds, materials).mesh;
+    EXPECT_EQ(WorstDepthInWalls(mesh), 0) << flight << ' ' << near_m << ' ' << seed;
+    return ShareWithABenchNear(motion, mesh);
   };
-  EXPECT_GT(count_benches("hand-held", 0), 0);
-  EXPECT_EQ(count_benches("fast", 0), 0);
-  EXPECT_GT(count_benches("fast", 1), 0);
+  double held = 0;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    held += share_near("hand-held", -1, seed) / 3;
+    EXPECT_EQ(share_near("hand-held", 0, seed), 0);
+    EXPECT_EQ(share_near("fast", -1, seed), 0);
+    EXPECT_GT(share_near("fast", 0.6, seed), 0);
+    share_near("aggressive", 3, seed);
+  }
+  EXPECT_GT(held, 0.3);
+  request_.scene = "corridor";
+  EXPECT_THROW(share_near("fast", 1, 1), ConfigError);
 }
 
 TEST_F(SimulatorTest, ClutterHasNoPlane) {

@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -63,11 +64,12 @@ void ForEachRow(const std::filesystem::path& path, std::size_t min_values, const
   if (previous.ns == INT64_MIN) fail(0, "has no rows");
 }
 
-/// Three values from column `first`, or zero where they are missing or nan.
-Vector3d OptionalVector(const Row& row, std::size_t first) {
-  if (row.values.size() < first + 3) return Vector3d::Zero();
+/// Three values from column `first`, or `missing` where they are not there or not finite.
+Vector3d OptionalVector(const Row& row, std::size_t first, double missing) {
+  const Vector3d none = Vector3d::Constant(missing);
+  if (row.values.size() < first + 3) return none;
   const Vector3d x = Eigen::Map<const Vector3d>(row.values.data() + first);
-  return x.allFinite() ? x : Vector3d(Vector3d::Zero());
+  return x.allFinite() ? x : none;
 }
 
 }  // namespace
@@ -79,8 +81,9 @@ std::vector<NavState> LoadGroundTruthCsv(const std::filesystem::path& path) {
     NavState state;
     state.t = row.t;
     state.T_WB = SE3(Quaterniond(x[3], x[4], x[5], x[6]).normalized(), {x[0], x[1], x[2]});
-    state.v_WB = OptionalVector(row, 7);
-    state.bias = {OptionalVector(row, 10), OptionalVector(row, 13)};
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    state.v_WB = OptionalVector(row, 7, 0);
+    state.bias = {OptionalVector(row, 10, kNan), OptionalVector(row, 13, kNan)};
     states.push_back(state);
   });
   return states;

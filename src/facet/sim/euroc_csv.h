@@ -11,8 +11,9 @@
 namespace facet {
 
 /// state_groundtruth_estimate0/data.csv, at any rate: stamp [ns], p_WB [m], q_WB (w x y z), v_WB
-/// [m/s], b_g [rad/s], b_a [m/s^2]. Velocity and biases may be nan or missing; they are then zero.
-/// Throws std::runtime_error with path and line if the file is missing, malformed or not in order.
+/// [m/s], b_g [rad/s], b_a [m/s^2]. Velocity and biases may be nan or missing; then velocity is
+/// zero, biases are nan. Throws std::runtime_error with path and line if the file is missing,
+/// malformed or not in order.
 std::vector<NavState> LoadGroundTruthCsv(const std::filesystem::path& path);
 
 /// imu0/data.csv: stamp [ns], gyro [rad/s], accel [m/s^2]. Throws like LoadGroundTruthCsv.

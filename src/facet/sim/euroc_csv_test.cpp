@@ -31,6 +31,7 @@ TEST(EurocCsvTest, ReadsGroundTruth) {
   EXPECT_EQ(states[0].bias.b_g, Vector3d(7, 8, 9));
   EXPECT_EQ(states[0].bias.b_a, Vector3d(10, 11, 12));
   EXPECT_EQ(states[1].v_WB, Vector3d(0, 0, 0));
+  EXPECT_TRUE(states[1].bias.b_g.array().isNaN().all());
   EXPECT_EQ(states[1].bias.b_a, Vector3d(1, 2, 3));
 }
 
