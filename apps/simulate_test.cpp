@@ -68,6 +68,7 @@ TEST_F(SimulateTest, UnknownNamesListTheKnownOnes) {
 
 TEST_F(SimulateTest, WrongUsage) {
   ExpectFailure(2, "--threads", "--threads 0");
+  ExpectFailure(2, "only room has", "--scene corridor --set near_things_m=0.5");
   ExpectFailure(2, "only goes with a recorded --trajectory", "--imu imu.csv");
   const ProgramRun run = RunShell(std::string(FACET_PROGRAM) + " simulate");
   Expect(run, 2, "--out DIR is required");
@@ -187,7 +188,19 @@ TEST_F(SimulateTest, DamagedRecordedTrajectory) {
   for (int i = 0; i < 100; ++i)
     rows += std::to_string(1000000000LL + 5000000LL * i) + ",0,0,1,1,0,0,0\n";
   WriteText(in_ / "truth.csv", rows);
-  ExpectFailure(3, "need more than the", "--trajectory " + (in_ / "truth.csv").string());
+  const std::string flight = "--trajectory " + (in_ / "truth.csv").string();
+  ExpectFailure(3, "have less than 1.45", flight);
+  std::string samples;
+  for (int i = 0; i < 1000; ++i) {
+    const std::string t = std::to_string(1000000000LL + 5000000LL * i);
+    samples += t + ",0,0,0,9.81,0,0\n";
+    if (i >= 100) rows += t + ",0,0,1,1,0,0,0\n";
+  }
+  WriteText(in_ / "imu.csv", samples);
+  const std::string with_imu = flight + " --imu " + (in_ / "imu.csv").string();
+  ExpectFailure(3, "have less than 1.45", with_imu);
+  WriteText(in_ / "truth.csv", rows);
+  ExpectFailure(3, "need more than the", with_imu + " --duration 60");
 }
 
 TEST_F(SimulateTest, DamagedImuAndCalibration) {
