@@ -135,14 +135,15 @@ int Draw(const Request& request, const VioOptions& options) {
   const auto visit = [&](std::size_t i, const StereoFrame& images, FrontPacket& packet) {
     painter.Add(packet.frontend.observations);
     const double t_s = ToSeconds(images.t - dataset.frames().front().t);
-    const bool is_asked = t_s >= request.from_s && t_s <= request.from_s + request.duration_s;
-    if (!is_asked || i % static_cast<std::size_t>(request.every) != 0) return;
+    if (t_s > request.from_s + request.duration_s) return false;
+    if (t_s < request.from_s || i % static_cast<std::size_t>(request.every) != 0) return true;
     cv::Mat picture = painter.Paint(images, packet.frontend);
     PaintCaption(i, t_s, packet.frontend, picture);
     std::array<char, 32> name{};
     std::snprintf(name.data(), name.size(), "%06zu.png", i);
     WritePng(request.out / name.data(), picture);
     ++pictures;
+    return true;
   };
   RunStages(dataset, options, visit, [](const VioOutput&) {});
   return pictures;

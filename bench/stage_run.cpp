@@ -29,7 +29,7 @@ void RunStages(AslDataset& dataset,
     StereoFrame frame{t, {}, {}};
     dataset.ReadPair(i, frame.left, frame.right);
     FrontPacket packet = front.Process(frame);
-    visit(i, frame, packet);
+    if (!visit(i, frame, packet)) return;
     const VioOutput out = back.Process(packet);
     if (back.feedback()) front.AddFeedback(*back.feedback());
     take_output(out);

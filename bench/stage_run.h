@@ -17,8 +17,8 @@ namespace facet {
 VioOptions OptionsOfS(const std::vector<std::string>& overrides);
 
 /// A frame between front and back stage: its place in the sequence, its images, and what the back
-/// stage will get, which may be changed.
-using VisitPacket = std::function<void(std::size_t index, const StereoFrame&, FrontPacket&)>;
+/// stage will get, which may be changed. False ends the run before the back stage.
+using VisitPacket = std::function<bool(std::size_t index, const StereoFrame&, FrontPacket&)>;
 
 /// Calls `visit` and then, after the back stage, `take_output`, once for each frame. Throws
 /// InputError.

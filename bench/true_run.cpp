@@ -41,6 +41,7 @@ void RunStages(TrueSequence& sequence,
   const auto visit_packet = [&](std::size_t i, const StereoFrame& frame, FrontPacket& packet) {
     FrameObservations& observations = packet.frontend.observations;
     visit(static_cast<int>(i), sequence.PoseAt(frame.t), frame.left, observations);
+    return true;
   };
   RunStages(sequence.dataset, options, visit_packet, take_output);
 }
