@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// draw_tracks SEQUENCE --out DIR [--from S] [--duration S] [--every N]
+// draw_tracks SEQUENCE --out DIR [--from S] [--duration S] [--every N] [--set key=value]...
 // Draws what the front end tracks, one PNG per frame, left image beside right image.
 #include <algorithm>
 #include <array>
@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "program.h"

@@ -37,8 +37,13 @@ FloorPlan::FloorPlan(const SE3& T_WF,
       clearance_m_(clearance_m),
       path_W_(path_W.begin(), path_W.end()) {}
 
+// How far from the middle of the floor a thing of this size may stand, turned any way.
+Vector2d FloorPlan::ReachOfMiddle(const Vector3d& size) const {
+  const double radius = 0.5 * size.head<2>().norm();
+  return (half_size_.array() - radius - 0.1).matrix();
+}
+
 std::optional<SE3> FloorPlan::Find(const Thing& thing, Rng& rng) {
-  const double radius = 0.5 * thing.size.head<2>().norm();
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     SE3 T_FO;
     if (thing.at_wall) {
@@ -48,7 +53,7 @@ std::optional<SE3> FloorPlan::Find(const Thing& thing, Rng& rng) {
       const Quaterniond q = Yaw(kQuarterTurn * wall);
       T_FO = SE3(q, q * Vector3d(rng.Uniform(-reach, reach), -depth, 0));
     } else {
-      const Vector2d reach = (half_size_.array() - radius - 0.1).matrix();
+      const Vector2d reach = ReachOfMiddle(thing.size);
       const double x = rng.Uniform(-reach.x(), reach.x()), y = rng.Uniform(-reach.y(), reach.y());
       T_FO = SE3(Yaw(rng.Uniform(0, 4 * kQuarterTurn)), {x, y, 0});
     }
@@ -61,8 +66,7 @@ std::optional<SE3> FloorPlan::FindNear(const Thing& thing,
                                        std::span<const Vector3d> points_W,
                                        Rng& rng) {
   constexpr double kReach = 0.5, kClearance = 0.33;
-  const double radius = 0.5 * thing.size.head<2>().norm();
-  const Vector2d reach = (half_size_.array() - radius - 0.1).matrix();
+  const Vector2d reach = ReachOfMiddle(thing.size);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const Vector3d& p_W =
         points_W[static_cast<std::size_t>(rng.Index(static_cast<int>(points_W.size())))];

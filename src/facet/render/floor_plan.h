@@ -57,6 +57,7 @@ class FloorPlan {
     Vector2d center, half_size;
   };
 
+  Vector2d ReachOfMiddle(const Vector3d& size) const;
   bool Take(const SE3& T_FO, const Vector3d& size, double clearance_m);
 
   SE3 T_WF_;
