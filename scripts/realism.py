@@ -80,7 +80,8 @@ def main():
     parser.add_argument("sequence")
     parser.add_argument("references", nargs="+")
     parser.add_argument("--build", default="build/bench", type=Path, help="where the benches are")
-    parser.add_argument("--refine-poses", default=3, type=int)
+    parser.add_argument("--refine-poses", default=100, type=int,
+                        help="rounds; with few of them the noise of recorded ground truth stays in the residuals")
     arguments = parser.parse_args()
     names = [arguments.sequence, *arguments.references]
     table = [figures(arguments.build, name, arguments.refine_poses) for name in names]
