@@ -50,6 +50,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
                 {"regularities.relations.enabled", "false"},
                 {"regularities.sightings.enabled", "false"},
                 {"regularities.tracking.max_age_s", "6"},
+                {"regularities.tracking.max_spread_sigma_deg", "0"},
                 {"regularities.tracking.revise", "false"},
             }));
   std::string mesh;

@@ -15,11 +15,12 @@ VioOptions OptionsOfS(const std::vector<std::string>& overrides) {
 }
 
 void RunStages(AslDataset& dataset,
+               const StereoRig& rig,
                const VioOptions& options,
                const VisitPacket& visit,
                const std::function<void(const VioOutput&)>& take_output) {
-  FrontStage front(dataset.rig(), options);
-  BackStage back(dataset.rig(), dataset.imu_noise(), options);
+  FrontStage front(rig, options);
+  BackStage back(rig, dataset.imu_noise(), options);
   std::size_t next_imu = 0;
   for (std::size_t i = 0; i < dataset.frames().size(); ++i) {
     const Timestamp t = dataset.frames()[i].t;
@@ -34,6 +35,13 @@ void RunStages(AslDataset& dataset,
     if (back.feedback()) front.AddFeedback(*back.feedback());
     take_output(out);
   }
+}
+
+void RunStages(AslDataset& dataset,
+               const VioOptions& options,
+               const VisitPacket& visit,
+               const std::function<void(const VioOutput&)>& take_output) {
+  RunStages(dataset, dataset.rig(), options, visit, take_output);
 }
 
 }  // namespace facet

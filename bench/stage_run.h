@@ -23,6 +23,13 @@ using VisitPacket = std::function<bool(std::size_t index, const StereoFrame&, Fr
 /// Calls `visit` and then, after the back stage, `take_output`, once for each frame. Throws
 /// InputError.
 void RunStages(AslDataset& dataset,
+               const StereoRig& rig,
+               const VioOptions& options,
+               const VisitPacket& visit,
+               const std::function<void(const VioOutput&)>& take_output);
+
+/// The same with the rig of the dataset.
+void RunStages(AslDataset& dataset,
                const VioOptions& options,
                const VisitPacket& visit,
                const std::function<void(const VioOutput&)>& take_output);

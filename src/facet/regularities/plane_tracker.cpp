@@ -210,7 +210,8 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   }
   std::sort(corners.begin(), corners.end());
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  if (static_cast<int>(corners.size()) < limits.min_landmarks) return false;
+  const int num = static_cast<int>(corners.size());
+  if (num < std::min(limits.min_landmarks, limits.min_spread_landmarks)) return false;
   std::vector<Vector3d> points;
   std::vector<double> weights;
   for (const int corner : corners) {
@@ -221,7 +222,10 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   const double extent_m = FitPlane(points, weights).extent_minor_m;
   const double sigma_normal = 1 / (std::sqrt(total) * extent_m);
-  return extent_m >= limits.min_landmark_extent_m &&
+  // Few are enough if they are far apart: walls with hardly any texture have no more.
+  const bool are_spread = sigma_normal <= limits.max_spread_sigma_deg * kDegree;
+  const int needed = are_spread ? limits.min_spread_landmarks : limits.min_landmarks;
+  return num >= needed && extent_m >= limits.min_landmark_extent_m &&
          sigma_normal <= limits.max_normal_sigma_deg * kDegree;
 }
 

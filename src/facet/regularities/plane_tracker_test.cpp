@@ -93,6 +93,48 @@ TEST_F(PlaneTrackerTest, APlaneWaitsUntilItsLandmarksDetermineItsNormal) {
   EXPECT_EQ(num_created_, 1);
 }
 
+// Walls with hardly any texture have no more.
+TEST_F(PlaneTrackerTest, FewLandmarksAreEnoughIfTheyAreFarApart) {
+  // Of the wall's landmarks only `num` count, in a ring.
+  const auto num_created = [&](int num, double radius_m, const RegularityOptions& options) {
+    PlaneTracker tracker(options);
+    int created = 0;
+    for (int k = 0; k < 2 * PlaneTrackingOptions().min_sightings; ++k) {
+      view_.time_s += kKeyframe_s;
+      ++view_.seed;
+      const MeshSnapshot mesh = MakeMesh({wall_}, view_);
+      MapSnapshot map = estimator_.Snapshot(mesh);
+      std::vector<LandmarkEstimate> ring;
+      for (int i = 0; i < num; ++i) {
+        const double angle = 2 * std::numbers::pi * i / num;
+        const Vector3d at_W =
+            wall_.centre_W + radius_m * Vector3d(0, std::cos(angle), std::sin(angle));
+        const auto nearest = std::min_element(
+            map.landmarks.begin(), map.landmarks.end(), [&](const auto& a, const auto& b) {
+              return (a.p_W - at_W).norm() < (b.p_W - at_W).norm();
+            });
+        ring.push_back(*nearest);
+        map.landmarks.erase(nearest);
+      }
+      std::sort(ring.begin(), ring.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+      map.landmarks = ring;
+      created += static_cast<int>(tracker.Process(mesh, map).created.size());
+    }
+    return created;
+  };
+  const int few = PlaneTrackingOptions().min_spread_landmarks;
+  const int many = PlaneTrackingOptions().min_landmarks;
+  ASSERT_LT(few, many);
+  EXPECT_EQ(num_created(few - 1, 0.9, RegularityOptions()), 0);
+  EXPECT_GT(num_created(few, 0.9, RegularityOptions()), 0);
+  EXPECT_EQ(num_created(few, 0.3, RegularityOptions()), 0);
+  EXPECT_GT(num_created(many, 0.3, RegularityOptions()), 0);
+  RegularityOptions never;
+  never.tracking.max_spread_sigma_deg = 0;
+  EXPECT_EQ(num_created(many - 1, 0.9, never), 0);
+  EXPECT_GT(num_created(many, 0.9, never), 0);
+}
+
 TEST_F(PlaneTrackerTest, TheSamePlaneIsNeverHandedOverTwice) {
   Run({wall_, floor_}, 30);
   EXPECT_EQ(num_created_, 2);
@@ -424,7 +466,7 @@ TEST_F(PlaneTrackerTest, LandmarksOfEarlierViewsCountForANewPlane) {
       int in_view = 0;  // landmarks on the half that is in view, less than a new plane needs
       std::erase_if(map.landmarks, [&](const LandmarkEstimate& landmark) {
         const bool is_old = landmark.p_W.y() < 0;
-        return is_old ? !with_rest : ++in_view >= PlaneTrackingOptions().min_landmarks;
+        return is_old ? !with_rest : ++in_view >= PlaneTrackingOptions().min_spread_landmarks;
       });
       for (std::size_t f = 0; f < mesh.mesh.faces.size(); ++f) {
         for (const int corner : mesh.mesh.faces[f])

@@ -72,6 +72,9 @@ struct PlaneTrackingOptions {
   double min_landmark_extent_m = 0.12;
   /// 1-sigma of its normal as these landmarks determine it [deg]. (!)
   double max_normal_sigma_deg = 3;
+  /// So many are enough if they determine its normal as well as this [deg]; 0: never. (!)
+  int min_spread_landmarks = 7;
+  double max_spread_sigma_deg = 1;
   /// A plane unseen for longer is dormant: only a whole new sighting brings it back [s].
   double active_s = 1.5;
   /// A face is on a plane when its corners are within three sigmas of it, but between these [m].
@@ -108,6 +111,14 @@ struct PlaneTrackingOptions {
             max_normal_sigma_deg,
             Range{0.01, 90},
             "1-sigma of a new plane's normal by its landmarks [deg]");
+    v.Field("min_spread_landmarks",
+            min_spread_landmarks,
+            Range{3, 1000},
+            "as many are enough if they are far apart");
+    v.Field("max_spread_sigma_deg",
+            max_spread_sigma_deg,
+            Range{0, 90},
+            "far apart: 1-sigma of the normal by them [deg]");
     v.Field("active_s", active_s, Range{0, 1e3}, "a plane unseen for longer is dormant [s]");
     v.Field("min_gate_m", min_gate_m, Range{0, 1}, "least gate for the corners of faces [m]");
     v.Field("max_gate_m", max_gate_m, Range{0, 1}, "largest gate for the corners of faces [m]");
