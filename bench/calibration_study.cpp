@@ -4,6 +4,7 @@
 // with calibrations that somebody might have measured (facet simulate --calibration-error), one
 // kind of errors after the other, and prints the ATE.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 
 #include "facet/base/median.h"
 #include "facet/eval/trajectory_error.h"
+#include "facet/io/errors.h"
 #include "facet/io/trajectory_file.h"
 #include "facet/render/calibration_error.h"
 
@@ -72,6 +74,7 @@ class Study {
     RunStages(dataset_, rig, options_, is_due, [&](const VioOutput& out) {
       if (out.has_pose) estimate.push_back({out.t, out.state.T_WB});
     });
+    if (estimate.empty()) throw InputError("no pose: the sequence, or --duration, is too short");
     return 1e3 * EvaluateTrajectory(estimate, truth_.poses).ate_m.rmse;
   }
 
@@ -94,6 +97,7 @@ int Main(int argc, char** argv) {
   app.add_option("--duration", duration_s, "from the first image [s]")->check(CLI::Range(1.0, 1e5));
   app.add_option("--set", overrides, "option of the pipeline, key=value");
   CLI11_PARSE(app, argc, argv);
+  if (!std::isfinite(duration_s)) throw ConfigError("--duration: not a number");
   cv::setNumThreads(1);
   Study study(sequence, OptionsOfS(overrides), duration_s);
   const double right_mm = study.Run({}, 0);
