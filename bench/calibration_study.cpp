@@ -74,7 +74,8 @@ class Study {
     RunStages(dataset_, rig, options_, is_due, [&](const VioOutput& out) {
       if (out.has_pose) estimate.push_back({out.t, out.state.T_WB});
     });
-    if (estimate.empty()) throw InputError("no pose: the sequence, or --duration, is too short");
+    const std::string problem = WhatIsWrong(estimate, truth_.poses);
+    if (!problem.empty()) throw InputError("the sequence, or --duration, is too short: " + problem);
     return 1e3 * EvaluateTrajectory(estimate, truth_.poses).ate_m.rmse;
   }
 

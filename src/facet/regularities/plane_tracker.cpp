@@ -211,7 +211,8 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   std::sort(corners.begin(), corners.end());
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
   const int num = static_cast<int>(corners.size());
-  if (num < std::min(limits.min_landmarks, limits.min_spread_landmarks)) return false;
+  const int fewest = std::min(limits.min_landmarks, limits.min_spread_landmarks);
+  if (num < fewest) return false;
   std::vector<Vector3d> points;
   std::vector<double> weights;
   for (const int corner : corners) {
@@ -224,7 +225,7 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   const double sigma_normal = 1 / (std::sqrt(total) * extent_m);
   // Few are enough if they are far apart: walls with hardly any texture have no more.
   const bool are_spread = sigma_normal <= limits.max_spread_sigma_deg * kDegree;
-  const int needed = are_spread ? limits.min_spread_landmarks : limits.min_landmarks;
+  const int needed = are_spread ? fewest : limits.min_landmarks;
   return num >= needed && extent_m >= limits.min_landmark_extent_m &&
          sigma_normal <= limits.max_normal_sigma_deg * kDegree;
 }

@@ -129,6 +129,9 @@ TEST_F(PlaneTrackerTest, FewLandmarksAreEnoughIfTheyAreFarApart) {
   EXPECT_GT(num_created(few, 0.9, RegularityOptions()), 0);
   EXPECT_EQ(num_created(few, 0.3, RegularityOptions()), 0);
   EXPECT_GT(num_created(many, 0.3, RegularityOptions()), 0);
+  RegularityOptions fewer;  // to be far apart is never a drawback
+  fewer.tracking.min_landmarks = few - 1;
+  EXPECT_GT(num_created(few - 1, 0.9, fewer), 0);
   RegularityOptions never;
   never.tracking.max_spread_sigma_deg = 0;
   EXPECT_EQ(num_created(many - 1, 0.9, never), 0);
