@@ -10,6 +10,10 @@
 
 namespace facet {
 
+namespace {
+constexpr int kSharePerChance = 10;  // of the budget, one plane may be settling
+}  // namespace
+
 std::vector<PlaneId> ExcessPlanes(const SlidingWindow& window,
                                   const std::vector<Matrix3d>& information,
                                   int max_planes) {
@@ -21,19 +25,26 @@ std::vector<PlaneId> ExcessPlanes(const SlidingWindow& window,
     known[static_cast<std::size_t>(window.IndexOf(block.plane))] +=
         window.prior.H.block<3, 3>(block.offset, block.offset);
   }
-  // Ascending: the first go. The determinant does not depend on where the anchor is.
   struct Rank {
-    bool is_supported;
-    double determinant;
+    double determinant;  // does not depend on where the anchor is
     PlaneId id;
-    auto Key() const { return std::tie(is_supported, determinant, id); }
+    bool is_settling;  // in view, and not yet known well
+    bool has_chance = false;
+    auto Key() const { return std::tie(determinant, id); }
   };
   const std::vector<int> members = CountMembers(window);
   std::vector<Rank> ranks;
-  for (std::size_t k = 0; k < window.planes.size(); ++k)
-    ranks.push_back({members[k] > 0, known[k].determinant(), window.planes[k].id});
+  for (std::size_t k = 0; k < window.planes.size(); ++k) {
+    const WindowPlane& plane = window.planes[k];
+    ranks.push_back({known[k].determinant(), plane.id, members[k] > 0 && !plane.settled});
+  }
   std::sort(
       ranks.begin(), ranks.end(), [](const Rank& a, const Rank& b) { return a.Key() < b.Key(); });
+  int num_chances = std::max(1, max_planes / kSharePerChance);
+  for (auto rank = ranks.rbegin(); rank != ranks.rend(); ++rank)
+    rank->has_chance = rank->is_settling && num_chances-- > 0;
+  std::stable_partition(
+      ranks.begin(), ranks.end(), [](const Rank& rank) { return !rank.has_chance; });
   std::vector<PlaneId> excess;
   for (int k = 0; k < num_excess; ++k)
     excess.push_back(ranks[static_cast<std::size_t>(k)].id);

@@ -32,15 +32,31 @@ TEST(PlaneBudgetTest, NothingGoesWithinTheBudget) {
 }
 
 TEST(PlaneBudgetTest, TheLeastKnownGoes) {
-  const SlidingWindow window = MakeWindow({0, 1, 2, 3});
+  SlidingWindow window = MakeWindow({0, 1, 2, 3});
+  for (WindowPlane& plane : window.planes)
+    plane.settled = true;
   EXPECT_EQ(ExcessPlanes(window, Information({5, 2, 3, 4}), 3), std::vector{PlaneId{11}});
   EXPECT_EQ(ExcessPlanes(window, Information({5, 2, 3, 4}), 2),
             (std::vector{PlaneId{11}, PlaneId{12}}));
 }
 
-TEST(PlaneBudgetTest, UnseenPlanesGoFirst) {
-  const SlidingWindow window = MakeWindow({1, 2});
-  EXPECT_EQ(ExcessPlanes(window, Information({9, 1, 2, 8}), 3), std::vector{PlaneId{13}});
+TEST(PlaneBudgetTest, AWellKnownPlaneStaysThoughItIsUnseen) {
+  SlidingWindow window = MakeWindow({1, 2});
+  for (WindowPlane& plane : window.planes)
+    plane.settled = true;
+  EXPECT_EQ(ExcessPlanes(window, Information({9, 1, 2, 8}), 2),
+            (std::vector{PlaneId{11}, PlaneId{12}}));
+}
+
+// One in ten, at least one, and the best known of them.
+TEST(PlaneBudgetTest, APlaneThatIsBeingDeterminedHasAChance) {
+  SlidingWindow window = MakeWindow({1, 2});
+  window.planes[1].settled = true;
+  EXPECT_EQ(ExcessPlanes(window, Information({9, 3, 1, 8}), 3), std::vector{PlaneId{11}});
+  window.planes[1].settled = false;
+  EXPECT_EQ(ExcessPlanes(window, Information({9, 3, 1, 8}), 3), std::vector{PlaneId{12}});
+  EXPECT_EQ(ExcessPlanes(window, Information({9, 3, 1, 8}), 2),
+            (std::vector{PlaneId{12}, PlaneId{13}}));
 }
 
 TEST(PlaneBudgetTest, ThePriorCounts) {

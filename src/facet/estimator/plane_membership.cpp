@@ -77,8 +77,6 @@ void ApplyAssignments(const PlaneAssignments& assignments,
       landmark->planes.Add(plane);
     }
   }
-  for (const PlaneRelation& relation : assignments.unrelated)
-    window.RemoveRelation(relation);
   for (const PlaneRelation& relation : assignments.related)
     window.AddRelation(relation);
   for (const PlaneSighting& sighting : assignments.sighted) {

@@ -184,8 +184,6 @@ TEST(RelationFactorTest, HoldOnceAndBetweenKnownPlanesOnly) {
   EXPECT_FALSE(window.AddRelation({kHorizontal, a, b}));  // the second plane means nothing
   EXPECT_TRUE(window.AddRelation({kCoplanar, b, a}));
   EXPECT_EQ(window.relations.size(), 3u);
-  EXPECT_TRUE(window.RemoveRelation({kCoplanar, a, b}));
-  EXPECT_FALSE(window.RemoveRelation({kCoplanar, a, b}));
   window.RemovePlane(1);
   ASSERT_EQ(window.relations.size(), 1u);
   EXPECT_EQ(window.relations[0].relation.kind, kHorizontal);

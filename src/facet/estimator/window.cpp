@@ -168,11 +168,6 @@ bool SlidingWindow::AddRelation(const PlaneRelation& relation) {
   return true;
 }
 
-bool SlidingWindow::RemoveRelation(const PlaneRelation& relation) {
-  const PlaneRelation canonical = relation.Canonical();
-  return std::erase_if(relations, [&](const auto& r) { return r.relation == canonical; }) > 0;
-}
-
 void SlidingWindow::AttachRelation(WindowRelation& relation, int leaving) const {
   const int newest = static_cast<int>(frames.size()) - 1;
   const int index = leaving == newest ? newest - 1 : newest;

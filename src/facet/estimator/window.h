@@ -181,8 +181,6 @@ class SlidingWindow {
 
   /// False if the relation exists, or a plane of it does not, or there is no frame to tie it to.
   bool AddRelation(const PlaneRelation& relation);
-  /// False if there is none.
-  bool RemoveRelation(const PlaneRelation& relation);
 
   /// Ties the relation to the newest frame but the one with index `leaving`, at a point between its
   /// planes.

@@ -17,7 +17,7 @@ namespace facet {
 struct NewPlane {
   PlaneId id;
   Plane plane_W;
-  Vector3d centroid_W = Vector3d::Zero();  ///< of its landmarks
+  Vector3d centroid_W = Vector3d::Zero();  ///< of what was seen of it
 };
 
 /// A landmark that is on a plane from now on, unless it is hardly known across the plane or is
@@ -34,7 +34,6 @@ struct PlaneAssignments {
   std::vector<std::pair<LandmarkId, PlaneId>> left;  ///< landmarks that are no longer
   std::vector<PlaneId> ended;                        ///< planes that leave the estimator
   std::vector<PlaneRelation> related;                ///< hold from now on
-  std::vector<PlaneRelation> unrelated;              ///< hold no longer
   std::vector<PlaneSighting> sighted;                ///< by the newest keyframe
   /// Pipeline SP: landmarks that count with the paper's projection noise and loss from now on, and
   /// those that no longer do. These need no plane.
@@ -42,7 +41,7 @@ struct PlaneAssignments {
 
   bool IsEmpty() const {
     return created.empty() && joined.empty() && left.empty() && ended.empty() && related.empty() &&
-           unrelated.empty() && sighted.empty() && projected.empty() && unprojected.empty();
+           sighted.empty() && projected.empty() && unprojected.empty();
   }
 };
 
