@@ -179,6 +179,13 @@ TEST_F(BadInputTest, ValuesThatDoNotFitTogether) {
   ExpectFailure(2,
                 "regularities.tracking.max_gate_m = 0.01 is below",
                 "--set regularities.tracking.max_gate_m=0.01");
+  ExpectFailure(2,
+                "estimator.planes.min_landmarks = 11 is above 7",
+                "--set estimator.planes.min_landmarks=11");
+  ExpectFailure(2,
+                "estimator.planes.min_landmarks = 11 is above 10",
+                "--set estimator.planes.min_landmarks=11 "
+                "--set regularities.tracking.max_spread_sigma_deg=0");
 }
 
 TEST_F(BadInputTest, WrongUsage) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "load_options.h"
 
+#include <algorithm>
+
 #include <spdlog/fmt/fmt.h>
 
 #include "facet/io/config_file.h"
@@ -32,6 +34,18 @@ VioOptions LoadOptions(const std::string& file, const std::vector<std::string>& 
                     "regularities.tracking.min_gate_m = {}",
                     tracking.max_gate_m,
                     tracking.min_gate_m));
+  }
+  // Else planes would be handed over and dropped again, keyframe after keyframe.
+  const bool may_be_few = tracking.max_spread_sigma_deg > 0;
+  const int least = may_be_few ? std::min(tracking.min_landmarks, tracking.min_spread_landmarks)
+                               : tracking.min_landmarks;
+  if (options.estimator.planes.min_landmarks > least) {
+    throw ConfigError(
+        fmt::format("estimator.planes.min_landmarks = {} is above {}, the least that "
+                    "regularities.tracking (min_landmarks, min_spread_landmarks) asks of a new "
+                    "plane: planes would be found and dropped again",
+                    options.estimator.planes.min_landmarks,
+                    least));
   }
   return options;
 }

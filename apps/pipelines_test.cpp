@@ -122,6 +122,19 @@ TEST_F(PipelinesTest, AFullMapIsReportedOnce) {
   EXPECT_EQ(num_warnings, 1) << summary["warnings"];
 }
 
+TEST_F(PipelinesTest, PlanesWithoutAMeshAreNotMissedSilently) {
+  const auto num_warnings = [](const fs::path& out) {
+    const auto summary = nlohmann::json::parse(std::ifstream(out / "summary.json"));
+    return std::count_if(
+        summary["warnings"].begin(), summary["warnings"].end(), [](const auto& warning) {
+          return warning.template get<std::string>().starts_with("mesh.enabled=false: ");
+        });
+  };
+  EXPECT_EQ(num_warnings(Run("SPR", "--duration 3 --set mesh.enabled=false")), 1);
+  EXPECT_EQ(num_warnings(Run("S", "--duration 3 --set mesh.enabled=false")), 0);
+  EXPECT_EQ(num_warnings(Run("SPR", "--duration 3")), 0);
+}
+
 TEST_F(PipelinesTest, TheOthersHaveNone) {
   for (const char* pipeline : {"S", "SP"}) {
     const fs::path out = Run(pipeline);

@@ -119,6 +119,13 @@ void RecordMapMemory(const MapMemory& memory, double limit_mb, RunRecord& record
                   limit_mb));
 }
 
+void WarnOfMissingMesh(const VioOptions& options, RunRecord& record) {
+  if (options.mesh.enabled || options.pipeline == "S") return;
+  record.warnings.push_back(fmt::format(
+      "mesh.enabled=false: planes are found in the mesh, so pipeline {} has none and runs as S",
+      options.pipeline));
+}
+
 /// Runs the sequence with VioPipeline or ThreadedVio.
 template <class Vio>
 SequenceRun RunWith(Vio& vio,
@@ -142,6 +149,7 @@ SequenceRun RunWith(Vio& vio,
   };
   SequenceRun run = RunSequence(dataset, functions, arguments.range, observer);
   RecordMapMemory(vio.map_memory(), options.mesh.map.max_memory_mb, run.record);
+  WarnOfMissingMesh(options, run.record);
   if (vio.num_refused_imu() > 0) {
     run.record.warnings.push_back(std::to_string(vio.num_refused_imu()) +
                                   " IMU samples were refused (not finite or not in order)");

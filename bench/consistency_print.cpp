@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "consistency_study.h"
+
+#include "facet/geometry/angles.h"
 
 namespace facet {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 void PrintRatios(const char* name, const MeanRatios& ratios) {
   std::printf("  %-22s %7d", name, ratios.count);

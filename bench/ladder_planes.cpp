@@ -177,7 +177,7 @@ std::vector<PlaneCandidate> OwnSearch::SeeTrueSurfaces(const SurfaceFaces& faces
   for (const Surface& surface : run_.surfaces) {
     PlaneCandidate seen;
     const Vector3d n_W = T_WG_.q * surface.n_W, center_W = T_WG_ * surface.center_W;
-    const double side = n_W.dot(faces.camera_W - center_W) < 0 ? -1 : 1;
+    const double side = n_W.dot(faces.camera.p_W - center_W) < 0 ? -1 : 1;
     seen.plane_W.n = side * n_W;
     seen.plane_W.d = seen.plane_W.n.dot(center_W);
     std::vector<int> pool;

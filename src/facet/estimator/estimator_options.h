@@ -2,10 +2,9 @@
 // Parameters of the fixed-lag smoother. (!) marks the ones worth tuning for another vehicle.
 #pragma once
 
-#include <numbers>
-
 #include "facet/base/options.h"
 #include "facet/estimator/robust_options.h"
+#include "facet/geometry/angles.h"
 
 namespace facet {
 
@@ -182,7 +181,8 @@ struct RelationOptions {
 
 /// Planes as variables.
 struct PlaneOptions {
-  int min_landmarks = 8;          ///< a new plane with fewer goes again
+  /// A plane that has not settled and has fewer goes again, unless a sighting measures it.
+  int min_landmarks = 8;
   double join_sigma_m = 0.1;      ///< a landmark less well known across a plane does not join it
   double join_distance_m = 0.03;  ///< nor one farther off than this and 3 of its sigmas
   double outlier_sigma = 4.0;     ///< a landmark farther from its plane after the solve leaves it
@@ -194,7 +194,10 @@ struct PlaneOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("min_landmarks", min_landmarks, Range{3, 1000}, "a new plane with fewer goes again");
+    v.Field("min_landmarks",
+            min_landmarks,
+            Range{3, 1000},
+            "an unsettled plane with fewer goes again, unless sightings measure it");
     v.Field("join_sigma_m",
             join_sigma_m,
             Range{1e-3, 10},
@@ -219,7 +222,7 @@ struct PlaneOptions {
             settled_offset_m,
             Range{1e-4, 1},
             "1-sigma of a plane's offset below which it may stay for good [m]");
-    v.Field("max_planes", max_planes, Range{1, 1000}, "the least known of more go");
+    v.Field("max_planes", max_planes, Range{1, 64}, "the least known of more go");
     v.Field("anchor_distance_m",
             anchor_distance_m,
             Range{0.1, 1e6},
@@ -297,7 +300,6 @@ struct EstimatorOptions {
 
   /// Weights of all rows.
   RobustOptions robust(double usual_error_sigma = 1.0) const {
-    constexpr double kDegree = std::numbers::pi / 180;
     RobustOptions out = solver.robust(usual_error_sigma);
     out.relations = {planes.relations.sigma_deg * kDegree,
                      planes.relations.gravity_sigma_deg * kDegree,

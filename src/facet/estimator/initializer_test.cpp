@@ -9,14 +9,13 @@
 
 #include "facet/estimator/landmark_depth.h"
 #include "facet/estimator/test_window.h"
+#include "facet/geometry/angles.h"
 
 namespace facet {
 namespace {
 
 using testing::TestMotion;
 using testing::TestWindow;
-
-constexpr double kDegree = M_PI / 180;
 
 testing::TestWindowOptions Options(Rng& rng) {
   testing::TestWindowOptions options;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include <Eigen/LU>
@@ -17,12 +16,12 @@
 #include "facet/estimator/relation_factor.h"
 #include "facet/estimator/window_policy.h"
 #include "facet/estimator/window_snapshot.h"
+#include "facet/geometry/angles.h"
 
 namespace facet {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 // IMU noise over an interval with a hole, and over one without any sample, times the usual.
 constexpr double kGapNoiseScale = 10.0;
 constexpr double kNoImuNoiseScale = 300.0;
@@ -105,7 +104,6 @@ void VioEstimator::Assign(const PlaneAssignments& assignments) {
   append(assignments.left, assignments_.left);
   append(assignments.ended, ended_planes_);
   append(assignments.related, assignments_.related);
-  append(assignments.unrelated, assignments_.unrelated);
   append(assignments.sighted, assignments_.sighted);
   append(assignments.projected, assignments_.projected);
   append(assignments.unprojected, assignments_.unprojected);

@@ -53,7 +53,8 @@ class VioEstimator {
                            const ImuInterval& imu,
                            StageTimes& times);
 
-  /// Comes into force with the next keyframe; calls before it add up.
+  /// Comes into force with the next keyframe; calls before it add up. Of all that was said
+  /// landmarks leave planes first, then they join.
   void Assign(const PlaneAssignments& assignments);
 
   bool is_initialised() const { return initialised_; }

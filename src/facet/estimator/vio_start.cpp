@@ -3,17 +3,16 @@
 // put them into the world, and keep them until they have said all they can (docs/window.md).
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "facet/estimator/initializer.h"
 #include "facet/estimator/vio_estimator.h"
 #include "facet/estimator/window_policy.h"
+#include "facet/geometry/angles.h"
 
 namespace facet {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kStartIterations = 25;
 // Duplicates are kept up to this many frames: they average the pixel noise.
 constexpr int kMinStartFrames = 8;

@@ -101,11 +101,12 @@ std::string TimingCsv(const std::vector<FrameRecord>& frames) {
   return text;
 }
 
-// The last column holds the outline's corners, "x y z" apart by semicolons.
+// `outline` holds its corners, "x y z" apart by semicolons; `absorbed` the ids of planes that
+// turned out to be this one, apart by blanks: meshes that were written on the way have them.
 std::string PlanesCsv(const std::vector<PlaneRecord>& planes) {
   std::string text =
       "id,nx,ny,nz,d,cx,cy,cz,orientation,label,first_seen_ns,last_seen_ns,landmarks,area_m2,"
-      "sigma_normal_rad,sigma_d_m,outline\n";
+      "sigma_normal_rad,sigma_d_m,outline,absorbed\n";
   for (const PlaneRecord& plane : planes) {
     text += std::to_string(plane.id.value);
     AppendVector(text, plane.plane_W.n);
@@ -126,6 +127,9 @@ std::string PlanesCsv(const std::vector<PlaneRecord>& planes) {
           corner, sizeof(corner), "%s%.3f %.3f %.3f", k == 0 ? "" : ";", p.x(), p.y(), p.z());
       text += corner;
     }
+    text += ',';
+    for (std::size_t k = 0; k < plane.absorbed.size(); ++k)
+      text += (k == 0 ? "" : " ") + std::to_string(plane.absorbed[k].value);
     text += '\n';
   }
   return text;

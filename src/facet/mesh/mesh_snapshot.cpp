@@ -12,6 +12,7 @@ MeshSnapshot MakeEmpty(const MeshView& view) {
   snapshot.frame = view.frame;
   snapshot.t = view.t;
   snapshot.T_WC = view.T_WC;
+  snapshot.focal_px = view.focal_px;
   snapshot.first_match = view.first_match;
   snapshot.end_match = view.end_match;
   return snapshot;

@@ -15,6 +15,7 @@ struct MeshSnapshot {
   Timestamp t;
   TriangleMesh mesh;                   ///< in W, with normals, colours and plane ids
   SE3 T_WC;                            ///< left camera of the keyframe
+  double focal_px = 0;                 ///< of that camera
   std::vector<LandmarkId> vertex_ids;  ///< one per vertex, ascending; see IsSupport
   /// Ids of the support points that this keyframe has matched: from the first to before the end.
   /// The other support ids are of corners that the estimator has, too, and of guesses.

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "facet/geometry/angles.h"
 #include "facet/regularities/near_points.h"
 #include "facet/regularities/plane_gate.h"
 
@@ -12,7 +12,6 @@ namespace facet {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Planes dispute surface where they cross: this near to each other, at an angle between these, and
 // facing the same way. The two sides of a door, or wall and cupboard, are parallel and dispute
 // nothing.
@@ -109,7 +108,7 @@ std::vector<int> ClaimFaces(const SurfaceFaces& faces,
     };
     centres.ForEachNear(plane, options.max_gate_m, [&](std::size_t f) {
       const SurfaceFace& face = faces.faces[f];
-      if (std::abs(plane.n.dot(face.n_W)) < min_cosine) return;
+      if (plane.n.dot(face.n_W) < min_cosine) return;
       const double variance =
           uncertainty.VarianceAt(face.centre_W) + kSurfaceFlatness_m * kSurfaceFlatness_m;
       const double worst = WorstCorner(faces, face, plane, variance, best[f], options);

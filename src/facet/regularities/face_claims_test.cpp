@@ -31,6 +31,8 @@ class FaceClaimsTest : public ::testing::Test {
   KnownPlane Known(const Patch& patch, PlaneId id) const {
     PlaneCandidate candidate;
     candidate.plane_W = patch.ToPlane();
+    if (candidate.plane_W.SignedDistance(view_.camera_W) < 0)
+      candidate.plane_W = {-candidate.plane_W.n, -candidate.plane_W.d};
     candidate.centroid_W = patch.centre_W;
     KnownPlane known(candidate, map_.latest.t);
     known.id = id;
@@ -67,6 +69,14 @@ TEST_F(FaceClaimsTest, APlaneGrowsOverWhatIsWithinItsGate) {
   planes_.pop_back();
   const std::vector<int> claims = ClaimStrip();
   EXPECT_GT(std::count(claims.begin(), claims.end(), kBoard), 3);
+}
+
+TEST_F(FaceClaimsTest, TheOtherSideIsNotClaimed) {
+  planes_.pop_back();
+  Plane& board_W = planes_[kBoard].estimate.plane_W;
+  board_W = {-board_W.n, -board_W.d};
+  const std::vector<int> claims = ClaimStrip();
+  EXPECT_EQ(std::count(claims.begin(), claims.end(), kBoard), 0);
 }
 
 // However little is known of the corners' depths.
@@ -201,9 +211,10 @@ TEST_F(FaceClaimsTest, ParallelPlanesDisputeNothing) {
   for (const double gap_m : {0.06, 0.08, 0.1}) {
     for (const bool is_opposite : {false, true}) {
       const Patch near = MakeWall({3, 0, 1.4}, 0, 2, 2);
-      Patch far = MakeWall({3 + gap_m, 0, 1.4}, 0, 2, 2);
-      if (is_opposite) std::swap(far.half_a_W, far.half_b_W);
+      const Patch far = MakeWall({3 + gap_m, 0, 1.4}, 0, 2, 2);
       planes_ = {Known(near, PlaneId{4}), Known(far, PlaneId{7})};
+      Plane& far_W = planes_[1].estimate.plane_W;
+      if (is_opposite) far_W = {-far_W.n, -far_W.d};
       Show(near, 0);
       const double area_m2 = planes_[0].support.area_m2();
       Show(far, 1);

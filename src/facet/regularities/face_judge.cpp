@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 
+#include "facet/geometry/angles.h"
 #include "facet/mesh/triangle_stars.h"
 #include "facet/regularities/near_points.h"
 #include "facet/regularities/seen_plane.h"
@@ -15,8 +15,6 @@
 namespace facet {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 using Triangle = std::array<int, 3>;
 using Planes = std::uint64_t;  // one bit for each of the first 64; the estimator keeps 40

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "facet/geometry/angles.h"
+
 namespace facet {
 
 void FormerPlanes::Add(KnownPlane plane) {
@@ -21,7 +23,7 @@ bool FormerPlanes::Recall(double max_angle, double max_distance_m, KnownPlane& p
        ++known) {
     const Plane& known_W = known->best->plane_W;
     const double distance_m = std::abs(known_W.SignedDistance(centre_W));
-    if (distance_m >= nearest_m || std::abs(known_W.n.dot(plane_W.n)) <= std::cos(max_angle) ||
+    if (distance_m >= nearest_m || AngleBetween(known_W.n, plane_W.n) >= max_angle ||
         !known->support.IsNear(centre_W, kPlaneGrowth_m)) {
       continue;
     }
@@ -32,7 +34,7 @@ bool FormerPlanes::Recall(double max_angle, double max_distance_m, KnownPlane& p
   plane.id = former->id;
   plane.best = former->best;
   plane.first_seen = former->first_seen;
-  plane.num_landmarks += former->num_landmarks;
+  plane.members.Add(former->members);
   plane.absorbed = std::move(former->absorbed);
   plane.support.Add(former->support, plane_W);
   planes_.erase(former);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/regularities/test_scene.h"
+
 namespace facet {
 namespace {
 
@@ -24,7 +26,7 @@ KnownPlane Wall(double angle, double offset_m, double y_m, Timestamp t) {
 
 KnownPlane Solved(KnownPlane plane, PlaneId id) {
   plane.id = id;
-  plane.num_landmarks = 5;
+  plane.members = testing::CountOf(5);
   PlaneEstimate estimate = plane.estimate;
   estimate.id = id;
   estimate.covariance = Matrix<10, 10>::Identity();
@@ -36,12 +38,12 @@ TEST(FormerPlanesTest, APlaneGoesOnUnderItsName) {
   FormerPlanes former;
   former.Add(Solved(Wall(0, 0, 0, Timestamp{5}), PlaneId{3}));
   KnownPlane again = Wall(0.05, 0.03, 0.2, Timestamp{900});
-  again.num_landmarks = 2;
+  again.members = testing::CountOf(2, 100);
   ASSERT_TRUE(former.Recall(kMaxAngle, kMaxDistance_m, again));
   EXPECT_EQ(again.id, PlaneId{3});
   EXPECT_EQ(again.first_seen, Timestamp{5});
   EXPECT_EQ(again.last_seen, Timestamp{900});
-  EXPECT_EQ(again.num_landmarks, 7);
+  EXPECT_EQ(again.members.num(), 7);
   EXPECT_TRUE(again.best.has_value());
   EXPECT_TRUE(again.support.HasSurface({3, -0.3, 0.6}));  // where only the former one had been seen
   EXPECT_TRUE(former.reachable().empty());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "facet/map/map_snapshot.h"
+#include "facet/regularities/member_count.h"
 #include "facet/regularities/plane_candidate.h"
 #include "facet/regularities/plane_support.h"
 
@@ -36,7 +37,7 @@ struct KnownPlane {
   PlaneOrientation orientation = PlaneOrientation::kOblique;
   PlaneSupport support;
   int times_seen = 0;  ///< keyframes that showed it while it was tentative
-  int num_landmarks = 0;
+  MemberCount members;
   int num_misfits = 0;  ///< keyframes in a row in which its landmarks did not fit
   RecentMean scatter;   ///< of its landmarks across it, mean square over what is expected
   Timestamp first_seen, last_seen;
@@ -52,6 +53,9 @@ struct KnownPlane {
 
   /// The other turned out to be this one. Its surface is taken as lying on `its_plane_W`.
   void Absorb(const KnownPlane& other, const Plane& its_plane_W);
+
+  /// As the estimator knows it by now: it may turn out to lean.
+  void SetOrientation(double max_lean_deg);
 
   bool IsTentative() const { return !id.IsValid(); }
 
@@ -73,9 +77,14 @@ inline void KnownPlane::Update(const PlaneEstimate& newest) {
     best = newest;
 }
 
+inline void KnownPlane::SetOrientation(double max_lean_deg) {
+  if (!best) return;
+  orientation = OrientationOf(best->plane_W.n, best->covariance.block<3, 3>(6, 6), max_lean_deg);
+}
+
 inline void KnownPlane::Absorb(const KnownPlane& other, const Plane& its_plane_W) {
   support.Add(other.support, its_plane_W);
-  num_landmarks += other.num_landmarks;
+  members.Add(other.members);
   times_seen += other.times_seen;
   first_seen = std::min(first_seen, other.first_seen);
   last_seen = std::max(last_seen, other.last_seen);

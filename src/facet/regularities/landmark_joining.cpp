@@ -22,7 +22,7 @@ void JoinLandmarks(const MapSnapshot& map,
                    const SurfaceFaces& faces,
                    const std::vector<int>& landmark_of_point,
                    const std::vector<int>& plane_of_face,
-                   std::vector<KnownPlane>& planes,
+                   const std::vector<KnownPlane>& planes,
                    PlaneAssignments& out) {
   std::vector<int> faces_around(map.landmarks.size(), 0);
   std::vector<std::pair<int, int>> on_planes;  // landmark, plane: one per face
@@ -47,9 +47,8 @@ void JoinLandmarks(const MapSnapshot& map,
     const int count = static_cast<int>(end - same);
     same = end;
     if (count < 2 && 2 * count < faces_around[landmark]) continue;
-    KnownPlane& known = planes[plane];
+    const KnownPlane& known = planes[plane];
     out.joined.push_back({map.landmarks[landmark].id, known.id, 2 * known.recognised_at_m});
-    ++known.num_landmarks;
   }
 }
 

@@ -17,7 +17,7 @@ void JoinLandmarks(const MapSnapshot& map,
                    const SurfaceFaces& faces,
                    const std::vector<int>& landmark_of_point,
                    const std::vector<int>& plane_of_face,
-                   std::vector<KnownPlane>& planes,
+                   const std::vector<KnownPlane>& planes,
                    PlaneAssignments& out);
 
 }  // namespace facet

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "facet/geometry/angles.h"
 #include "facet/geometry/plane_fit.h"
 #include "facet/regularities/surface_step.h"
 
@@ -14,7 +15,6 @@ namespace facet {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMinBand_m = 0.01;  // half thickness that every plane is granted
 const double kMinFaceCosine = std::cos(25 * kDegree);
 constexpr double kMaxTurn = 20 * kDegree;  // from the peak to the fit
@@ -180,7 +180,7 @@ PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
   candidate.offset_variance_m2 = inflation / plane.total_weight + kCommonOffset_m * kCommonOffset_m;
   candidate.orientation =
       OrientationOf(candidate.plane_W.n, candidate.normal_covariance, options.max_plane_lean_deg);
-  if (candidate.plane_W.SignedDistance(faces.camera_W) < 0) {
+  if (candidate.plane_W.SignedDistance(faces.camera.p_W) < 0) {
     candidate.plane_W.n = -candidate.plane_W.n;
     candidate.plane_W.d = -candidate.plane_W.d;
   }

@@ -2,10 +2,10 @@
 #include "facet/regularities/plane_candidate.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/angles.h"
 #include "facet/regularities/test_scene.h"
 
 namespace facet {
@@ -18,8 +18,6 @@ using testing::MakeWall;
 using testing::Patch;
 using testing::TestView;
 using testing::Turned;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::vector<PlaneCandidate> Fit(const SurfaceFaces& faces, const Plane& start) {
   const DetectionOptions options;

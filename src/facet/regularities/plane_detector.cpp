@@ -3,15 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "facet/geometry/angles.h"
 #include "facet/regularities/region_growing.h"
 
 namespace facet {
 
-namespace {
-constexpr double kDegree = std::numbers::pi / 180;
-}
+namespace {}
 
 std::vector<PlaneCandidate> PlaneDetector::Detect(const SurfaceFaces& faces,
                                                   const std::vector<char>& taken) {
@@ -96,7 +94,7 @@ void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandid
 void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
   const double max_z = std::sin(options_.max_lean_deg * kDegree);
   std::vector<char> votes(faces.faces.size(), 0);
-  const Vector3d origin = options_.world_origin ? Vector3d(Vector3d::Zero()) : faces.camera_W;
+  const Vector3d origin = options_.world_origin ? Vector3d(Vector3d::Zero()) : faces.camera.p_W;
   double radius = 0;
   for (const int f : pool_) {
     const SurfaceFace& face = faces.faces[f];

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/angles.h"
 #include "facet/regularities/test_scene.h"
 
 namespace facet {
@@ -18,8 +19,6 @@ using testing::MakeWall;
 using testing::Patch;
 using testing::TestView;
 using testing::Turned;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::vector<PlaneCandidate> Detect(const SurfaceFaces& faces,
                                    const DetectionOptions& options = {}) {

@@ -69,9 +69,9 @@ double DistanceVariance(const PlaneEstimate& plane, const SE3& T_WB, const Vecto
 
 double ChiSquare(const PlaneCandidate& candidate, const PlaneEstimate& plane, const SE3& T_WB) {
   const Vector3d& n = plane.plane_W.n;
+  if (candidate.plane_W.n.dot(n) < 0) return std::numeric_limits<double>::infinity();
   const Matrix<3, 2> B = TangentBasis(n);
-  const double sign = candidate.plane_W.n.dot(n) < 0 ? -1 : 1;
-  const Vector3d m_W = sign * candidate.plane_W.n;
+  const Vector3d& m_W = candidate.plane_W.n;
   Vector3d r;
   r.head<2>() = B.transpose() * (m_W - n);
   r(2) = plane.plane_W.SignedDistance(candidate.centroid_W);
@@ -86,11 +86,11 @@ double ChiSquare(const PlaneEstimate& a,
                  const PlaneEstimate& b,
                  const Vector3d& p_W,
                  const SE3& T_WB) {
+  if (a.plane_W.n.dot(b.plane_W.n) < 0) return std::numeric_limits<double>::infinity();
   const Matrix<3, 2> B = TangentBasis(a.plane_W.n);
-  const double sign = a.plane_W.n.dot(b.plane_W.n) < 0 ? -1 : 1;
   Vector3d r;
-  r.head<2>() = B.transpose() * (sign * b.plane_W.n - a.plane_W.n);
-  r(2) = a.plane_W.SignedDistance(p_W) - sign * b.plane_W.SignedDistance(p_W);
+  r.head<2>() = B.transpose() * (b.plane_W.n - a.plane_W.n);
+  r(2) = a.plane_W.SignedDistance(p_W) - b.plane_W.SignedDistance(p_W);
   const Matrix<3, 10> J_a = SightingJacobian(a, B, T_WB, a.plane_W.n, p_W);
   const Matrix<3, 10> J_b = SightingJacobian(b, B, T_WB, b.plane_W.n, p_W);
   return SquaredMahalanobis(

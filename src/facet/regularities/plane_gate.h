@@ -27,7 +27,8 @@ class DistanceUncertainty {
 double DistanceVariance(const PlaneEstimate& plane, const SE3& T_WB, const Vector3d& p_W);
 
 /// Squared Mahalanobis distance between a sighting and a plane: normal (2 degrees of freedom) and
-/// distance at the sighting's centroid. Infinite when the covariance is of no use.
+/// distance at the sighting's centroid. Infinite when the covariance is of no use and when the
+/// two are seen from different sides: normals point to where a surface was seen from.
 double ChiSquare(const PlaneCandidate& candidate, const PlaneEstimate& plane, const SE3& T_WB);
 
 /// The same between two planes, compared at the point p_W as the camera sees both; what they have

@@ -2,6 +2,7 @@
 #include "facet/regularities/plane_gate.h"
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
@@ -129,11 +130,7 @@ TEST(PlaneGateTest, ChiSquareHasThreeDegreesOfFreedom) {
     const SE3 T_WB = RandomPose(rng);
     const PlaneEstimate plane = RandomPlane(T_WB, 2e-3, rng);
     const Vector<10> error = Draw(plane.covariance, rng);
-    PlaneCandidate candidate = Sight(Moved(plane, error), Moved(T_WB, error), T_WB, rng);
-    if (run % 2 == 0) {  // the same surface, described from the other side
-      candidate.plane_W.n = -candidate.plane_W.n;
-      candidate.plane_W.d = -candidate.plane_W.d;
-    }
+    const PlaneCandidate candidate = Sight(Moved(plane, error), Moved(T_WB, error), T_WB, rng);
     const double chi_square = ChiSquare(candidate, plane, T_WB);
     sum += chi_square / kRuns;
     beyond_95 += chi_square > 7.815 ? 1 : 0;
@@ -170,12 +167,26 @@ TEST(PlaneGateTest, TwoPlanesThatDifferAsMuchAsTheyMayHaveThreeDegreesOfFreedom)
       plane->covariance.block<3, 3>(6, 6) = 1e-5 * B * B.transpose();
       plane->covariance(9, 9) = 1e-5;
     }
-    PlaneEstimate seen_b = Moved(b, Draw(b.covariance, rng));
+    const PlaneEstimate seen_b = Moved(b, Draw(b.covariance, rng));
     const PlaneEstimate seen_a = Moved(a, Draw(a.covariance, rng));
-    if (run % 2 == 0) seen_b.plane_W = {-seen_b.plane_W.n, -seen_b.plane_W.d};
     sum += ChiSquare(seen_a, seen_b, T_WB.p + 2 * rng.Normal3(), T_WB) / kRuns;
   }
   EXPECT_NEAR(sum, 3, 0.15);
+}
+
+TEST(PlaneGateTest, TheOtherSideIsAnotherSurface) {
+  Rng rng(7);
+  const SE3 T_WB = RandomPose(rng);
+  const PlaneEstimate plane = RandomPlane(T_WB, 1e-3, rng);
+  PlaneCandidate candidate = Sight(plane, T_WB, T_WB, rng);
+  ASSERT_TRUE(std::isfinite(ChiSquare(candidate, plane, T_WB)));
+  ASSERT_TRUE(std::isfinite(ChiSquare(plane, plane, plane.anchor_W, T_WB)));
+  candidate.plane_W = {-candidate.plane_W.n, -candidate.plane_W.d};
+  PlaneEstimate behind = plane;
+  behind.plane_W = {-plane.plane_W.n, -plane.plane_W.d};
+  EXPECT_EQ(ChiSquare(candidate, plane, T_WB), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(ChiSquare(plane, behind, plane.anchor_W, T_WB),
+            std::numeric_limits<double>::infinity());
 }
 
 TEST(PlaneGateTest, AUselessCovarianceRecognisesNothing) {

@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "facet/geometry/angles.h"
 #include "facet/regularities/plane_gate.h"
 
 namespace facet {
 
 namespace {
 
-constexpr AgreementLimits kCoplanar = {1.5 * std::numbers::pi / 180, 0.02};
+constexpr AgreementLimits kCoplanar = {1.5 * kDegree, 0.02};
 constexpr double kMaxChiSquare = 14.2;  // three sigmas, 3 degrees of freedom
 
 void Merge(const MapSnapshot& map,
@@ -23,7 +23,7 @@ void Merge(const MapSnapshot& map,
     if (landmark.IsOn(younger.id) && !older.Has(landmark))
       out.joined.push_back({landmark.id, older.id, 2 * kCoplanar.max_offset_m});
   }
-  // What the younger one knew goes over when it is marginalised.
+  // If the prior knows the younger one, that goes over when it is marginalised.
   out.related.push_back({PlaneRelationKind::kCoplanar, older.id, younger.id});
   out.ended.push_back(younger.id);
   older.Absorb(younger, younger.estimate.plane_W);
@@ -37,7 +37,7 @@ bool Agree(const PlaneEstimate& a,
            const Vector3d& middle_b_W,
            const SE3& T_WB,
            const AgreementLimits& limits) {
-  return std::abs(a.plane_W.n.dot(b.plane_W.n)) >= std::cos(limits.max_angle) &&
+  return AngleBetween(a.plane_W.n, b.plane_W.n) <= limits.max_angle &&
          std::abs(a.plane_W.SignedDistance(middle_b_W)) <= limits.max_offset_m &&
          std::abs(b.plane_W.SignedDistance(middle_a_W)) <= limits.max_offset_m &&
          ChiSquare(a, b, middle_a_W, T_WB) <= kMaxChiSquare &&

@@ -14,8 +14,8 @@ struct AgreementLimits {
 };
 
 /// Whether two planes agree, normals and the distances at the middle of each other's surface,
-/// within the limits and three sigmas of what the camera's pose and the planes leave open. Which
-/// side they are seen from does not matter.
+/// within the limits and three sigmas of what the camera's pose and the planes leave open. Two
+/// sides of a thin wall never agree: normals point to where the surface was seen from.
 bool Agree(const PlaneEstimate& a,
            const Vector3d& middle_a_W,
            const PlaneEstimate& b,

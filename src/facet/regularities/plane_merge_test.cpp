@@ -3,14 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/angles.h"
+#include "facet/regularities/test_scene.h"
+
 namespace facet {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// 2 x 2 m of surface on a plane x = ..., around the given middle.
 KnownPlane MakeKnown(int id, const Vector3d& middle_W, const Vector3d& n_W = Vector3d::UnitX()) {
@@ -50,14 +50,14 @@ TEST(PlaneMergeTest, TwoPartsOfAWallBecomeTheOlder) {
   for (const bool is_older_first : {true, false}) {
     std::vector<KnownPlane> planes = {MakeKnown(3, {3, 0, 1}), MakeKnown(8, {3.01, 2.3, 1})};
     if (!is_older_first) std::swap(planes[0], planes[1]);
-    planes[0].num_landmarks = 20;
-    planes[1].num_landmarks = 30;
+    planes[0].members = testing::CountOf(20);
+    planes[1].members = testing::CountOf(30, 100);
     const MapSnapshot map = MapWith(PlaneId{8}, {{3, 2, 1}, {3, 2.5, 1}});
     PlaneAssignments out;
     MergeSameSurfaces(map, planes, out);
     ASSERT_EQ(planes.size(), 1u);
     EXPECT_EQ(planes[0].id, PlaneId{3});
-    EXPECT_EQ(planes[0].num_landmarks, 50);
+    EXPECT_EQ(planes[0].members.num(), 50);
     EXPECT_EQ(planes[0].first_seen, Timestamp{0} + FromSeconds(3));
     EXPECT_EQ(planes[0].last_seen, Timestamp{0} + FromSeconds(8));
     EXPECT_NEAR(planes[0].support.area_m2(), 8, 0.5);
@@ -71,10 +71,13 @@ TEST(PlaneMergeTest, TwoPartsOfAWallBecomeTheOlder) {
   }
 }
 
-TEST(PlaneMergeTest, TheOppositeNormalIsTheSameSurface) {
+TEST(PlaneMergeTest, TheOtherSideIsAnotherSurface) {
   std::vector<KnownPlane> planes = {MakeKnown(0, {3, 0, 1}),
                                     MakeKnown(1, {3, 1, 1}, -Vector3d::UnitX())};
   PlaneAssignments out;
+  MergeSameSurfaces({}, planes, out);
+  EXPECT_EQ(planes.size(), 2u);
+  planes[1] = MakeKnown(1, {3, 1, 1});
   MergeSameSurfaces({}, planes, out);
   EXPECT_EQ(planes.size(), 1u);
 }

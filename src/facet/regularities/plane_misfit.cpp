@@ -43,7 +43,8 @@ std::vector<Member> MembersAsSeen(const MapSnapshot& map, const KnownPlane& know
   for (const LandmarkEstimate& landmark : map.landmarks) {
     // What several planes have drawn is not told apart.
     if (landmark.planes[0] != known.id || landmark.planes[1].IsValid()) continue;
-    const FacePoint point = MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, map.latest.T_WB.p);
+    const FacePoint point =
+        MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, {.p_W = map.latest.T_WB.p});
     const double variance = point.VarianceAlong(plane.n);
     const double at_m = plane.SignedDistance(landmark.p_W);
     const double across_m = (1 + variance / Square(known.estimate.row_sigma_m)) * at_m;

@@ -2,16 +2,15 @@
 #include "facet/regularities/plane_misfit.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/geometry/angles.h"
 
 namespace facet {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMaxScatter = 1.4;
 constexpr double kRowSigma_m = 0.04;
 
@@ -41,8 +40,7 @@ MapSnapshot Seen(Surface x, double noise_m, std::uint64_t seed = 1) {
     landmark.id = LandmarkId{i};
     landmark.sigma_depth_m = kSigma_m;
     landmark.planes[0] = PlaneId{0};
-    const double variance =
-        MakeFacePoint(seen, kSigma_m, Vector3d::Zero()).VarianceAlong({1, 0, 0});
+    const double variance = MakeFacePoint(seen, kSigma_m, {}).VarianceAlong({1, 0, 0});
     landmark.p_W = seen;
     landmark.p_W.x() = 3 + (seen.x() - 3) / (1 + variance / std::pow(kRowSigma_m, 2));
     map.landmarks.push_back(landmark);

@@ -4,20 +4,23 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 
+#include "facet/geometry/angles.h"
 #include "facet/regularities/plane_merge.h"
 
 namespace facet {
 
 namespace {
 
-constexpr AgreementLimits kOneSurface = {5 * std::numbers::pi / 180, 0.05};
+constexpr AgreementLimits kOneSurface = {5 * kDegree, 0.05};
 constexpr double kLargestFurniture_m2 = 4;
 // What is smaller than this is flat, or a row of things; a wall may have things on it.
 constexpr double kSmall_m2 = 1;
 constexpr double kMaxScatterOfSmall = 0.5;
 constexpr int kMinJudged = 5;  // keyframes
+// Nor is it worth telling when not even its lean is known, as DetectionOptions::max_plane_lean_deg
+// judges it.
+constexpr double kMaxSigmaOfSmall = 2 * kDegree;
 
 // What is larger than furniture goes on behind what hides it, about as far as it is wide.
 double LargestGap_m(const KnownPlane& a, const KnownPlane& b) {
@@ -39,8 +42,7 @@ bool AreOneSurface(const KnownPlane& a, const KnownPlane& b) {
   const auto on = [&](const Plane& plane) {
     return Vector3d(middle_W - plane.SignedDistance(middle_W) * plane.n);
   };
-  return plane_a.n.dot(plane_b.n) > 0 &&
-         Agree(InWorld(*a.best), on(plane_a), InWorld(*b.best), on(plane_b), SE3(), kOneSurface) &&
+  return Agree(InWorld(*a.best), on(plane_a), InWorld(*b.best), on(plane_b), SE3(), kOneSurface) &&
          a.support.IsNear(b.support, plane_b, LargestGap_m(a, b));
 }
 
@@ -49,8 +51,14 @@ bool IsRowOfThings(const KnownPlane& plane) {
          plane.scatter.mean > kMaxScatterOfSmall;
 }
 
+// Mean of both directions [rad^2].
 double NormalVariance(const KnownPlane& plane) {
-  return plane.best->covariance.block<3, 3>(6, 6).trace();
+  return std::max(plane.best->covariance.block<3, 3>(6, 6).trace() / 2, 0.0);
+}
+
+bool IsHardlyKnown(const KnownPlane& plane) {
+  return plane.support.area_m2() < kSmall_m2 &&
+         NormalVariance(plane) > kMaxSigmaOfSmall * kMaxSigmaOfSmall;
 }
 
 void JoinScatter(const KnownPlane& part, KnownPlane& whole) {
@@ -88,12 +96,12 @@ PlaneRecord MakeRecord(const KnownPlane& plane) {
   record.orientation = plane.orientation;
   record.first_seen = plane.first_seen;
   record.last_seen = plane.last_seen;
-  record.num_landmarks = plane.num_landmarks;
+  record.num_landmarks = plane.members.num();
   record.absorbed = plane.absorbed;
   record.area_m2 = plane.support.area_m2();
   record.outline_W = plane.support.Outline(record.plane_W);
   const Matrix<10, 10>& covariance = plane.best->covariance;
-  record.sigma_normal_rad = std::sqrt(std::max(covariance.block<3, 3>(6, 6).trace() / 2, 0.0));
+  record.sigma_normal_rad = std::sqrt(NormalVariance(plane));
   Matrix<1, 4> J;  // d = offset + n . anchor
   J << plane.best->anchor_W.transpose(), 1;
   record.sigma_d_m =
@@ -110,7 +118,7 @@ std::vector<PlaneRecord> MakeRecords(std::span<const KnownPlane> planes, bool ma
   });
   std::sort(solved.begin(), solved.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   if (may_unite) Unite(solved);
-  std::erase_if(solved, IsRowOfThings);
+  std::erase_if(solved, [](const auto& p) { return IsRowOfThings(p) || IsHardlyKnown(p); });
   std::vector<PlaneRecord> records;
   std::transform(solved.begin(), solved.end(), std::back_inserter(records), MakeRecord);
   return records;

@@ -17,7 +17,8 @@ namespace facet {
 /// across a gap of the root of the smaller one's area: a ceiling goes on behind a lintel. While a
 /// run lasts the estimator waits with that until it knows both well.
 /// What has less than 1 m^2 then, and landmarks whose mean square across it is more than half of
-/// what is expected (KnownPlane::scatter, kept by EndMisfits), is a row of things and left out.
+/// what is expected (KnownPlane::scatter, kept by EndMisfits), is a row of things and left out, as
+/// is what has less than 1 m^2 and a normal that was never known to 2 deg (1-sigma).
 /// Labels are not set.
 std::vector<PlaneRecord> MakeRecords(std::span<const KnownPlane> planes, bool may_unite);
 

@@ -2,14 +2,14 @@
 #include "facet/regularities/plane_records.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/angles.h"
+#include "facet/regularities/test_scene.h"
+
 namespace facet {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // A square around `middle_W` on a wall that is turned by `yaw_deg` from x = const.
 KnownPlane Wall(
@@ -20,7 +20,7 @@ KnownPlane Wall(
   candidate.centroid_W = middle_W;
   KnownPlane known(candidate, Timestamp{0} + FromSeconds(id));
   known.id = PlaneId{id};
-  known.num_landmarks = 10;
+  known.members = testing::CountOf(10, 100 * id);
   PlaneEstimate estimate;
   estimate.id = known.id;
   estimate.plane_W = candidate.plane_W;
@@ -110,6 +110,15 @@ TEST(PlaneRecordsTest, ARowOfThingsIsNoPlane) {
   EXPECT_TRUE(is_told(0.8, 0.45, 5));
   EXPECT_TRUE(is_told(1.2, 0.55, 5));
   EXPECT_TRUE(is_told(0.8, 0.55, 4));  // too early to tell
+}
+
+TEST(PlaneRecordsTest, ASmallPlaneWhoseLeanIsUnknownIsNotTold) {
+  const auto is_told = [](double side_m, double sigma_deg) {
+    return !MakeRecords(std::vector{Wall(0, {3, 0, 1}, 0, sigma_deg, side_m)}, true).empty();
+  };
+  EXPECT_FALSE(is_told(0.8, 2.1));
+  EXPECT_TRUE(is_told(0.8, 1.9));
+  EXPECT_TRUE(is_told(1.2, 2.1));
 }
 
 TEST(PlaneRecordsTest, APieceOfAWallMayScatter) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the planes of a building have in common (the paper's future work, section IV): walls stand
-// upright, floors lie level, walls are parallel or at right angles to each other.
+// upright, floors lie level, walls are parallel or at right angles to each other, tables have one
+// height.
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "facet/map/map_snapshot.h"
@@ -18,11 +20,14 @@ struct RelatedPlane {
   const PlaneEstimate* estimate = nullptr;
   PlaneOrientation orientation = PlaneOrientation::kOblique;
   double area_m2 = 0;
+  Vector3d centroid_W = Vector3d::Zero();  ///< of what was seen of it
 };
 
 /// Proposes relations that held for several keyframes in a row, each one once. Walls are related to
-/// one wall per heading, the largest when it was chosen: a star, since a clique would count one
-/// fact many times. Not thread-safe.
+/// one wall per heading, level planes to one per height, oblique ones to one per direction, each
+/// time the largest when it was chosen: stars, since a clique would count one fact many times.
+/// Walls that are upright need no more than their headings to be parallel or at right angles.
+/// Not thread-safe.
 class PlaneRelations {
  public:
   explicit PlaneRelations(const PlaneRelationOptions& options) : options_(options) {}
@@ -41,12 +46,30 @@ class PlaneRelations {
     bool is_proposed = false;
   };
 
+  /// How far two planes of one star are from the relation; absent when they are of two.
+  struct Difference {
+    PlaneRelationKind kind;
+    double value, limit;  // both [rad] or [m]
+  };
+  using Planes = std::vector<RelatedPlane>;
+
   void RelateToGravity(const RelatedPlane& plane, std::vector<PlaneRelation>& out);
-  void RelateHeadings(const std::vector<RelatedPlane>& planes, std::vector<PlaneRelation>& out);
-  bool Weigh(const PlaneRelation& relation, double angle, double sigma);
+  template <class Compare>
+  void RelateStar(const Planes& planes,
+                  PlaneOrientation orientation,
+                  const Compare& compare,
+                  std::vector<PlaneId>& middles,
+                  std::vector<PlaneRelation>& out);
+  std::optional<Difference> CompareHeadings(const RelatedPlane& a, const RelatedPlane& b) const;
+  std::optional<Difference> CompareHeights(const RelatedPlane& a, const RelatedPlane& b) const;
+  std::optional<Difference> CompareSlopes(const RelatedPlane& a, const RelatedPlane& b) const;
+  double AngleLimit(double sigma) const;
+  bool Weigh(const PlaneRelation& relation, double difference, double limit);
 
   PlaneRelationOptions options_;
-  std::vector<PlaneId> headings_;  ///< one wall for each direction of the building and its normals
+  /// The planes in the middle of the stars: one wall for each heading of the building, one level
+  /// plane for each height, one oblique plane for each direction.
+  std::vector<PlaneId> headings_, heights_, slopes_;
   std::map<std::pair<int, std::pair<PlaneId, PlaneId>>, Evidence> evidence_;
 };
 

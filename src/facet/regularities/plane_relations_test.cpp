@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/angles.h"
+
 namespace facet {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// A handful of planes, all settled and known to 0.3 deg.
 class PlaneRelationsTest : public ::testing::Test {
@@ -26,6 +25,12 @@ class PlaneRelationsTest : public ::testing::Test {
     estimates_.push_back(estimate);
     orientations_.push_back(orientation);
     areas_.push_back(area_m2);
+    centroids_.push_back(Vector3d::Zero());
+  }
+  void AddTable(double height_m, double area_m2 = 5) {
+    AddPlane(Vector3d::UnitZ(), PlaneOrientation::kHorizontal, area_m2);
+    estimates_.back().covariance(9, 9) = std::pow(0.005, 2);
+    centroids_.back().z() = height_m;
   }
   void AddWall(double azimuth_deg, double lean_deg = 0, double area_m2 = 5) {
     const double azimuth = azimuth_deg * kDegree, lean = lean_deg * kDegree;
@@ -39,7 +44,7 @@ class PlaneRelationsTest : public ::testing::Test {
     for (int k = 0; k < num_keyframes; ++k) {
       std::vector<RelatedPlane> planes;
       for (std::size_t i = 0; i < estimates_.size(); ++i)
-        planes.push_back({&estimates_[i], orientations_[i], areas_[i]});
+        planes.push_back({&estimates_[i], orientations_[i], areas_[i], centroids_[i]});
       relations_.Update(planes, out);
     }
     return out;
@@ -53,6 +58,7 @@ class PlaneRelationsTest : public ::testing::Test {
   std::vector<PlaneEstimate> estimates_;
   std::vector<PlaneOrientation> orientations_;
   std::vector<double> areas_;
+  std::vector<Vector3d> centroids_;
   PlaneRelationOptions options_;
   PlaneRelations relations_{PlaneRelationOptions()};
 };
@@ -112,6 +118,7 @@ TEST_F(PlaneRelationsTest, WhatIsOffOrSmallOrObliqueIsNotRelated) {
   estimates_.back().is_settled = false;
   orientations_.push_back(PlaneOrientation::kVertical);
   areas_.push_back(5);
+  centroids_.push_back(Vector3d::Zero());
   const auto found = Update(50);
   for (const PlaneRelation& relation : found) {
     EXPECT_FALSE(relation.Involves(PlaneId{4}));
@@ -121,6 +128,51 @@ TEST_F(PlaneRelationsTest, WhatIsOffOrSmallOrObliqueIsNotRelated) {
   EXPECT_FALSE(Contains(found, {kHeadingOrthogonal, PlaneId{0}, PlaneId{1}}));
   EXPECT_FALSE(Contains(found, {kHeadingOrthogonal, PlaneId{0}, PlaneId{2}}));
   EXPECT_FALSE(Contains(found, {kVertical, PlaneId{3}}));
+}
+
+TEST_F(PlaneRelationsTest, TheLargestIsInTheMiddle) {
+  AddWall(0, 0, 1.1);
+  AddWall(90, 0, 30);
+  AddWall(180, 0, 4);
+  const auto found = Update(options_.min_keyframes);
+  using enum PlaneRelationKind;
+  EXPECT_TRUE(Contains(found, {kHeadingOrthogonal, PlaneId{1}, PlaneId{0}}));
+  EXPECT_TRUE(Contains(found, {kHeadingOrthogonal, PlaneId{1}, PlaneId{2}}));
+  EXPECT_EQ(found.size(), 5u);
+}
+
+TEST_F(PlaneRelationsTest, LevelPlanesHaveOneHeight) {
+  AddTable(0.70, 2);
+  AddTable(0.71, 3);
+  AddTable(0.69, 1.5);  // 2 cm below the largest
+  AddTable(0.74, 2);    // too far off, yet no height of its own
+  AddTable(0.705, 0.5);
+  AddTable(0, 9);
+  const auto found = Update(50);
+  using enum PlaneRelationKind;
+  const auto num_coplanar = std::count_if(
+      found.begin(), found.end(), [](const auto& relation) { return relation.kind == kCoplanar; });
+  EXPECT_EQ(num_coplanar, 1);
+  EXPECT_TRUE(Contains(found, {kCoplanar, PlaneId{0}, PlaneId{1}}));
+  options_.same_height = false;
+  relations_ = PlaneRelations(options_);
+  EXPECT_EQ(Update(50).size(), found.size() - 1);
+}
+
+// The sides of a roof are at right angles to each other or parallel over the ridge beyond.
+TEST_F(PlaneRelationsTest, SlopesAreRelatedWhenAskedFor) {
+  using enum PlaneRelationKind;
+  AddPlane({1, 0, 1}, PlaneOrientation::kOblique, 20);
+  AddPlane({-1, 0, 1.01}, PlaneOrientation::kOblique, 19);
+  AddPlane({1, 0.01, 1}, PlaneOrientation::kOblique, 18);
+  AddPlane({0, 1, 1}, PlaneOrientation::kOblique, 17);  // 60 deg
+  EXPECT_TRUE(Update(50).empty());
+  options_.slopes = true;
+  relations_ = PlaneRelations(options_);
+  const auto found = Update(options_.min_keyframes);
+  EXPECT_EQ(found.size(), 2u);
+  EXPECT_TRUE(Contains(found, {kOrthogonal, PlaneId{0}, PlaneId{1}}));
+  EXPECT_TRUE(Contains(found, {kParallel, PlaneId{0}, PlaneId{2}}));
 }
 
 TEST_F(PlaneRelationsTest, SwitchedOffNothingIsRelated) {

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
+#include "facet/geometry/angles.h"
 #include "facet/geometry/plane_fit.h"
 #include "facet/regularities/plane_gate.h"
 
@@ -14,7 +14,6 @@ namespace facet {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMaxChiSquare = 2;  // mean over the points: more is not one plane
 
 // Farther off than this nothing is on a plane, however little is known of it.

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
+#include "facet/geometry/angles.h"
 #include "facet/geometry/plane_fit.h"
 #include "facet/regularities/face_claims.h"
 #include "facet/regularities/face_judge.h"
@@ -22,14 +22,9 @@ namespace facet {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSameAngle = 5 * kDegree;
 constexpr double kTentativeLife_s = 1.5;
 constexpr double kMaxLandmarkSigma_m = 0.1;
-
-double AngleBetween(const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), std::abs(a.dot(b)));
-}
 
 }  // namespace
 
@@ -87,6 +82,8 @@ void PlaneTracker::Refresh(const MapSnapshot& map, PlaneAssignments& out) {
       continue;
     }
     plane.Update(*estimate);
+    plane.members.Update(map.landmarks, plane.id);
+    plane.SetOrientation(options_.detection.max_plane_lean_deg);
     const double max_age = options_.tracking.max_age_s;
     if (max_age > 0 && ToSeconds(now_ - *plane.handed_over) >= max_age) {
       out.ended.push_back(plane.id);
@@ -255,7 +252,10 @@ void PlaneTracker::Relate(PlaneAssignments& out) {
   std::vector<RelatedPlane> planes;
   for (const KnownPlane& plane : planes_) {
     if (!plane.IsTentative() && plane.handed_over < now_)
-      planes.push_back({&plane.estimate, plane.orientation, plane.support.area_m2()});
+      planes.push_back({&plane.estimate,
+                        plane.orientation,
+                        plane.support.area_m2(),
+                        plane.support.Centroid(plane.estimate.plane_W)});
   }
   relations_.Update(planes, out.related);
 }
@@ -276,7 +276,7 @@ std::vector<FaceStanding> PlaneTracker::JudgeTriangles(
   std::vector<FacePoint> points;
   points.reserve(vertices.size());
   for (const MeshVertex& vertex : vertices)
-    points.push_back(MakeFacePoint(vertex.shown_W, vertex.sigma_depth_m, faces_.camera_W));
+    points.push_back(MakeFacePoint(vertex.shown_W, vertex.sigma_depth_m, faces_.camera));
   return JudgeFaces(points, triangles, planes_, T_WB, options_);
 }
 

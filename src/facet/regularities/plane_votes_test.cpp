@@ -3,16 +3,15 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/geometry/angles.h"
 
 namespace facet {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Vote {

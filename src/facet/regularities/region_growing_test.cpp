@@ -2,10 +2,10 @@
 #include "facet/regularities/region_growing.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/angles.h"
 #include "facet/regularities/test_scene.h"
 
 namespace facet {
@@ -17,8 +17,6 @@ using testing::MakeFloor;
 using testing::Patch;
 using testing::TestView;
 using testing::Turned;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 TestView ViewFromAbove() {
   TestView view;

@@ -67,12 +67,14 @@ struct DetectionOptions {
 struct PlaneTrackingOptions {
   /// Keyframes that must have shown a plane before it becomes a variable.
   int min_sightings = 3;
-  /// Landmarks that must lie on it then, and their least spread across (1-sigma) [m]. (!)
+  /// Landmarks that must lie on it then (or min_spread_landmarks of them), and their least spread
+  /// across (1-sigma) [m]. (!)
   int min_landmarks = 10;
   double min_landmark_extent_m = 0.12;
   /// 1-sigma of its normal as these landmarks determine it [deg]. (!)
   double max_normal_sigma_deg = 3;
-  /// So many are enough if they determine its normal as well as this [deg]; 0: never. (!)
+  /// Fewer landmarks, but so many, are enough if they determine its normal to
+  /// max_spread_sigma_deg [deg] (0: never): large walls with hardly any texture have no more. (!)
   int min_spread_landmarks = 7;
   double max_spread_sigma_deg = 1;
   /// A plane unseen for longer is dormant: only a whole new sighting brings it back [s].
@@ -83,8 +85,8 @@ struct PlaneTrackingOptions {
   double max_face_angle_deg = 25;
   /// Squared sigmas within which a sighting is a known plane (3 degrees of freedom). (!)
   double max_chi_square = 11.3;
-  /// 1-sigma of a sighting's normal above which nothing is recognised in it: it could be anything
-  /// that crosses there [deg].
+  /// 1-sigma of a sighting's normal, both directions together, above which nothing is recognised in
+  /// it: it could be anything that crosses there [deg].
   double max_sighting_sigma_deg = 2.5;
   /// How far along the plane a sighting may be from what is known of it [m].
   double max_gap_m = 2.5;
@@ -102,7 +104,10 @@ struct PlaneTrackingOptions {
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Field("min_sightings", min_sightings, Range{1, 100}, "keyframes that must have shown it");
-    v.Field("min_landmarks", min_landmarks, Range{3, 1000}, "landmarks that a new plane needs");
+    v.Field("min_landmarks",
+            min_landmarks,
+            Range{3, 1000},
+            "landmarks of a new plane, if they are close together");
     v.Field("min_landmark_extent_m",
             min_landmark_extent_m,
             Range{0, 10},
@@ -114,20 +119,21 @@ struct PlaneTrackingOptions {
     v.Field("min_spread_landmarks",
             min_spread_landmarks,
             Range{3, 1000},
-            "as many are enough if they are far apart");
+            "landmarks of a new plane, if they are far apart");
     v.Field("max_spread_sigma_deg",
             max_spread_sigma_deg,
             Range{0, 90},
-            "far apart: 1-sigma of the normal by them [deg]");
+            "far apart: they determine its normal to this, 1-sigma; 0: never [deg]");
     v.Field("active_s", active_s, Range{0, 1e3}, "a plane unseen for longer is dormant [s]");
     v.Field("min_gate_m", min_gate_m, Range{0, 1}, "least gate for the corners of faces [m]");
     v.Field("max_gate_m", max_gate_m, Range{0, 1}, "largest gate for the corners of faces [m]");
     v.Field("max_face_angle_deg", max_face_angle_deg, Range{1, 90}, "normal of a face on a plane");
     v.Field("max_chi_square", max_chi_square, Range{0, 1e3}, "squared sigmas of recognition");
-    v.Field("max_sighting_sigma_deg",
-            max_sighting_sigma_deg,
-            Range{0.01, 90},
-            "1-sigma of the normal of a sighting that is recognised [deg]");
+    v.Field(
+        "max_sighting_sigma_deg",
+        max_sighting_sigma_deg,
+        Range{0.01, 90},
+        "1-sigma of the normal (both directions together) of a sighting that is recognised [deg]");
     v.Field("max_gap_m", max_gap_m, Range{0, 1e3}, "along the plane, to what is known of it [m]");
     v.Field("min_separation_m",
             min_separation_m,
@@ -147,11 +153,18 @@ struct PlaneRelationOptions {
   bool gravity = true;
   /// Walls are parallel or at right angles.
   bool headings = true;
+  /// Tables, steps and pieces of floor have one height.
+  bool same_height = true;
+  /// Oblique planes are parallel or at right angles to each other, as roofs and ramps are. Boards
+  /// that lean on a wall are not, and soon look as if they were.
+  bool slopes = false;
   /// Angle off which planes are not related, and from which a wall has a heading of its own [deg].
   double max_angle_deg = 3, new_heading_deg = 8;
+  /// The same for heights [m]: a third of what begins another height.
+  double max_height_m = 0.02;
   /// Keyframes in a row in which a relation must have held.
   int min_keyframes = 5;
-  /// Smaller walls are not related to others [m^2].
+  /// Smaller planes are not related to others [m^2].
   double min_area_m2 = 1;
 
   template <class Visitor>
@@ -159,10 +172,13 @@ struct PlaneRelationOptions {
     v.Field("enabled", enabled, Range{}, "relate planes to each other and to gravity");
     v.Field("gravity", gravity, Range{}, "walls are upright, floors level");
     v.Field("headings", headings, Range{}, "walls are parallel or at right angles");
+    v.Field("same_height", same_height, Range{}, "level planes have one height");
+    v.Field("slopes", slopes, Range{}, "oblique planes are parallel or at right angles");
     v.Field("max_angle_deg", max_angle_deg, Range{0, 20}, "angle off which planes are not related");
     v.Field("new_heading_deg", new_heading_deg, Range{0, 45}, "a wall has its own heading [deg]");
+    v.Field("max_height_m", max_height_m, Range{0, 1}, "off which heights are not related [m]");
     v.Field("min_keyframes", min_keyframes, Range{1, 1000}, "keyframes in which it must hold");
-    v.Field("min_area_m2", min_area_m2, Range{0, 1e3}, "smaller walls are not related [m^2]");
+    v.Field("min_area_m2", min_area_m2, Range{0, 1e3}, "smaller planes are not related [m^2]");
   }
 };
 

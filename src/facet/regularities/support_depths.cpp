@@ -67,7 +67,7 @@ std::vector<double> SupportDepthScales(const MeshSnapshot& mesh,
   std::vector<double> scales(faces.points.size(), 1.0);
   for (std::size_t i = 0; i < faces.points.size(); ++i) {
     if (is_in_view[i] == 0 || !IsSupport(mesh.vertex_ids[i])) continue;
-    scales[i] = BestScale(faces.points[i], faces.camera_W, seen, options.max_sigma);
+    scales[i] = BestScale(faces.points[i], faces.camera.p_W, seen, options.max_sigma);
   }
   return scales;
 }

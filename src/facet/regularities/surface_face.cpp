@@ -4,18 +4,17 @@
 namespace facet {
 
 namespace {
-// A pixel's worth of direction at EuRoC's focal length, times the distance: the error across.
-constexpr double kSigmaDirection = 1.5e-3;
+constexpr double kSigma_px = 0.7;  // of a vertex in the image
 }  // namespace
 
-FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W) {
+FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const FaceCamera& camera) {
   FacePoint point;
   point.p_W = p_W;
-  const Vector3d ray = p_W - camera_W;
+  const Vector3d ray = p_W - camera.p_W;
   const double distance = ray.norm();
   if (distance > 1e-6) point.ray_W = 1 / distance * ray;
   point.sigma_along_m = sigma_depth_m;
-  point.sigma_across_m = kSigmaDirection * distance;
+  point.sigma_across_m = camera.sigma_direction * distance;
   return point;
 }
 
@@ -34,11 +33,12 @@ std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot
 
 void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
   const TriangleMesh& source = mesh.mesh;
-  out.camera_W = mesh.T_WC.p;
+  out.camera = {.p_W = mesh.T_WC.p};
+  if (mesh.focal_px > 0) out.camera.sigma_direction = kSigma_px / mesh.focal_px;
   out.points.resize(source.vertices.size());
   out.faces.resize(source.faces.size());
   for (std::size_t i = 0; i < source.vertices.size(); ++i)
-    out.points[i] = MakeFacePoint(source.vertices[i], mesh.sigma_depth_m[i], out.camera_W);
+    out.points[i] = MakeFacePoint(source.vertices[i], mesh.sigma_depth_m[i], out.camera);
   for (std::size_t f = 0; f < source.faces.size(); ++f) {
     SurfaceFace& face = out.faces[f];
     face.corners = source.faces[f];

@@ -27,7 +27,13 @@ struct FacePoint {
   double SigmaAlong(const Vector3d& n_W) const { return std::sqrt(VarianceAlong(n_W)); }
 };
 
-FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const Vector3d& camera_W);
+/// Where the points are seen from, and how exactly.
+struct FaceCamera {
+  Vector3d p_W = Vector3d::Zero();
+  double sigma_direction = 1.5e-3;  ///< of a vertex's direction, 1-sigma [rad]
+};
+
+FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const FaceCamera& camera);
 
 struct SurfaceFace {
   std::array<int, 3> corners{};  ///< into SurfaceFaces::points
@@ -42,7 +48,7 @@ struct SurfaceFace {
 struct SurfaceFaces {
   std::vector<FacePoint> points;
   std::vector<SurfaceFace> faces;
-  Vector3d camera_W = Vector3d::Zero();
+  FaceCamera camera;
 };
 
 /// For each vertex its place in `map.landmarks`, -1: a support point, or forgotten.

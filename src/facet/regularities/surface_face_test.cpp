@@ -30,7 +30,7 @@ TEST(SurfaceFaceTest, KnowsCentreNormalAndArea) {
   EXPECT_NEAR(faces.faces[0].area_m2, 0.5, 1e-12);
   EXPECT_TRUE(faces.faces[0].may_vote);
   EXPECT_TRUE(faces.faces[0].in_view);
-  EXPECT_EQ(faces.camera_W, Vector3d(0, 0, 1));
+  EXPECT_EQ(faces.camera.p_W, Vector3d(0, 0, 1));
   FillSurfaceFaces(MeshSnapshot(), faces);
   EXPECT_TRUE(faces.faces.empty() && faces.points.empty());
 }

@@ -93,6 +93,18 @@ SurfaceFaces MakeFaces(const std::vector<Patch>& patches, const TestView& view) 
   return faces;
 }
 
+MemberCount CountOf(int num, int first_id) {
+  const PlaneId plane{0};
+  std::vector<LandmarkEstimate> landmarks(static_cast<std::size_t>(num));
+  for (LandmarkEstimate& landmark : landmarks) {
+    landmark.id = LandmarkId{first_id++};
+    landmark.planes[0] = plane;
+  }
+  MemberCount count;
+  count.Update(landmarks, plane);
+  return count;
+}
+
 std::vector<int> AllOf(const SurfaceFaces& faces) {
   std::vector<int> out(faces.faces.size());
   for (std::size_t f = 0; f < out.size(); ++f)

@@ -10,6 +10,7 @@
 #include "facet/map/map_snapshot.h"
 #include "facet/map/plane_assignments.h"
 #include "facet/mesh/mesh_snapshot.h"
+#include "facet/regularities/member_count.h"
 #include "facet/regularities/surface_face.h"
 
 namespace facet::testing {
@@ -49,6 +50,9 @@ struct TestView {
 MeshSnapshot MakeMesh(const std::vector<Patch>& patches, const TestView& view);
 
 SurfaceFaces MakeFaces(const std::vector<Patch>& patches, const TestView& view);
+
+/// After a keyframe with as many landmarks on the plane.
+MemberCount CountOf(int num, int first_id = 0);
 
 /// 0, 1, ... for all faces.
 std::vector<int> AllOf(const SurfaceFaces& faces);

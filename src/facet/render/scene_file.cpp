@@ -4,18 +4,16 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
-#include <numbers>
 #include <set>
 #include <sstream>
 
+#include "facet/geometry/angles.h"
 #include "facet/io/errors.h"
 #include "facet/io/yaml_file.h"
 #include "facet/render/furniture.h"
 
 namespace facet {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// One entry of `objects`.
 struct ObjectNode {
