@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -133,6 +134,28 @@ TEST_F(PipelinesTest, PlanesWithoutAMeshAreNotMissedSilently) {
   EXPECT_EQ(num_warnings(Run("SPR", "--duration 3 --set mesh.enabled=false")), 1);
   EXPECT_EQ(num_warnings(Run("S", "--duration 3 --set mesh.enabled=false")), 0);
   EXPECT_EQ(num_warnings(Run("SPR", "--duration 3")), 0);
+}
+
+std::string TrajectoryOf(const fs::path& out) {
+  std::ostringstream text;
+  text << std::ifstream(out / "trajectory.tum").rdbuf();
+  return text.str();
+}
+
+TEST_F(PipelinesTest, TrajectoriesDifferWherePlanesAreSeen) {
+  const std::string s = TrajectoryOf(Run("S")), sp = TrajectoryOf(Run("SP")),
+                    spr = TrajectoryOf(Run("SPR"));
+  EXPECT_NE(s, sp);
+  EXPECT_NE(s, spr);
+  EXPECT_NE(sp, spr);
+}
+
+TEST_F(PipelinesTest, TrajectoriesAreTheSameWhereNoPlaneIsFound) {
+  const std::string none = "--duration 6 --set regularities.detection.min_vertices=1000";
+  const std::string s = TrajectoryOf(Run("S", none));
+  EXPECT_GT(std::count(s.begin(), s.end(), '\n'), 100);
+  EXPECT_EQ(s, TrajectoryOf(Run("SP", none)));
+  EXPECT_EQ(s, TrajectoryOf(Run("SPR", none)));
 }
 
 TEST_F(PipelinesTest, TheOthersHaveNone) {
