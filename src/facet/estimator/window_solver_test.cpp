@@ -5,7 +5,9 @@
 // other cost. Both solvers start elsewhere.
 #include "facet/estimator/window_solver.h"
 
+#include <algorithm>
 #include <iostream>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -149,21 +151,121 @@ void AddPlanes(TestWindow& test, Rng& rng) {
   WeighPlanes(WithPlanes(), window);
 }
 
+// Both solvers start from disturbed values.
+void SolveBoth(TestWindow& test, Rng& rng, Deviation& worst) {
+  test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
+  testing::Disturb(test.window, {3e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
+  const auto expected = testing::SolveWithCeres(test.window, test.rig, {WithPlanes()});
+  WindowSolver solver(test.rig, ExactOptions(), WithPlanes());
+  const SolveSummary summary = solver.Solve(test.window, 200);
+  EXPECT_TRUE(summary.ok);
+  ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
+}
+
 TEST(WindowSolverTest, OptimumWithPlanesRelationsAndProjectionsEqualsCeres) {
   Deviation worst;
   for (std::uint64_t seed = 71; seed <= 85; ++seed) {
     TestWindow test = MakeWindow(seed, 0);
-    test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
     Rng rng(seed);
     AddPlanes(test, rng);
-    testing::Disturb(test.window, {3e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
-    const auto expected = testing::SolveWithCeres(test.window, test.rig, {WithPlanes()});
-    WindowSolver solver(test.rig, ExactOptions(), WithPlanes());
-    const SolveSummary summary = solver.Solve(test.window, 200);
-    EXPECT_TRUE(summary.ok);
-    ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
+    SolveBoth(test, rng, worst);
   }
   Print("with planes", worst);
+}
+
+bool IsStereo(const WindowLandmark& landmark) {
+  return std::any_of(landmark.observations.begin(),
+                     landmark.observations.end(),
+                     [](const WindowObservation& o) { return o.has_right; });
+}
+
+// Takes the right observations of every other landmark. Returns how many of those that constrain
+// the window and are `of_kind` have none left, and how many still have some.
+template <class Kind>
+std::pair<int, int> MakeHalfOfThemMono(SlidingWindow& window, const Kind& of_kind) {
+  int num_mono = 0, num_stereo = 0;
+  for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
+    WindowLandmark& landmark = window.landmarks()[l];
+    for (WindowObservation& observation : landmark.observations)
+      observation.has_right &= l % 2 == 0;
+    if (IsConstraining(landmark) && of_kind(landmark))
+      ++(IsStereo(landmark) ? num_stereo : num_mono);
+  }
+  return {num_mono, num_stereo};
+}
+
+TEST(WindowSolverTest, OptimumOfMonoAndStereoLandmarksOnPlanesEqualsCeres) {
+  Deviation worst;
+  for (std::uint64_t seed = 111; seed <= 120; ++seed) {
+    TestWindow test = MakeWindow(seed, 0);
+    Rng rng(seed);
+    AddPlanes(test, rng);
+    const auto [num_mono, num_stereo] = MakeHalfOfThemMono(
+        test.window, [](const WindowLandmark& landmark) { return landmark.IsOnPlanes(); });
+    EXPECT_GE(num_mono, 8);
+    EXPECT_GE(num_stereo, 8);
+    SolveBoth(test, rng, worst);
+  }
+  Print("mono and stereo on planes", worst);
+}
+
+TEST(WindowSolverTest, OptimumOfMonoAndStereoProjectionFactorsEqualsCeres) {
+  Deviation worst;
+  for (std::uint64_t seed = 121; seed <= 130; ++seed) {
+    TestWindow test = MakeWindow(seed, 0);
+    Rng rng(seed);
+    for (std::size_t l = 0; l < test.window.landmarks().size(); ++l)
+      test.window.landmarks()[l].is_projection = l % 3 != 2;
+    const auto [num_mono, num_stereo] = MakeHalfOfThemMono(
+        test.window, [](const WindowLandmark& landmark) { return landmark.is_projection; });
+    EXPECT_GE(num_mono, 6);
+    EXPECT_GE(num_stereo, 6);
+    SolveBoth(test, rng, worst);
+  }
+  Print("mono and stereo projections", worst);
+}
+
+// All landmarks leave, and with them the planes and what they are related to.
+void LeavePlanes(TestWindow& test) {
+  PlaneAssignments leave;
+  for (const WindowLandmark& landmark : test.window.landmarks()) {
+    for (const WindowPlane& plane : test.window.planes)
+      leave.left.emplace_back(landmark.id, plane.id);
+  }
+  FrameGeometry geometry(test.rig);
+  geometry.Update(test.window.frames);
+  ApplyAssignments(leave, {}, WithPlanes(), geometry, test.window);
+  test.window.sightings.clear();
+  RemoveUnsupportedPlanes(1, test.window);
+}
+
+// The states are not the same to the last bit: the landmarks were on their planes for one solve, so
+// that the next one begins elsewhere. It ends where it would have without planes.
+TEST(WindowSolverTest, LandmarksThatLeaveTheirPlanesTakeTheirPullWithThem) {
+  for (std::uint64_t seed = 131; seed <= 135; ++seed) {
+    TestWindow never = MakeWindow(seed, 0);
+    never.window.start_prior = {true, FrameId{0}, never.truth[0].T_WB};
+    TestWindow left = never;
+    Rng rng(seed);
+    AddPlanes(left, rng);
+    for (std::size_t l = 0; l < never.window.landmarks().size(); ++l)
+      never.window.landmarks()[l].is_projection = left.window.landmarks()[l].is_projection;
+    const auto solve = [](TestWindow& test) {
+      return WindowSolver(test.rig, ExactOptions(), WithPlanes()).Solve(test.window, 200);
+    };
+    const auto distance = [&] {
+      const NavState &a = never.window.frames.back().x, &b = left.window.frames.back().x;
+      return testing::Difference(a, b).norm();
+    };
+    const double cost = solve(never).final_cost;
+    solve(left);
+    EXPECT_GT(distance(), 1e-4);
+    LeavePlanes(left);
+    EXPECT_TRUE(left.window.planes.empty());
+    EXPECT_TRUE(left.window.relations.empty());
+    EXPECT_NEAR(solve(left).final_cost, cost, 1e-6 * cost);
+    EXPECT_LT(distance(), 1e-6);
+  }
 }
 
 // Freezes the two oldest frames where they are and gives them a random prior of full rank whose
