@@ -60,7 +60,7 @@ class Study {
  public:
   Study(const std::string& sequence, const VioOptions& options, double duration_s)
       : dataset_(sequence),
-        truth_(ReadTrajectory(FindTruth(sequence))),
+        truth_(ReadTrajectory(RequireTruth(sequence))),
         options_(options),
         end_(dataset_.frames().front().t + FromSeconds(duration_s)) {}
 
@@ -74,16 +74,21 @@ class Study {
     RunStages(dataset_, rig, options_, is_due, [&](const VioOutput& out) {
       if (out.has_pose) estimate.push_back({out.t, out.state.T_WB});
     });
+    num_poses_ = estimate.size();
     const std::string problem = WhatIsWrong(estimate, truth_.poses);
     if (!problem.empty()) throw InputError("the sequence, or --duration, is too short: " + problem);
     return 1e3 * EvaluateTrajectory(estimate, truth_.poses).ate_m.rmse;
   }
+
+  /// Of the last run.
+  std::size_t num_poses() const { return num_poses_; }
 
  private:
   AslDataset dataset_;
   Trajectory truth_;
   VioOptions options_;
   Timestamp end_;
+  std::size_t num_poses_ = 0;
 };
 
 int Main(int argc, char** argv) {
@@ -101,9 +106,12 @@ int Main(int argc, char** argv) {
   cv::setNumThreads(1);
   Study study(sequence, OptionsOfS(overrides), duration_s);
   const double right_mm = study.Run({}, 0);
-  std::printf("right calibration: ATE rmse %.2f mm; with errors, over %d calibrations:\n",
-              right_mm,
-              num_seeds);
+  std::printf(
+      "right calibration: ATE rmse %.2f mm over %zu poses; with errors, over %d "
+      "calibrations:\n",
+      right_mm,
+      study.num_poses(),
+      num_seeds);
   std::printf("  %-24s %10s %10s %10s\n", "", "median mm", "worst mm", "median / right");
   const auto print = [&](const char* name, const Errors& errors) {
     std::vector<double> ate_mm;

@@ -311,7 +311,7 @@ int Main(int argc, char** argv) {
   FrontendOptions options;
   ApplyOverrides(overrides, ListFields(options));
   AslDataset dataset(sequence);
-  const Trajectory truth = ReadTrajectory(FindTruth(sequence));
+  const Trajectory truth = ReadTrajectory(RequireTruth(sequence));
   Run run = Process(dataset, truth, options, hints);
   PrintFrames(run);
   PrintLife(run);

@@ -172,13 +172,15 @@ int Main(int argc, char** argv) {
                  roughness_m,
                  "how far points stand out from their walls, 1-sigma [m]; otherwise "
                  "solver.plane_sigma_m")
-      ->check(CLI::Range(0.0, 0.5));
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--set", overrides, "option of the estimator, key=value");
   CLI11_PARSE(app, argc, argv);
 
   ApplyOverrides(overrides, ListFields(options.estimator));
   options.simulator.roughness_m = roughness_m.value_or(options.estimator.solver.plane_sigma_m);
   if (!std::isfinite(options.simulator.roughness_m)) throw ConfigError("--roughness: not a number");
+  std::printf("points stand out from their walls by %g m, 1-sigma\n",
+              options.simulator.roughness_m);
   for (const std::string& name : pipelines) {
     const auto index = std::find(std::begin(kNames), std::end(kNames), name) - std::begin(kNames);
     std::vector<double> yaw_by_run;

@@ -2,6 +2,7 @@
 #include "stage_run.h"
 
 #include "facet/io/config_file.h"
+#include "facet/io/errors.h"
 #include "facet/pipeline/back_stage.h"
 
 namespace facet {
@@ -11,6 +12,8 @@ VioOptions OptionsOfS(const std::vector<std::string>& overrides) {
   options.pipeline = "S";
   options.mesh.enabled = false;
   ApplyOverrides(overrides, ListFields(options));
+  const std::string problem = Contradiction(options);
+  if (!problem.empty()) throw ConfigError(problem);
   return options;
 }
 

@@ -24,7 +24,7 @@ StereoRig ExactRig(const std::string& folder, const AslDataset& dataset) {
 TrueSequence::TrueSequence(const std::string& folder)
     : dataset(folder),
       exact_rig(ExactRig(folder, dataset)),
-      truth(ReadTrajectory(FindTruth(folder))),
+      truth(ReadTrajectory(RequireTruth(folder))),
       scene(folder) {}
 
 SE3 TrueSequence::PoseAt(Timestamp t) const {

@@ -182,7 +182,7 @@ struct RelationOptions {
 /// Planes as variables.
 struct PlaneOptions {
   /// A plane that has not settled and has fewer goes again, unless a sighting measures it.
-  int min_landmarks = 8;
+  int min_landmarks = 5;
   double join_sigma_m = 0.1;      ///< a landmark less well known across a plane does not join it
   double join_distance_m = 0.03;  ///< nor one farther off than this and 3 of its sigmas
   double outlier_sigma = 4.0;     ///< a landmark farther from its plane after the solve leaves it

@@ -99,6 +99,16 @@ fs::path FindTruth(const fs::path& sequence) {
   return {};
 }
 
+fs::path RequireTruth(const fs::path& sequence) {
+  const fs::path file = FindTruth(sequence);
+  if (file.empty()) {
+    throw InputError(sequence.string() +
+                     ": no ground truth; state_groundtruth_estimate0/data.csv, mocap0/data.csv or "
+                     "vicon0/data.csv is expected in mav0/");
+  }
+  return file;
+}
+
 AslDataset::AslDataset(const fs::path& sequence, const CalibrationFiles& calibration)
     : mav0_(FindMav0(sequence)),
       name_((mav0_.filename() == "mav0" ? mav0_.parent_path() : mav0_).filename().string()),

@@ -71,4 +71,7 @@ std::filesystem::path FindMav0(const std::filesystem::path& sequence);
 /// Ground truth of a sequence: state_groundtruth_estimate0, mocap0 or vicon0; empty path if none.
 std::filesystem::path FindTruth(const std::filesystem::path& sequence);
 
+/// The same for programs that cannot do without: throws InputError if there is none.
+std::filesystem::path RequireTruth(const std::filesystem::path& sequence);
+
 }  // namespace facet

@@ -238,9 +238,11 @@ TEST_F(AslDatasetTest, WrongImageSize) {
 
 TEST_F(AslDatasetTest, TruthIsFoundButNotRead) {
   EXPECT_TRUE(FindTruth(Sequence()).empty());
+  EXPECT_THROW(RequireTruth(Sequence()), InputError);
   WriteText(Csv("state_groundtruth_estimate0"), "total nonsense");
   EXPECT_EQ(Error(), "no error");
   EXPECT_EQ(FindTruth(Mav0()), std::filesystem::canonical(Csv("state_groundtruth_estimate0")));
+  EXPECT_EQ(RequireTruth(Mav0()), FindTruth(Mav0()));
 }
 
 }  // namespace

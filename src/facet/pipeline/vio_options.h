@@ -30,4 +30,8 @@ struct VioOptions {
   }
 };
 
+/// What no single value tells: an unknown pipeline, or values that do not fit together. Says which
+/// and why, in one line; empty: nothing.
+std::string Contradiction(const VioOptions& options);
+
 }  // namespace facet

@@ -21,10 +21,6 @@ const double kMinDisputeCosine = std::cos(25 * kDegree);
 // A plane that is farther off by this gives its surface up.
 constexpr double kClearlyFarther_m = 0.01;
 
-double Square(double x) {
-  return x * x;
-}
-
 double DistanceFrom(const KnownPlane& plane, const Vector3d& p_W) {
   return std::abs(plane.estimate.plane_W.SignedDistance(p_W));
 }
@@ -55,9 +51,8 @@ double WorstCorner(const SurfaceFaces& faces,
   for (const int corner : face.corners) {
     const FacePoint& point = faces.points[corner];
     const double variance = point.VarianceAlong(plane.n) + plane_variance_m2;
-    const double square_of_gate =
-        std::min(std::max(9 * variance, Square(options.min_gate_m)), Square(options.max_gate_m));
-    worst = std::max(worst, Square(plane.SignedDistance(point.p_W)) / square_of_gate);
+    const double distance_m = plane.SignedDistance(point.p_W);
+    worst = std::max(worst, distance_m * distance_m / SquaredGate(variance, options));
     if (worst >= limit) break;
   }
   return worst;

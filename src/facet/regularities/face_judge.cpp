@@ -69,8 +69,8 @@ class Judge {
         const double variance = point.VarianceAlong(plane.n) +
                                 kSurfaceFlatness_m * kSurfaceFlatness_m +
                                 planes_[k].uncertainty.VarianceAt(point.p_W);
-        const double gate_m = std::max(3 * std::sqrt(variance), options_.tracking.min_gate_m);
-        if (std::abs(plane.SignedDistance(point.p_W)) > gate_m) return;
+        const double distance_m = plane.SignedDistance(point.p_W);
+        if (distance_m * distance_m > SquaredGate(variance, options_.tracking)) return;
         if (planes_[k].known->support.IsNear(point.p_W, kPlaneGrowth_m)) on_[i] |= Planes{1} << k;
       });
     }

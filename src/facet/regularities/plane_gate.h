@@ -4,9 +4,20 @@
 // still be 10 cm away from where it is expected.
 #pragma once
 
+#include <algorithm>
+
 #include "facet/regularities/plane_candidate.h"
+#include "facet/regularities/regularity_options.h"
 
 namespace facet {
+
+/// Squared distance from a plane up to which a vertex of the mesh is on it [m^2]: three sigmas, but
+/// between the limits of the options. `variance_m2`: of the distance, from vertex and plane.
+inline double SquaredGate(double variance_m2, const PlaneTrackingOptions& options) {
+  const double least = options.min_gate_m * options.min_gate_m;
+  const double largest = options.max_gate_m * options.max_gate_m;
+  return std::min(std::max(9 * variance_m2, least), largest);
+}
 
 /// Variance of the distance between one plane and any points that are fixed to the camera: for many
 /// points at a small cost each.
