@@ -182,11 +182,17 @@ void AddMeshRows(const std::string& name, const MeshError& error, Rows& rows) {
   }
 }
 
-void AddPlaneRows(const PlaneError& error, Rows& rows) {
-  if (error.recall) rows.emplace_back("planes recall [%]", Text("%.1f", 100 * *error.recall));
-  if (error.precision) {
-    rows.emplace_back("planes precision [%]", Text("%.1f", 100 * *error.precision));
-  }
+void AddShares(const PlaneError& error, const std::string& limits, Rows& rows) {
+  const auto add = [&](const char* name, const std::optional<double>& share) {
+    if (share) rows.emplace_back(name + limits + " [%]", Text("%.1f", 100 * *share));
+  };
+  add("planes recall", error.recall);
+  add("planes precision", error.precision);
+}
+
+void AddPlaneRows(const PlaneError& error, const PlaneError& close, Rows& rows) {
+  AddShares(error, "", rows);
+  AddShares(close, ", 3 deg 5 cm", rows);
   if (error.normal_error_deg_median) {
     rows.emplace_back("planes normal, median [deg]", Text("%.2f", *error.normal_error_deg_median));
     rows.emplace_back("planes offset, median [m]", Text("%.4f", *error.offset_error_m_median));
@@ -232,7 +238,7 @@ Rows RowsOf(const RunEvaluation& e) {
   if (e.time_offset) rows.emplace_back("time offset [s]", Text("%+.6f", ToSeconds(*e.time_offset)));
   if (e.mesh) AddMeshRows("mesh", *e.mesh, rows);
   if (e.map) AddMeshRows("map", *e.map, rows);
-  if (e.planes) AddPlaneRows(*e.planes, rows);
+  if (e.planes) AddPlaneRows(*e.planes, *e.close_planes, rows);
   if (e.consistency) AddConsistencyRows(*e.consistency, rows);
   return rows;
 }
@@ -273,7 +279,10 @@ nlohmann::ordered_json ToJson(const RunEvaluation& e) {
   if (e.causal.scale_error_percent) json["scale_error_percent"] = *e.causal.scale_error_percent;
   if (e.mesh) json["mesh"] = ToJson(*e.mesh);
   if (e.map) json["map"] = ToJson(*e.map);
-  if (e.planes) json["planes"] = ToJson(*e.planes);
+  if (e.planes) {
+    json["planes"] = ToJson(*e.planes);
+    json["planes"]["within_3deg_5cm"] = ToJson(*e.close_planes);
+  }
   if (e.consistency) json["consistency"] = ToJson(*e.consistency);
   json["warnings"] = e.warnings;
   return json;

@@ -31,6 +31,9 @@ struct PlaneErrorOptions {
   double min_flat_area_ratio = 4;
 };
 
+/// For a second look: what is within the limits above may still be a plane between two surfaces.
+inline constexpr PlaneErrorOptions kClosePlanes{.max_angle_deg = 3, .max_offset_m = 0.05};
+
 struct PlaneError {
   int num_true = 0;  ///< surfaces that count for the recall
   int num_estimated = 0;

@@ -53,6 +53,22 @@ TEST(PlaneErrorTest, PerfectPlanes) {
   EXPECT_NEAR(*error.offset_error_m_median, 0, 1e-12);
 }
 
+// A plane between a wall and the board that leans on it.
+TEST(PlaneErrorTest, WhatIsRoughlyThereIsNotClose) {
+  const std::vector<TruePlane> truth = {True({1, 0, 0}, 3, 6)};
+  const auto recall = [&](double angle_deg, double offset_m, const PlaneErrorOptions& limits) {
+    const double angle = angle_deg * kRadPerDeg;
+    const Vector3d n(std::cos(angle), 0, std::sin(angle));
+    return *EvaluatePlanes(std::vector{Estimate(n, {3 - offset_m, 0, 1})}, truth, {}, limits)
+                .recall;
+  };
+  EXPECT_EQ(recall(9, 0.01, {}), 1);
+  EXPECT_EQ(recall(9, 0.01, kClosePlanes), 0);
+  EXPECT_EQ(recall(1, 0.09, {}), 1);
+  EXPECT_EQ(recall(1, 0.09, kClosePlanes), 0);
+  EXPECT_EQ(recall(2.9, 0.049, kClosePlanes), 1);
+}
+
 TEST(PlaneErrorTest, RecallIsWeightedBySeenArea) {
   const std::vector<EstimatedPlane> planes = {Estimate({0, 0, 1}, {0, 0, 0})};
   EXPECT_DOUBLE_EQ(*EvaluatePlanes(planes, Room(), {}).recall, 0.5);

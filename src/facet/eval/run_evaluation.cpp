@@ -148,9 +148,13 @@ void EvaluateParts(const fs::path& result,
   }
   const fs::path planes = result / "planes.csv";
   if (options.judge_planes && !truth.planes_file.empty() && fs::exists(planes)) {
-    evaluation.planes = EvaluatePlanes(ReadEstimatedPlanes(planes),
-                                       ReadTruePlanes(truth.planes_file),
-                                       evaluation.causal.alignment);
+    const auto evaluate = [&,
+                           estimated = ReadEstimatedPlanes(planes),
+                           all = ReadTruePlanes(truth.planes_file)](const auto& limits) {
+      return EvaluatePlanes(estimated, all, evaluation.causal.alignment, limits);
+    };
+    evaluation.planes = evaluate(PlaneErrorOptions());
+    evaluation.close_planes = evaluate(kClosePlanes);
   }
   const fs::path states = result / "states.csv";
   if (options.judge_consistency && !truth.states.empty() && fs::exists(states)) {
