@@ -27,6 +27,20 @@ struct RecentMean {
   }
 };
 
+/// In how many of the keyframes that could tell.
+struct Bends {
+  int num_bent = 0, num_judged = 0;
+
+  void Add(bool is_bent) {
+    num_bent += is_bent ? 1 : 0;
+    ++num_judged;
+  }
+  void Add(const Bends& other) {
+    num_bent += other.num_bent;
+    num_judged += other.num_judged;
+  }
+};
+
 /// A plane that was seen; without an id it is tentative and the estimator does not know it.
 struct KnownPlane {
   PlaneId id;
@@ -40,6 +54,7 @@ struct KnownPlane {
   MemberCount members;
   int num_misfits = 0;  ///< keyframes in a row in which its landmarks did not fit
   RecentMean scatter;   ///< of its landmarks across it, mean square over what is expected
+  Bends bends;          ///< whether they lay on a bent surface
   Timestamp first_seen, last_seen;
   std::optional<Timestamp> handed_over;
   double recognised_at_m = 0;     ///< how far off it was when it was recognised just now
@@ -85,6 +100,7 @@ inline void KnownPlane::SetOrientation(double max_lean_deg) {
 inline void KnownPlane::Absorb(const KnownPlane& other, const Plane& its_plane_W) {
   support.Add(other.support, its_plane_W);
   members.Add(other.members);
+  bends.Add(other.bends);
   times_seen += other.times_seen;
   first_seen = std::min(first_seen, other.first_seen);
   last_seen = std::max(last_seen, other.last_seen);

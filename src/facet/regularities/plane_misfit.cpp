@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "facet/regularities/plane_gate.h"
+#include "facet/regularities/surface_bend.h"
 #include "facet/regularities/surface_face.h"
 
 namespace facet {
@@ -61,7 +62,18 @@ std::vector<Member> MembersAsSeen(const MapSnapshot& map, const KnownPlane& know
 struct MembersFit {
   double chi_square = 0;  // of the plane that fits them best against this one
   double scatter = 0;     // mean square about that plane, over what is expected
+  std::optional<SurfaceBend> bend;
 };
+
+std::optional<SurfaceBend> BendOf(const std::vector<Member>& members, const Vector3d& n_W) {
+  std::vector<Vector3d> points_W;
+  std::vector<double> weights;
+  for (const Member& member : members) {
+    points_W.push_back(member.p_W);
+    weights.push_back(member.weight);
+  }
+  return FitBend(points_W, weights, n_W);
+}
 
 std::optional<MembersFit> FitMembers(const std::vector<Member>& members,
                                      const PlaneEstimate& known,
@@ -97,12 +109,13 @@ std::optional<MembersFit> FitMembers(const std::vector<Member>& members,
       B.transpose();
   best.offset_variance_m2 = covariance(0, 0) + Square(kSigmaOffset_m);
   const MembersFit out{ChiSquare(best, known, T_WB),
-                       (square - b.dot(fit)) / static_cast<double>(members.size())};
+                       (square - b.dot(fit)) / static_cast<double>(members.size()),
+                       BendOf(members, n)};
   if (!std::isfinite(out.chi_square) || !std::isfinite(out.scatter)) return std::nullopt;
   return out;
 }
 
-bool IsMisfit(const MapSnapshot& map, double max_scatter, KnownPlane& known) {
+bool IsMisfit(const MapSnapshot& map, const PlaneTrackingOptions& options, KnownPlane& known) {
   const std::optional<MembersFit> fit =
       FitMembers(MembersAsSeen(map, known), known.estimate, map.latest.T_WB);
   if (!fit) {
@@ -112,18 +125,19 @@ bool IsMisfit(const MapSnapshot& map, double max_scatter, KnownPlane& known) {
   const bool misfits = fit->chi_square > kMaxChiSquare || fit->scatter > kMaxScatterAtOnce;
   known.num_misfits = misfits ? known.num_misfits + 1 : 0;
   known.scatter.Add(fit->scatter);
+  if (fit->bend) known.bends.Add(IsBent(*fit->bend, options.max_bend));
   return known.num_misfits >= kMaxMisfits ||
-         (known.scatter.num >= kMinJudged && known.scatter.mean > max_scatter);
+         (known.scatter.num >= kMinJudged && known.scatter.mean > options.max_scatter);
 }
 
 }  // namespace
 
 void EndMisfits(const MapSnapshot& map,
-                double max_scatter,
+                const PlaneTrackingOptions& options,
                 std::vector<KnownPlane>& planes,
                 PlaneAssignments& out) {
   std::erase_if(planes, [&](KnownPlane& plane) {
-    if (plane.IsTentative() || !IsMisfit(map, max_scatter, plane)) return false;
+    if (plane.IsTentative() || !IsMisfit(map, options, plane)) return false;
     for (const LandmarkEstimate& landmark : map.landmarks) {
       if (landmark.IsOn(plane.id)) out.left.emplace_back(landmark.id, plane.id);
     }

@@ -7,6 +7,7 @@
 
 #include "facet/map/plane_assignments.h"
 #include "facet/regularities/known_plane.h"
+#include "facet/regularities/regularity_options.h"
 
 namespace facet {
 
@@ -14,8 +15,10 @@ namespace facet {
 /// row they lie together on another plane or far from any, or over many keyframes their mean square
 /// about the plane that fits them best is more than `max_scatter` of what is expected. The
 /// landmarks leave, and what they were is for the detection to find anew.
+/// Planes whose landmarks lie on a bend stay, because they are still of use to the estimator (they
+/// are seen again), but it is counted (KnownPlane::bends).
 void EndMisfits(const MapSnapshot& map,
-                double max_scatter,
+                const PlaneTrackingOptions& options,
                 std::vector<KnownPlane>& planes,
                 PlaneAssignments& out);
 

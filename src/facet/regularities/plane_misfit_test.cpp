@@ -11,7 +11,6 @@
 namespace facet {
 namespace {
 
-constexpr double kMaxScatter = 1.4;
 constexpr double kRowSigma_m = 0.04;
 
 // The plane x = 3.
@@ -54,7 +53,7 @@ int EndsAfter(MapAt map_at) {
   std::vector<KnownPlane> planes = {Wall()};
   PlaneAssignments out;
   for (int k = 1; k <= 20; ++k) {
-    EndMisfits(map_at(k), kMaxScatter, planes, out);
+    EndMisfits(map_at(k), PlaneTrackingOptions(), planes, out);
     if (!planes.empty()) {
       EXPECT_TRUE(out.IsEmpty());
       continue;
@@ -100,6 +99,30 @@ TEST(PlaneMisfitTest, ARowOfThingsEndsInTheLongRun) {
   EXPECT_EQ(EndsAfter([&](int k) { return Seen(things, 0.005, k); }), 8);
 }
 
+// They pass as flat for their scatter, and stay; but it is counted.
+TEST(PlaneMisfitTest, ABendIsCounted) {
+  const auto share = [](auto surface, std::size_t num) {
+    std::vector<KnownPlane> planes = {Wall()};
+    PlaneAssignments out;
+    for (int k = 0; k < 20; ++k) {
+      MapSnapshot map = Seen(surface, 0.005, static_cast<std::uint64_t>(k));
+      map.landmarks.resize(num);
+      EndMisfits(map, PlaneTrackingOptions(), planes, out);
+    }
+    EXPECT_EQ(planes.size(), 1u);
+    const Bends& bends = planes.at(0).bends;
+    return bends.num_judged == 0 ? -1.0 : bends.num_bent / static_cast<double>(bends.num_judged);
+  };
+  const auto board_and_wall = [](double, double z) { return 3 + 0.07 * (std::abs(z - 1) - 0.5); };
+  const auto ground = [](double y, double z) { return 3 + 0.05 * y * (z - 1); };
+  const auto sagging = [](double y, double) { return 3 + 0.015 * (y * y - 1.0 / 3); };
+  EXPECT_GT(share(board_and_wall, 40), 0.9);
+  EXPECT_GT(share(ground, 40), 0.9);
+  EXPECT_LT(share(sagging, 40), 0.1) << "4.5 mm rms";
+  EXPECT_LT(share(kFlat, 40), 0.1);
+  EXPECT_EQ(share(ground, 9), -1);
+}
+
 TEST(PlaneMisfitTest, FewLandmarksAndSingleOutliersAreNoEvidence) {
   EXPECT_EQ(EndsAfter([](int k) {
               MapSnapshot few = Seen(kStep, 0.01, k);
@@ -137,11 +160,11 @@ TEST(PlaneMisfitTest, WhatThePoseLeavesOpenIsNoEvidence) {
   planes[0].estimate.covariance.block<3, 3>(3, 3) = 0.03 * 0.03 * Matrix3d::Identity();
   PlaneAssignments out;
   for (int k = 0; k < 20; ++k)
-    EndMisfits(map, kMaxScatter, planes, out);
+    EndMisfits(map, PlaneTrackingOptions(), planes, out);
   EXPECT_EQ(planes.size(), 1u);
   planes[0].estimate.covariance.setZero();
   for (int k = 0; k < 3; ++k)
-    EndMisfits(map, kMaxScatter, planes, out);
+    EndMisfits(map, PlaneTrackingOptions(), planes, out);
   EXPECT_TRUE(planes.empty());
 }
 
@@ -179,7 +202,7 @@ TEST(PlaneMisfitTest, TentativePlanesAreLeftAlone) {
   planes[0].id = PlaneId();
   PlaneAssignments out;
   for (int k = 1; k <= 20; ++k)
-    EndMisfits(Seen(kStep, 0.01, k), kMaxScatter, planes, out);
+    EndMisfits(Seen(kStep, 0.01, k), PlaneTrackingOptions(), planes, out);
   EXPECT_EQ(planes.size(), 1u);
   EXPECT_TRUE(out.IsEmpty());
 }

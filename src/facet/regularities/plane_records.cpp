@@ -51,6 +51,11 @@ bool IsRowOfThings(const KnownPlane& plane) {
          plane.scatter.mean > kMaxScatterOfSmall;
 }
 
+// In most keyframes: a plane that has caught some landmarks of others at last was one before.
+bool IsBent(const KnownPlane& plane) {
+  return plane.bends.num_judged >= kMinJudged && 2 * plane.bends.num_bent > plane.bends.num_judged;
+}
+
 // Mean of both directions [rad^2].
 double NormalVariance(const KnownPlane& plane) {
   return std::max(plane.best->covariance.block<3, 3>(6, 6).trace() / 2, 0.0);
@@ -118,7 +123,9 @@ std::vector<PlaneRecord> MakeRecords(std::span<const KnownPlane> planes, bool ma
   });
   std::sort(solved.begin(), solved.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   if (may_unite) Unite(solved);
-  std::erase_if(solved, [](const auto& p) { return IsRowOfThings(p) || IsHardlyKnown(p); });
+  std::erase_if(solved, [](const KnownPlane& plane) {
+    return IsRowOfThings(plane) || IsHardlyKnown(plane) || IsBent(plane);
+  });
   std::vector<PlaneRecord> records;
   std::transform(solved.begin(), solved.end(), std::back_inserter(records), MakeRecord);
   return records;

@@ -18,8 +18,9 @@ namespace facet {
 /// run lasts the estimator waits with that until it knows both well.
 /// What has less than 1 m^2 then, and landmarks whose mean square across it is more than half of
 /// what is expected (KnownPlane::scatter, kept by EndMisfits), is a row of things and left out, as
-/// is what has less than 1 m^2 and a normal that was never known to 2 deg (1-sigma).
-/// Labels are not set.
+/// is what has less than 1 m^2 and a normal that was never known to 2 deg (1-sigma), and what was
+/// bent in more than half of the keyframes that could tell (KnownPlane::bends): rough ground, or
+/// two surfaces in one. Labels are not set.
 std::vector<PlaneRecord> MakeRecords(std::span<const KnownPlane> planes, bool may_unite);
 
 }  // namespace facet

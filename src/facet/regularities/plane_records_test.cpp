@@ -121,6 +121,18 @@ TEST(PlaneRecordsTest, ASmallPlaneWhoseLeanIsUnknownIsNotTold) {
   EXPECT_TRUE(is_told(1.2, 2.1));
 }
 
+TEST(PlaneRecordsTest, WhatWasBentMostOfTheTimeIsNotTold) {
+  const auto is_told = [](int num_bent, int num_judged) {
+    KnownPlane plane = Wall(0, {3, 0, 1}, 0, 0.5, 3);
+    for (int k = 0; k < num_judged; ++k)
+      plane.bends.Add(k < num_bent);
+    return !MakeRecords(std::vector{plane}, true).empty();
+  };
+  EXPECT_FALSE(is_told(4, 7));
+  EXPECT_TRUE(is_told(4, 8));
+  EXPECT_TRUE(is_told(4, 4));  // too early to tell
+}
+
 TEST(PlaneRecordsTest, APieceOfAWallMayScatter) {
   const KnownPlane wall = Scattered(Wall(0, {3, 0, 1}, 0, 0.5, 3), 0.2, 9);
   const KnownPlane piece = Scattered(Wall(1, {3, 2, 1}, 0, 0.5, 0.8), 0.6, 9);

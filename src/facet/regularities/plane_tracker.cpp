@@ -35,7 +35,7 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   landmark_of_point_ = LandmarksOfVertices(mesh, map);
   Refresh(map, out);
   if (options_.tracking.revise) {
-    EndMisfits(map, options_.tracking.max_scatter, planes_, out);
+    EndMisfits(map, options_.tracking, planes_, out);
     MergeSameSurfaces(map, planes_, out);
     for (const PlaneId plane : out.ended)
       relations_.Forget(plane);

@@ -98,6 +98,10 @@ struct PlaneTrackingOptions {
   /// of points that are known as well and a surface that is flat to 1 cm: more is a row of things,
   /// or two surfaces. (!)
   double max_scatter = 1.4;
+  /// Squared sigmas by which a surface of second order fits them better (3 degrees of freedom, if
+  /// it is also 6 mm rms off the plane): more is rough ground, or two surfaces, and is not
+  /// reported. (!)
+  double max_bend = 4;
   /// A plane leaves the estimator this long after it came in [s]; 0: it stays (the paper: 6).
   double max_age_s = 0;
 
@@ -142,6 +146,10 @@ struct PlaneTrackingOptions {
     v.Field("revise", revise, Range{}, "planes are merged, and end when their landmarks misfit");
     v.Field(
         "max_scatter", max_scatter, Range{0.1, 100}, "landmarks about it, over what is expected");
+    v.Field("max_bend",
+            max_bend,
+            Range{0.1, 1e6},
+            "squared sigmas by which they lie on a bend; more is not reported");
     v.Field("max_age_s", max_age_s, Range{0, 1e6}, "a plane leaves after this; 0: it stays [s]");
   }
 };
