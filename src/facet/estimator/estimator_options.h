@@ -181,7 +181,8 @@ struct RelationOptions {
 
 /// Planes as variables.
 struct PlaneOptions {
-  /// A plane that has not settled and has fewer goes again, unless a sighting measures it.
+  /// A plane that the prior does not know and that has fewer goes again; one is enough if a
+  /// sighting measures it.
   int min_landmarks = 5;
   double join_sigma_m = 0.1;      ///< a landmark less well known across a plane does not join it
   double join_distance_m = 0.03;  ///< nor one farther off than this and 3 of its sigmas
@@ -197,7 +198,7 @@ struct PlaneOptions {
     v.Field("min_landmarks",
             min_landmarks,
             Range{3, 1000},
-            "an unsettled plane with fewer goes again, unless sightings measure it");
+            "a plane not in the prior with fewer goes again, unless sightings measure it");
     v.Field("join_sigma_m",
             join_sigma_m,
             Range{1e-3, 10},

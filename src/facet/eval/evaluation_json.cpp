@@ -190,9 +190,9 @@ void AddShares(const PlaneError& error, const std::string& limits, Rows& rows) {
   add("planes precision", error.precision);
 }
 
-void AddPlaneRows(const PlaneError& error, const PlaneError& close, Rows& rows) {
+void AddPlaneRows(const PlaneError& error, const std::optional<PlaneError>& close, Rows& rows) {
   AddShares(error, "", rows);
-  AddShares(close, ", 3 deg 5 cm", rows);
+  if (close) AddShares(*close, ", 3 deg 5 cm", rows);
   if (error.normal_error_deg_median) {
     rows.emplace_back("planes normal, median [deg]", Text("%.2f", *error.normal_error_deg_median));
     rows.emplace_back("planes offset, median [m]", Text("%.4f", *error.offset_error_m_median));
@@ -238,7 +238,7 @@ Rows RowsOf(const RunEvaluation& e) {
   if (e.time_offset) rows.emplace_back("time offset [s]", Text("%+.6f", ToSeconds(*e.time_offset)));
   if (e.mesh) AddMeshRows("mesh", *e.mesh, rows);
   if (e.map) AddMeshRows("map", *e.map, rows);
-  if (e.planes) AddPlaneRows(*e.planes, *e.close_planes, rows);
+  if (e.planes) AddPlaneRows(*e.planes, e.close_planes, rows);
   if (e.consistency) AddConsistencyRows(*e.consistency, rows);
   return rows;
 }
@@ -281,7 +281,7 @@ nlohmann::ordered_json ToJson(const RunEvaluation& e) {
   if (e.map) json["map"] = ToJson(*e.map);
   if (e.planes) {
     json["planes"] = ToJson(*e.planes);
-    json["planes"]["within_3deg_5cm"] = ToJson(*e.close_planes);
+    if (e.close_planes) json["planes"]["within_3deg_5cm"] = ToJson(*e.close_planes);
   }
   if (e.consistency) json["consistency"] = ToJson(*e.consistency);
   json["warnings"] = e.warnings;

@@ -35,7 +35,7 @@ struct RunEvaluation {
   std::optional<TrajectoryError> keyframes;
   std::optional<MeshError> mesh, map;
   std::optional<PlaneError> planes;
-  std::optional<PlaneError> close_planes;  ///< the same within 3 deg and 5 cm
+  std::optional<PlaneError> close_planes;  ///< the same with kClosePlanes
   std::optional<ConsistencyError> consistency;
   std::vector<std::string> warnings;
 };

@@ -32,7 +32,7 @@ std::string Contradiction(const VioOptions& options) {
   } else if (tracking.max_gate_m < tracking.min_gate_m) {
     text << "regularities.tracking.max_gate_m = " << tracking.max_gate_m
          << " is below regularities.tracking.min_gate_m = " << tracking.min_gate_m;
-  } else if (kept_with > LeastLandmarks(tracking)) {
+  } else if (options.pipeline == "SPR" && kept_with > LeastLandmarks(tracking)) {
     text
         << "estimator.planes.min_landmarks = " << kept_with << " is above "
         << LeastLandmarks(tracking)

@@ -66,6 +66,7 @@ class Judge {
       const Plane& plane = planes_[k].plane_W();
       near.ForEachNear(plane, options_.tracking.max_gate_m, [&](std::size_t i) {
         const FacePoint& point = points_[i];
+        if (plane.n.dot(point.ray_W) > 0) return;  // from behind it is another surface
         const double variance = point.VarianceAlong(plane.n) +
                                 kSurfaceFlatness_m * kSurfaceFlatness_m +
                                 planes_[k].uncertainty.VarianceAt(point.p_W);

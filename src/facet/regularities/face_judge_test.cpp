@@ -44,7 +44,7 @@ class FaceJudgeTest : public ::testing::Test {
                      const std::vector<std::array<int, 3>>& more = {}) const {
     std::vector<FacePoint> points;
     for (const Vector3d& p : corners)
-      points.push_back(MakeFacePoint(p, 0.01, {}));
+      points.push_back(MakeFacePoint(p, 0.01, {Vector3d::Zero(), 1.5e-3}));
     std::vector<std::array<int, 3>> triangles = {{0, 1, 2}};
     triangles.insert(triangles.end(), more.begin(), more.end());
     return JudgeFaces(points, triangles, planes_, SE3(), options_)[0];

@@ -35,7 +35,8 @@ bool FormerPlanes::Recall(double max_angle, double max_distance_m, KnownPlane& p
   plane.best = former->best;
   plane.first_seen = former->first_seen;
   plane.members.Add(former->members);
-  plane.bends.Add(former->bends);
+  plane.bends = former->bends;
+  plane.scatter = former->scatter;
   plane.absorbed = std::move(former->absorbed);
   plane.support.Add(former->support, plane_W);
   planes_.erase(former);

@@ -27,7 +27,7 @@ struct RecentMean {
   }
 };
 
-/// In how many of the keyframes that could tell.
+/// In how many of the keyframes that could tell a plane's landmarks lay on a bent surface.
 struct Bends {
   int num_bent = 0, num_judged = 0;
 
@@ -35,9 +35,9 @@ struct Bends {
     num_bent += is_bent ? 1 : 0;
     ++num_judged;
   }
-  void Add(const Bends& other) {
-    num_bent += other.num_bent;
-    num_judged += other.num_judged;
+  /// The verdict on the larger of two surfaces that are one.
+  void Keep(double own_area_m2, const Bends& other, double its_area_m2) {
+    if (its_area_m2 > own_area_m2 && other.num_judged > 0) *this = other;
   }
 };
 
@@ -54,7 +54,7 @@ struct KnownPlane {
   MemberCount members;
   int num_misfits = 0;  ///< keyframes in a row in which its landmarks did not fit
   RecentMean scatter;   ///< of its landmarks across it, mean square over what is expected
-  Bends bends;          ///< whether they lay on a bent surface
+  Bends bends;
   Timestamp first_seen, last_seen;
   std::optional<Timestamp> handed_over;
   double recognised_at_m = 0;     ///< how far off it was when it was recognised just now
@@ -98,9 +98,9 @@ inline void KnownPlane::SetOrientation(double max_lean_deg) {
 }
 
 inline void KnownPlane::Absorb(const KnownPlane& other, const Plane& its_plane_W) {
+  bends.Keep(support.area_m2(), other.bends, other.support.area_m2());
   support.Add(other.support, its_plane_W);
   members.Add(other.members);
-  bends.Add(other.bends);
   times_seen += other.times_seen;
   first_seen = std::min(first_seen, other.first_seen);
   last_seen = std::max(last_seen, other.last_seen);

@@ -165,6 +165,14 @@ bool IsAcceptable(const WeightedPlane& plane, const Plane& start, const Detectio
          plane.fit.plane.n.dot(start.n) >= std::cos(kMaxTurn);
 }
 
+// Positive when most of the surface was seen from where the normal points to.
+double SideOf(const SurfaceFaces& faces, const std::vector<int>& on_plane, const Vector3d& n_W) {
+  double side = 0;
+  for (const int f : on_plane)
+    side += faces.faces[f].area_m2 * faces.faces[f].n_W.dot(n_W);
+  return side;
+}
+
 PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
                              std::vector<int> on_plane,
                              const WeightedPlane& plane,
@@ -180,7 +188,7 @@ PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
   candidate.offset_variance_m2 = inflation / plane.total_weight + kCommonOffset_m * kCommonOffset_m;
   candidate.orientation =
       OrientationOf(candidate.plane_W.n, candidate.normal_covariance, options.max_plane_lean_deg);
-  if (candidate.plane_W.SignedDistance(faces.camera.p_W) < 0) {
+  if (SideOf(faces, on_plane, candidate.plane_W.n) < 0) {
     candidate.plane_W.n = -candidate.plane_W.n;
     candidate.plane_W.d = -candidate.plane_W.d;
   }

@@ -12,7 +12,7 @@
 namespace facet {
 
 struct PlaneCandidate {
-  Plane plane_W;  ///< the normal points to the camera's side
+  Plane plane_W;  ///< the normal points to where most of the surface was seen from
   Vector3d centroid_W = Vector3d::Zero();
   PlaneOrientation orientation = PlaneOrientation::kOblique;
   double area_m2 = 0;

@@ -9,8 +9,6 @@
 
 namespace facet {
 
-namespace {}
-
 std::vector<PlaneCandidate> PlaneDetector::Detect(const SurfaceFaces& faces,
                                                   const std::vector<char>& taken) {
   std::vector<PlaneCandidate> out;

@@ -162,6 +162,7 @@ TEST(PlaneDetectorTest, ClutterAndSpheresHoldNoPlane) {
   for (int seed = 1; seed <= 20; ++seed) {
     Rng rng(seed);
     MeshSnapshot mesh;
+    mesh.focal_px = 467;
     mesh.T_WC.p = {0, 0, 1};
     for (int i = 0; i < 300; ++i) {
       const int first = static_cast<int>(mesh.mesh.vertices.size());

@@ -38,14 +38,16 @@ struct Member {
   double weight = 0;    // [1/m^2]
 };
 
-std::vector<Member> MembersAsSeen(const MapSnapshot& map, const KnownPlane& known) {
+std::vector<Member> MembersAsSeen(const MapSnapshot& map,
+                                  double sigma_direction,
+                                  const KnownPlane& known) {
   const Plane& plane = known.estimate.plane_W;
   std::vector<Member> members;
   for (const LandmarkEstimate& landmark : map.landmarks) {
     // What several planes have drawn is not told apart.
     if (landmark.planes[0] != known.id || landmark.planes[1].IsValid()) continue;
     const FacePoint point =
-        MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, {.p_W = map.latest.T_WB.p});
+        MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, {map.latest.T_WB.p, sigma_direction});
     const double variance = point.VarianceAlong(plane.n);
     const double at_m = plane.SignedDistance(landmark.p_W);
     const double across_m = (1 + variance / Square(known.estimate.row_sigma_m)) * at_m;
@@ -115,9 +117,12 @@ std::optional<MembersFit> FitMembers(const std::vector<Member>& members,
   return out;
 }
 
-bool IsMisfit(const MapSnapshot& map, const PlaneTrackingOptions& options, KnownPlane& known) {
+bool IsMisfit(const MapSnapshot& map,
+              double sigma_direction,
+              const PlaneTrackingOptions& options,
+              KnownPlane& known) {
   const std::optional<MembersFit> fit =
-      FitMembers(MembersAsSeen(map, known), known.estimate, map.latest.T_WB);
+      FitMembers(MembersAsSeen(map, sigma_direction, known), known.estimate, map.latest.T_WB);
   if (!fit) {
     known.num_misfits = 0;
     return false;
@@ -133,11 +138,12 @@ bool IsMisfit(const MapSnapshot& map, const PlaneTrackingOptions& options, Known
 }  // namespace
 
 void EndMisfits(const MapSnapshot& map,
+                double sigma_direction,
                 const PlaneTrackingOptions& options,
                 std::vector<KnownPlane>& planes,
                 PlaneAssignments& out) {
   std::erase_if(planes, [&](KnownPlane& plane) {
-    if (plane.IsTentative() || !IsMisfit(map, options, plane)) return false;
+    if (plane.IsTentative() || !IsMisfit(map, sigma_direction, options, plane)) return false;
     for (const LandmarkEstimate& landmark : map.landmarks) {
       if (landmark.IsOn(plane.id)) out.left.emplace_back(landmark.id, plane.id);
     }

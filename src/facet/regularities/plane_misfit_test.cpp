@@ -11,7 +11,7 @@
 namespace facet {
 namespace {
 
-constexpr double kRowSigma_m = 0.04;
+constexpr double kRowSigma_m = 0.04, kSigmaDirection = 1.5e-3;
 
 // The plane x = 3.
 KnownPlane Wall() {
@@ -39,7 +39,8 @@ MapSnapshot Seen(Surface x, double noise_m, std::uint64_t seed = 1) {
     landmark.id = LandmarkId{i};
     landmark.sigma_depth_m = kSigma_m;
     landmark.planes[0] = PlaneId{0};
-    const double variance = MakeFacePoint(seen, kSigma_m, {}).VarianceAlong({1, 0, 0});
+    const double variance =
+        MakeFacePoint(seen, kSigma_m, {Vector3d::Zero(), kSigmaDirection}).VarianceAlong({1, 0, 0});
     landmark.p_W = seen;
     landmark.p_W.x() = 3 + (seen.x() - 3) / (1 + variance / std::pow(kRowSigma_m, 2));
     map.landmarks.push_back(landmark);
@@ -53,7 +54,7 @@ int EndsAfter(MapAt map_at) {
   std::vector<KnownPlane> planes = {Wall()};
   PlaneAssignments out;
   for (int k = 1; k <= 20; ++k) {
-    EndMisfits(map_at(k), PlaneTrackingOptions(), planes, out);
+    EndMisfits(map_at(k), kSigmaDirection, PlaneTrackingOptions(), planes, out);
     if (!planes.empty()) {
       EXPECT_TRUE(out.IsEmpty());
       continue;
@@ -107,7 +108,7 @@ TEST(PlaneMisfitTest, ABendIsCounted) {
     for (int k = 0; k < 20; ++k) {
       MapSnapshot map = Seen(surface, 0.005, static_cast<std::uint64_t>(k));
       map.landmarks.resize(num);
-      EndMisfits(map, PlaneTrackingOptions(), planes, out);
+      EndMisfits(map, kSigmaDirection, PlaneTrackingOptions(), planes, out);
     }
     EXPECT_EQ(planes.size(), 1u);
     const Bends& bends = planes.at(0).bends;
@@ -160,11 +161,11 @@ TEST(PlaneMisfitTest, WhatThePoseLeavesOpenIsNoEvidence) {
   planes[0].estimate.covariance.block<3, 3>(3, 3) = 0.03 * 0.03 * Matrix3d::Identity();
   PlaneAssignments out;
   for (int k = 0; k < 20; ++k)
-    EndMisfits(map, PlaneTrackingOptions(), planes, out);
+    EndMisfits(map, kSigmaDirection, PlaneTrackingOptions(), planes, out);
   EXPECT_EQ(planes.size(), 1u);
   planes[0].estimate.covariance.setZero();
   for (int k = 0; k < 3; ++k)
-    EndMisfits(map, PlaneTrackingOptions(), planes, out);
+    EndMisfits(map, kSigmaDirection, PlaneTrackingOptions(), planes, out);
   EXPECT_TRUE(planes.empty());
 }
 
@@ -202,7 +203,7 @@ TEST(PlaneMisfitTest, TentativePlanesAreLeftAlone) {
   planes[0].id = PlaneId();
   PlaneAssignments out;
   for (int k = 1; k <= 20; ++k)
-    EndMisfits(Seen(kStep, 0.01, k), PlaneTrackingOptions(), planes, out);
+    EndMisfits(Seen(kStep, 0.01, k), kSigmaDirection, PlaneTrackingOptions(), planes, out);
   EXPECT_EQ(planes.size(), 1u);
   EXPECT_TRUE(out.IsEmpty());
 }

@@ -18,9 +18,9 @@ constexpr double kLargestFurniture_m2 = 4;
 constexpr double kSmall_m2 = 1;
 constexpr double kMaxScatterOfSmall = 0.5;
 constexpr int kMinJudged = 5;  // keyframes
-// Nor is it worth telling when not even its lean is known, as DetectionOptions::max_plane_lean_deg
-// judges it.
-constexpr double kMaxSigmaOfSmall = 2 * kDegree;
+// Nor is it worth telling when its normal was never known as well as walls and leaning boards
+// differ.
+constexpr double kMaxSigmaOfSmall = 2 * kDegree;  // [rad]
 
 // What is larger than furniture goes on behind what hides it, about as far as it is wide.
 double LargestGap_m(const KnownPlane& a, const KnownPlane& b) {

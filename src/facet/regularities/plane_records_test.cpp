@@ -131,6 +131,13 @@ TEST(PlaneRecordsTest, WhatWasBentMostOfTheTimeIsNotTold) {
   EXPECT_FALSE(is_told(4, 7));
   EXPECT_TRUE(is_told(4, 8));
   EXPECT_TRUE(is_told(4, 4));  // too early to tell
+  // A board before a wall that is known to be one surface with it.
+  std::vector<KnownPlane> planes = {Wall(0, {3, 0, 1}, 0, 0.5, 3), Wall(1, {3, 2, 1}, 0, 0.5, 1)};
+  for (int k = 0; k < 60; ++k)
+    planes[1].bends.Add(true);
+  for (int k = 0; k < 10; ++k)
+    planes[0].bends.Add(false);
+  EXPECT_EQ(MakeRecords(planes, true).size(), 1u);
 }
 
 TEST(PlaneRecordsTest, APieceOfAWallMayScatter) {

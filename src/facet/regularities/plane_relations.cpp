@@ -110,7 +110,10 @@ void PlaneRelations::RelateStar(const Planes& planes,
       return plane.estimate->id == id;
     });
   };
-  std::erase_if(middles, [&](PlaneId id) { return find(id) == planes.end(); });
+  std::erase_if(middles, [&](PlaneId id) {  // gone, or found to lean
+    const auto middle = find(id);
+    return middle == planes.end() || middle->orientation != orientation;
+  });
   for (const RelatedPlane& plane : planes) {
     const PlaneId id = plane.estimate->id;
     if (plane.orientation != orientation || plane.area_m2 < options_.min_area_m2) continue;
@@ -141,11 +144,15 @@ std::optional<PlaneRelations::Difference> PlaneRelations::CompareHeadings(
 
 std::optional<PlaneRelations::Difference> PlaneRelations::CompareHeights(
     const RelatedPlane& a, const RelatedPlane& b) const {
+  const Vector3d &n_a = a.estimate->plane_W.n, &n_b = b.estimate->plane_W.n;
   const double height_m = b.centroid_W.z() - a.centroid_W.z();
   const double limit_m =
       std::min(options_.max_height_m,
                3 * std::sqrt(a.estimate->covariance(9, 9) + b.estimate->covariance(9, 9)));
-  if (std::abs(height_m) > 3 * options_.max_height_m) return std::nullopt;
+  const bool is_other_side = n_a.dot(n_b) < 0;  // the underside of a shelf
+  const bool is_parallel = AngleBetween(n_a, n_b) <= options_.max_angle_deg * kDegree;
+  if (is_other_side || !is_parallel || std::abs(height_m) > options_.max_height_m)
+    return std::nullopt;
   return Difference{PlaneRelationKind::kCoplanar, height_m, limit_m};
 }
 
@@ -158,9 +165,8 @@ std::optional<PlaneRelations::Difference> PlaneRelations::CompareSlopes(
   const bool is_parallel = from_parallel < from_right_angle;
   const double off = is_parallel ? from_parallel : from_right_angle;
   if (off > options_.new_heading_deg * kDegree) return std::nullopt;
-  // About the axis that turns one normal to the other; parallel ones may turn about any.
-  const auto sigma = [](const PlaneEstimate& plane) {
-    return std::sqrt(plane.covariance.block<3, 3>(6, 6).trace() / 2);
+  const auto sigma = [](const PlaneEstimate& plane) {  // mean of both directions
+    return std::sqrt(std::max(plane.covariance.block<3, 3>(6, 6).trace() / 2, 0.0));
   };
   using enum PlaneRelationKind;
   return Difference{is_parallel ? kParallel : kOrthogonal,

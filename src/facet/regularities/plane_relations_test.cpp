@@ -144,19 +144,35 @@ TEST_F(PlaneRelationsTest, TheLargestIsInTheMiddle) {
 TEST_F(PlaneRelationsTest, LevelPlanesHaveOneHeight) {
   AddTable(0.70, 2);
   AddTable(0.71, 3);
-  AddTable(0.69, 1.5);  // 2 cm below the largest
-  AddTable(0.74, 2);    // too far off, yet no height of its own
-  AddTable(0.705, 0.5);
+  AddTable(0.685, 1.5);  // has a height of its own
+  AddTable(0.735, 2);    // and this one
+  AddTable(0.74, 1.8);
+  AddTable(0.705, 0.5);  // too small
   AddTable(0, 9);
+  AddTable(0.72, 3);  // known too well to be at 0.71
+  estimates_.back().covariance(9, 9) = std::pow(0.001, 2);
+  estimates_[1].covariance(9, 9) = std::pow(0.001, 2);
+  AddTable(0.705, 2);  // the underside
+  estimates_.back().plane_W.n = -Vector3d::UnitZ();
   const auto found = Update(50);
   using enum PlaneRelationKind;
   const auto num_coplanar = std::count_if(
       found.begin(), found.end(), [](const auto& relation) { return relation.kind == kCoplanar; });
-  EXPECT_EQ(num_coplanar, 1);
+  EXPECT_EQ(num_coplanar, 2);
   EXPECT_TRUE(Contains(found, {kCoplanar, PlaneId{0}, PlaneId{1}}));
+  EXPECT_TRUE(Contains(found, {kCoplanar, PlaneId{3}, PlaneId{4}}));
   options_.same_height = false;
   relations_ = PlaneRelations(options_);
-  EXPECT_EQ(Update(50).size(), found.size() - 1);
+  EXPECT_EQ(Update(50).size(), found.size() - 2);
+}
+
+TEST_F(PlaneRelationsTest, AMiddleThatTurnsOutToLeanIsNone) {
+  AddWall(0, 0, 9);
+  Update(options_.min_keyframes);
+  orientations_[0] = PlaneOrientation::kOblique;
+  AddWall(90);
+  for (const PlaneRelation& relation : Update(2 * options_.min_keyframes))
+    EXPECT_FALSE(relation.Involves(PlaneId{0}));
 }
 
 // The sides of a roof are at right angles to each other or parallel over the ridge beyond.

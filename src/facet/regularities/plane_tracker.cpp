@@ -35,7 +35,7 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   landmark_of_point_ = LandmarksOfVertices(mesh, map);
   Refresh(map, out);
   if (options_.tracking.revise) {
-    EndMisfits(map, options_.tracking, planes_, out);
+    EndMisfits(map, faces_.camera.sigma_direction, options_.tracking, planes_, out);
     MergeSameSurfaces(map, planes_, out);
     for (const PlaneId plane : out.ended)
       relations_.Forget(plane);
@@ -180,7 +180,9 @@ void PlaneTracker::AddOldFaces(int plane) {
   }
   const double max_distance_m = options_.detection.max_distance_m;
   for (const int f : FacesOnPlane(faces_, free, tentative.estimate.plane_W, max_distance_m)) {
-    if (tentative.support.IsNear(faces_.faces[f].centre_W, kPlaneGrowth_m))
+    const SurfaceFace& face = faces_.faces[f];
+    if (face.n_W.dot(tentative.estimate.plane_W.n) > 0 &&
+        tentative.support.IsNear(face.centre_W, kPlaneGrowth_m))
       plane_of_face_[f] = plane;
   }
 }

@@ -168,7 +168,7 @@ struct PlaneRelationOptions {
   bool slopes = false;
   /// Angle off which planes are not related, and from which a wall has a heading of its own [deg].
   double max_angle_deg = 3, new_heading_deg = 8;
-  /// The same for heights [m]: a third of what begins another height.
+  /// The same for heights [m].
   double max_height_m = 0.02;
   /// Keyframes in a row in which a relation must have held.
   int min_keyframes = 5;

@@ -33,8 +33,7 @@ std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot
 
 void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
   const TriangleMesh& source = mesh.mesh;
-  out.camera = {.p_W = mesh.T_WC.p};
-  if (mesh.focal_px > 0) out.camera.sigma_direction = kSigma_px / mesh.focal_px;
+  out.camera = {mesh.T_WC.p, kSigma_px / mesh.focal_px};
   out.points.resize(source.vertices.size());
   out.faces.resize(source.faces.size());
   for (std::size_t i = 0; i < source.vertices.size(); ++i)

@@ -30,7 +30,7 @@ struct FacePoint {
 /// Where the points are seen from, and how exactly.
 struct FaceCamera {
   Vector3d p_W = Vector3d::Zero();
-  double sigma_direction = 1.5e-3;  ///< of a vertex's direction, 1-sigma [rad]
+  double sigma_direction = 0;  ///< of a vertex's direction, 1-sigma [rad]
 };
 
 FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const FaceCamera& camera);

@@ -12,6 +12,7 @@ namespace {
 MeshSnapshot OneFace(const Vector3d& camera_W) {
   MeshSnapshot mesh;
   mesh.T_WC.p = camera_W;
+  mesh.focal_px = 0.7 / 1.5e-3;
   mesh.mesh.vertices = {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
   mesh.mesh.faces = {{0, 1, 2}};
   mesh.vertex_ids = {LandmarkId{1}, LandmarkId{2}, LandmarkId{3}};

@@ -9,7 +9,8 @@ namespace facet::testing {
 namespace {
 
 constexpr int kIdsPerPatch = 10000;
-constexpr double kSigmaDirection = 1.5e-3;
+constexpr double kFocal_px = 467;
+constexpr double kSigmaDirection = 1.5e-3;  // what is assumed with that focal length
 
 Vector3d WithNoise(const Vector3d& p_W, const TestView& view, Rng& rng) {
   const Vector3d ray = (p_W - view.camera_W).normalized();
@@ -72,6 +73,7 @@ MeshSnapshot MakeMesh(const std::vector<Patch>& patches, const TestView& view) {
   MeshSnapshot out;
   out.t = Timestamp{0} + FromSeconds(view.time_s);
   out.T_WC.p = view.camera_W;
+  out.focal_px = kFocal_px;
   Rng rng(view.seed);
   for (std::size_t k = 0; k < patches.size(); ++k) {
     const std::size_t first = out.mesh.vertices.size();
