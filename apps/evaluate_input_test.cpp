@@ -162,6 +162,21 @@ TEST_F(EvaluateInputTest, DamagedMesh) {
   ExpectRefused("mesh.ply: face 0: the file ends here");
 }
 
+TEST_F(EvaluateInputTest, PlanesAreJudgedTwice) {
+  WriteText(Sequence() / "truth" / "planes.csv",
+            "#plane,nx,ny,nz,d,area,seen area,label\n0,0,0,1,0,5,5,floor\n");
+  WriteText(
+      Result() / "planes.csv",
+      "id,nx,ny,nz,d,cx,cy,cz,orientation,label,first_seen_ns,last_seen_ns,landmarks,area_m2\n"
+      "1,0,0,1,0.08,0,0,0.08,horizontal,floor,1,2,9,1.5\n");
+  EXPECT_EQ(Evaluate().exit_code, 0);
+  const auto planes = nlohmann::json::parse(ReadText(Result() / "evaluation.json"))["planes"];
+  EXPECT_EQ(planes["recall"], 1);
+  EXPECT_EQ(planes["precision"], 1);
+  EXPECT_EQ(planes["within_3deg_5cm"]["recall"], 0);
+  EXPECT_EQ(planes["within_3deg_5cm"]["precision"], 0);
+}
+
 TEST_F(EvaluateInputTest, SceneWithoutPlanes) {
   const std::string header =
       "id,nx,ny,nz,d,cx,cy,cz,orientation,label,first_seen_ns,last_seen_ns,landmarks,area_m2\n";

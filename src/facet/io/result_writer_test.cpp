@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "facet/io/errors.h"
+#include "facet/io/planes_file.h"
 #include "facet/io/result_folder.h"
 #include "facet/io/states_file.h"
 #include "facet/io/test_sequence.h"
@@ -70,6 +71,24 @@ TEST(ResultWriterTest, WritesEveryFile) {
   EXPECT_THAT(ply, testing::StartsWith("ply\nformat binary_little_endian 1.0\nelement vertex 2\n"));
   const std::size_t body = ply.find("end_header\n") + 11;
   EXPECT_EQ(ply.size() - body, 24u);
+}
+
+TEST(ResultWriterTest, PlanesTellTheirOutlineAndWhatTheyHaveAbsorbed) {
+  TempFolder folder;
+  RunRecord run = SmallRun();
+  run.planes.emplace(2);
+  (*run.planes)[0].id = PlaneId{4};
+  (*run.planes)[0].outline_W = {{0, 0, 1}, {1, 0.5, 1}};
+  (*run.planes)[0].absorbed = {PlaneId{7}, PlaneId{9}};
+  (*run.planes)[1].id = PlaneId{5};
+  WriteResult(folder.path(), run);
+  const auto planes = Lines(ReadText(folder / "planes.csv"));
+  ASSERT_EQ(planes.size(), 3u);
+  EXPECT_THAT(planes[0], testing::EndsWith(",outline,absorbed"));
+  EXPECT_THAT(planes[1], testing::StartsWith("4,"));
+  EXPECT_THAT(planes[1], testing::EndsWith(",0.000 0.000 1.000;1.000 0.500 1.000,7 9"));
+  EXPECT_THAT(planes[2], testing::EndsWith(",,"));
+  EXPECT_EQ(ReadEstimatedPlanes(folder / "planes.csv").size(), 2u);
 }
 
 TEST(ResultWriterTest, StatesAreReadBack) {

@@ -334,6 +334,36 @@ TEST_F(PlaneTrackerTest, BothSidesOfAThinWallStayTwoPlanes) {
   }
 }
 
+// What the mesh still knows of the side that was left, 2 cm behind.
+TEST_F(PlaneTrackerTest, OldFacesOfTheOtherSideDoNotCount) {
+  Patch far = MakeWall({3.02, 0, 1.4}, std::numbers::pi, 3, 2);
+  far.first_id = 20000;
+  TestView behind = view_;
+  behind.camera_W = {6, 0, 1.4};
+  const MeshSnapshot old = MakeMesh({far}, behind);
+  for (int k = 0; k < 6; ++k) {
+    view_.time_s += kKeyframe_s;
+    ++view_.seed;
+    mesh_ = MakeMesh({wall_}, view_);
+    const int first = static_cast<int>(mesh_.mesh.vertices.size());
+    for (std::size_t i = 0; i < old.mesh.vertices.size(); ++i) {
+      mesh_.mesh.vertices.push_back(old.mesh.vertices[i]);
+      mesh_.vertex_ids.push_back(old.vertex_ids[i]);
+      mesh_.sigma_depth_m.push_back(old.sigma_depth_m[i]);
+    }
+    for (const auto& face : old.mesh.faces) {
+      mesh_.mesh.faces.push_back({face[0] + first, face[1] + first, face[2] + first});
+      mesh_.may_vote.push_back(1);
+      mesh_.in_view.push_back(0);
+    }
+    estimator_.Apply(tracker_.Process(mesh_, estimator_.Snapshot(mesh_)));
+  }
+  ASSERT_EQ(tracker_.Records().size(), 1u);
+  EXPECT_GT(tracker_.Records()[0].num_landmarks, 50);
+  for (const auto& [landmark, planes] : estimator_.memberships)
+    EXPECT_TRUE(planes.empty() || landmark.value < far.first_id) << landmark.value;
+}
+
 TEST_F(PlaneTrackerTest, LandmarksThatTheEstimatorRefusesAreNotCounted) {
   for (int k = 0; k < 10; ++k) {
     Step({wall_});
