@@ -9,6 +9,7 @@
 #include <set>
 
 #include "facet/eval/trajectory_error.h"
+#include "facet/geometry/angles.h"
 
 namespace facet {
 namespace {
@@ -32,12 +33,8 @@ SupportedPlane IntoTruthFrame(const EstimatedPlane& plane, const TrajectoryAlign
   return {alignment.T_GW.q * plane.n_W, alignment * on_plane, plane.area_m2};
 }
 
-double AngleDeg(const Vector3d& n, const Vector3d& m) {
-  return std::atan2(n.cross(m).norm(), n.dot(m)) * kDegPerRad;
-}
-
 Difference Compare(const SupportedPlane& estimate, const TruePlane& truth) {
-  const double angle_deg = AngleDeg(estimate.n_G, truth.n_G);
+  const double angle_deg = AngleBetween(estimate.n_G, truth.n_G) * kDegPerRad;
   return {std::min(angle_deg, 180 - angle_deg),  // an estimate's normal may point to either side
           std::abs(truth.n_G.dot(estimate.centre_G) - truth.d_G)};
 }
@@ -52,7 +49,7 @@ struct TrueSurface {
 
 bool LiesFlatOn(const TruePlane& plane, const TruePlane& larger, const PlaneErrorOptions& options) {
   return larger.area_m2 >= options.min_flat_area_ratio * plane.area_m2 &&
-         AngleDeg(plane.n_G, larger.n_G) <= options.max_flat_angle_deg &&
+         AngleBetween(plane.n_G, larger.n_G) * kDegPerRad <= options.max_flat_angle_deg &&
          std::abs(plane.d_G - larger.d_G) <= options.max_flat_offset_m;
 }
 

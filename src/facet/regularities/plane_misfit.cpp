@@ -30,19 +30,17 @@ double Square(double x) {
   return x * x;
 }
 
-// A landmark of a plane where vision alone sees it: the row that holds it on the plane has drawn it
-// towards it, and that is taken back.
-struct Member {
-  Vector3d p_W;
-  double across_m = 0;  // the plane
-  double weight = 0;    // [1/m^2]
+// The landmarks of a plane where vision alone sees them: the rows that hold them on the plane have
+// drawn them towards it, and that is taken back.
+struct Members {
+  std::vector<Vector3d> points_W;
+  std::vector<double> across_m;  // the plane
+  std::vector<double> weights;   // [1/m^2]
 };
 
-std::vector<Member> MembersAsSeen(const MapSnapshot& map,
-                                  double sigma_direction,
-                                  const KnownPlane& known) {
+Members MembersAsSeen(const MapSnapshot& map, double sigma_direction, const KnownPlane& known) {
   const Plane& plane = known.estimate.plane_W;
-  std::vector<Member> members;
+  Members members;
   for (const LandmarkEstimate& landmark : map.landmarks) {
     // What several planes have drawn is not told apart.
     if (landmark.planes[0] != known.id || landmark.planes[1].IsValid()) continue;
@@ -53,9 +51,9 @@ std::vector<Member> MembersAsSeen(const MapSnapshot& map,
     const double across_m = (1 + variance / Square(known.estimate.row_sigma_m)) * at_m;
     const double expected = variance + Square(kFlatness_m);
     const double sigmas = std::abs(across_m) / std::sqrt(expected);
-    members.push_back({landmark.p_W + (across_m - at_m) * plane.n,
-                       across_m,
-                       std::min(1.0, Square(kMaxSigmas / sigmas)) / expected});
+    members.points_W.emplace_back(landmark.p_W + (across_m - at_m) * plane.n);
+    members.across_m.push_back(across_m);
+    members.weights.push_back(std::min(1.0, Square(kMaxSigmas / sigmas)) / expected);
   }
   return members;
 }
@@ -67,25 +65,16 @@ struct MembersFit {
   std::optional<SurfaceBend> bend;
 };
 
-std::optional<SurfaceBend> BendOf(const std::vector<Member>& members, const Vector3d& n_W) {
-  std::vector<Vector3d> points_W;
-  std::vector<double> weights;
-  for (const Member& member : members) {
-    points_W.push_back(member.p_W);
-    weights.push_back(member.weight);
-  }
-  return FitBend(points_W, weights, n_W);
-}
-
-std::optional<MembersFit> FitMembers(const std::vector<Member>& members,
+std::optional<MembersFit> FitMembers(const Members& members,
                                      const PlaneEstimate& known,
                                      const SE3& T_WB) {
-  if (members.size() < kMinMembers) return std::nullopt;
+  const std::size_t num = members.points_W.size();
+  if (num < kMinMembers) return std::nullopt;
   PlaneCandidate best;
   double total = 0;
-  for (const Member& member : members) {
-    best.centroid_W += member.weight * member.p_W;
-    total += member.weight;
+  for (std::size_t i = 0; i < num; ++i) {
+    best.centroid_W += members.weights[i] * members.points_W[i];
+    total += members.weights[i];
   }
   best.centroid_W /= total;
   const Vector3d& n = known.plane_W.n;
@@ -93,12 +82,13 @@ std::optional<MembersFit> FitMembers(const std::vector<Member>& members,
   Matrix3d information = Matrix3d::Zero();
   Vector3d b = Vector3d::Zero();
   double square = 0;
-  for (const Member& member : members) {
-    const Vector2d along_m = B.transpose() * (member.p_W - best.centroid_W);
+  for (std::size_t i = 0; i < num; ++i) {
+    const double weight = members.weights[i], across_m = members.across_m[i];
+    const Vector2d along_m = B.transpose() * (members.points_W[i] - best.centroid_W);
     const Vector3d row(1, along_m.x(), along_m.y());
-    information += member.weight * row * row.transpose();
-    b += member.weight * member.across_m * row;
-    square += member.weight * Square(member.across_m);
+    information += weight * row * row.transpose();
+    b += weight * across_m * row;
+    square += weight * Square(across_m);
   }
   const Eigen::LLT<Matrix3d> factor(information);
   if (factor.info() != Eigen::Success) return std::nullopt;
@@ -111,8 +101,8 @@ std::optional<MembersFit> FitMembers(const std::vector<Member>& members,
       B.transpose();
   best.offset_variance_m2 = covariance(0, 0) + Square(kSigmaOffset_m);
   const MembersFit out{ChiSquare(best, known, T_WB),
-                       (square - b.dot(fit)) / static_cast<double>(members.size()),
-                       BendOf(members, n)};
+                       (square - b.dot(fit)) / static_cast<double>(num),
+                       FitBend(members.points_W, members.weights, n)};
   if (!std::isfinite(out.chi_square) || !std::isfinite(out.scatter)) return std::nullopt;
   return out;
 }

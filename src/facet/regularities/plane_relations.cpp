@@ -146,14 +146,11 @@ std::optional<PlaneRelations::Difference> PlaneRelations::CompareHeights(
     const RelatedPlane& a, const RelatedPlane& b) const {
   const Vector3d &n_a = a.estimate->plane_W.n, &n_b = b.estimate->plane_W.n;
   const double height_m = b.centroid_W.z() - a.centroid_W.z();
-  const double limit_m =
-      std::min(options_.max_height_m,
-               3 * std::sqrt(a.estimate->covariance(9, 9) + b.estimate->covariance(9, 9)));
-  const bool is_other_side = n_a.dot(n_b) < 0;  // the underside of a shelf
+  // The underside of a shelf is not parallel to its top.
   const bool is_parallel = AngleBetween(n_a, n_b) <= options_.max_angle_deg * kDegree;
-  if (is_other_side || !is_parallel || std::abs(height_m) > options_.max_height_m)
-    return std::nullopt;
-  return Difference{PlaneRelationKind::kCoplanar, height_m, limit_m};
+  if (!is_parallel || std::abs(height_m) > options_.max_height_m) return std::nullopt;
+  const double variance = a.estimate->covariance(9, 9) + b.estimate->covariance(9, 9);
+  return Difference{PlaneRelationKind::kCoplanar, height_m, 3 * std::sqrt(variance)};
 }
 
 std::optional<PlaneRelations::Difference> PlaneRelations::CompareSlopes(
