@@ -42,6 +42,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
                 {"estimator.solver.plane_common_sigma_m", "0"},
                 {"estimator.solver.plane_huber_sigma", "0.04"},
                 {"estimator.solver.plane_sigma_m", "0.03"},
+                {"frontend.support.enabled", "false"},
                 {"regularities.detection.min_faces", "20"},
                 {"regularities.detection.oblique", "false"},
                 {"regularities.detection.only_in_view", "false"},
@@ -61,7 +62,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
       "border.enabled contradictions.by_triangulation contradictions.by_view faces.max_depth_sigma "
       "faces.max_grazing_deg faces.max_side_m faces.max_side_per_depth faces.min_angle_deg "
       "faces.min_elongation faces.min_side_ratio faces.noise_sigmas horizon_s map.enabled "
-      "min_observations plane_rescue.enabled support.enabled unknown_corners "
+      "min_observations plane_rescue.enabled unknown_corners "
       "voting.max_depth_sigma "
       "voting.max_grazing_deg voting.max_side_m voting.max_side_per_depth "
       "voting.min_angle_deg voting.min_elongation voting.min_side_ratio ");

@@ -11,12 +11,12 @@
 
 #include "facet/estimator/plane_membership.h"
 #include "facet/estimator/test_landmark.h"
-#include "facet/pipeline/test_back_stage.h"
 #include "facet/regularities/plane_tracker.h"
 #include "facet/regularities/test_scene.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
 #include "facet/testing/folders.h"
+#include "facet/testing/pipeline/simulated_front.h"
 
 namespace facet {
 namespace {
@@ -47,16 +47,14 @@ const SimulatedRun& TheRun() {
 using Watch = std::function<void(VioEstimator&, const EstimatorResult&)>;
 void Estimate(const EstimatorOptions& options, const Watch& watch) {
   const SimulatedRun& run = TheRun();
-  ImuBuffer imu;
-  for (const ImuSample& sample : run.imu)
-    imu.Add(sample);
+  testing::SimulatedFront front(run);
   VioEstimator estimator(run.rig, ImuNoise{}, options);
   StageTimes times;
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     const bool is_running = estimator.is_initialised();
-    const FrontPacket packet = testing::PacketOf(run, imu, i);
+    const TrackedFrame frame = front.Track({}, front.Predict(run.frames[i].t));
     const EstimatorResult result =
-        estimator.AddFrame(packet.frontend.observations, packet.imu, times);
+        estimator.AddFrame(frame.frontend.observations, frame.imu, times);
     if (is_running && run.frames[i].is_keyframe) watch(estimator, result);
   }
 }
@@ -146,14 +144,14 @@ class Tracking {
   PlaneAssignments Step(const std::vector<Patch>& patches) {
     view.time_s += 0.2;
     ++view.seed;
-    MeshSnapshot mesh = MakeMesh(patches, view);
+    SearchMesh mesh = MakeMesh(patches, view);
     if (all_are_support_points) {
       mesh.first_match = mesh.vertex_ids.front();
       mesh.end_match = LandmarkId{mesh.vertex_ids.back().value + 1};
     }
     MapSnapshot map = estimator.Snapshot(mesh);
     map.keyframes.push_back({FrameId{0}, mesh.t, map.latest.T_WB});
-    const PlaneAssignments found = tracker.Process(mesh, map);
+    const PlaneAssignments found = tracker.Process(mesh, map).assignments;
     estimator.Apply(found);
     num_created += static_cast<int>(found.created.size());
     num_ended += static_cast<int>(found.ended.size());
@@ -244,9 +242,8 @@ struct FaceCount {
 };
 FaceCount CountFaces(const VioOptions& options,
                      const std::function<bool(const MeshSnapshot&, std::size_t)>& is_so) {
-  BackStage back(TheRun().rig, ImuNoise{}, options);
   FaceCount out;
-  testing::RunBackStage(back, TheRun(), [&](const VioOutput& output) {
+  testing::RunOnFeatures(TheRun(), options, [&](const VioOutput& output) {
     if (!output.mesh) return;
     for (std::size_t f = 0; f < output.mesh->mesh.faces.size(); ++f)
       ++(is_so(*output.mesh, f) ? out.yes : out.no);

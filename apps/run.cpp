@@ -109,10 +109,8 @@ class MeshFiles {
   int num_seen_ = 0;
 };
 
-void RecordMapMemory(const MapMemory& memory, double limit_mb, RunRecord& record) {
-  record.map_memory_mb = memory.used_mb;
-  record.map_is_full = memory.is_full;
-  if (!memory.is_full) return;
+void WarnOfFullMap(double limit_mb, RunRecord& record) {
+  if (!record.map_is_full) return;
   record.warnings.push_back(
       fmt::format("the map is full: it lacks surfaces that were seen after it had reached "
                   "mesh.map.max_memory_mb={:g}; raise that, or make mesh.map.voxel_m larger",
@@ -136,9 +134,7 @@ SequenceRun RunWith(Vio& vio,
                     MeshFiles& mesh_files,
                     spdlog::logger& log) {
   functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
-  functions.window_keyframes = [&] { return vio.WindowKeyframes(); };
-  functions.map = [&] { return vio.Map(); };
-  if (options.pipeline == "SPR") functions.planes = [&] { return vio.Planes(); };
+  functions.result = [&] { return vio.Result(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
   const auto observer = [&](int done, int total, const VioOutput& output) {
@@ -148,12 +144,8 @@ SequenceRun RunWith(Vio& vio,
     return interrupted == 0;
   };
   SequenceRun run = RunSequence(dataset, functions, arguments.range, observer);
-  RecordMapMemory(vio.map_memory(), options.mesh.map.max_memory_mb, run.record);
+  WarnOfFullMap(options.mesh.map.max_memory_mb, run.record);
   WarnOfMissingMesh(options, run.record);
-  if (vio.num_refused_imu() > 0) {
-    run.record.warnings.push_back(std::to_string(vio.num_refused_imu()) +
-                                  " IMU samples were refused (not finite or not in order)");
-  }
   return run;
 }
 

@@ -114,10 +114,8 @@ class SequenceRunner {
     RequireImages();
     run_.record.wall_s = 1e-3 * MsSince(start_);
     run_.record.cpu_s = ProcessCpuSeconds() - cpu_start_s;
-    recorder_.Finish(vio_.window_keyframes());
-    if (vio_.map) run_.record.map = vio_.map();
+    TakeResult(vio_.result());
     run_.record.peak_rss_mb = PeakRssMb();
-    if (vio_.planes) run_.record.planes = vio_.planes();
     SummarizeProblems();
     if (run_.end == RunEnd::kComplete) JudgeTracking();
     if (!run_.message.empty()) run_.record.warnings.push_back(run_.message);
@@ -207,6 +205,16 @@ class SequenceRunner {
     }
   }
 
+  void TakeResult(RunResult result) {
+    RunRecord& record = run_.record;
+    recorder_.Finish(result.window_keyframes);
+    record.map = std::move(result.map);
+    record.map_memory_mb = result.map_memory.used_mb;
+    record.map_is_full = result.map_memory.is_full;
+    record.planes = std::move(result.planes);
+    num_refused_imu_ = result.num_refused_imu;
+  }
+
   void StopAt(std::size_t i) {
     run_.end = RunEnd::kStopped;
     run_.message = "stopped after " + std::to_string(i + 1 - part_.begin) + " of " +
@@ -246,6 +254,10 @@ class SequenceRunner {
       warnings.push_back("the IMU has " + std::to_string(recorder_.num_imu_gaps()) +
                          " holes; poses in them are marked 'no IMU' or have larger sigmas");
     }
+    if (num_refused_imu_ > 0) {
+      warnings.push_back(std::to_string(num_refused_imu_) +
+                         " IMU samples were refused (not finite or not in order)");
+    }
     if (run_.record.num_dropped > 0) {
       warnings.push_back(std::to_string(run_.record.num_dropped) + " frames arrived while busy");
     }
@@ -282,6 +294,7 @@ class SequenceRunner {
   StereoFrame images_;
   std::deque<PendingFrame> pending_;
   std::size_t next_imu_ = 0;
+  int num_refused_imu_ = 0;
   UnusableImages unusable_left_, unusable_right_;
 };
 

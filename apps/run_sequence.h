@@ -4,13 +4,13 @@
 
 #include <functional>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "facet/frontend/stereo_frontend.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/io/result_writer.h"
+#include "facet/pipeline/run_result.h"
 #include "facet/pipeline/vio_output.h"
 
 namespace facet {
@@ -21,9 +21,7 @@ struct VioFunctions {
   std::function<void(const ImuSample&)> add_imu;
   std::function<std::vector<VioOutput>(const StereoFrame&)> add_stereo;
   std::function<std::vector<VioOutput>()> finish;
-  std::function<std::vector<KeyframePose>()> window_keyframes;
-  std::function<std::optional<TriangleMesh>()> map = {};  ///< may be empty
-  std::function<std::vector<PlaneRecord>()> planes = {};  ///< may be empty
+  std::function<RunResult()> result;
 };
 
 /// Which part of a recording is run and how fast.

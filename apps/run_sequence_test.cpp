@@ -68,9 +68,10 @@ struct FakeVio {
             [this] { return is_late && late ? std::vector{*late} : std::vector<VioOutput>(); },
             [this] {
               const std::size_t last = std::min<std::size_t>(8, frames.size() - 1);
-              return std::vector<KeyframePose>{{FrameId{8}, frames[last], {}}};
-            },
-            nullptr};
+              RunResult result;
+              result.window_keyframes = {{FrameId{8}, frames[last], {}}};
+              return result;
+            }};
   }
 };
 

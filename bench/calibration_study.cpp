@@ -68,7 +68,7 @@ class Study {
   double Run(const Errors& errors, int seed) {
     const StereoRig rig = MeasureRig(dataset_.rig(), errors, static_cast<std::uint64_t>(seed));
     std::vector<StampedPose> estimate;
-    const auto is_due = [&](std::size_t i, const StereoFrame&, FrontPacket&) {
+    const auto is_due = [&](std::size_t i, const StereoFrame&, TrackedFrame&) {
       return dataset_.frames()[i].t < end_;
     };
     RunStages(dataset_, rig, options_, is_due, [&](const VioOutput& out) {

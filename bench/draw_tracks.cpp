@@ -133,13 +133,13 @@ int Draw(const Request& request, const VioOptions& options) {
   CreateFolder(request.out);
   TrackPainter painter;
   int pictures = 0;
-  const auto visit = [&](std::size_t i, const StereoFrame& images, FrontPacket& packet) {
-    painter.Add(packet.frontend.observations);
+  const auto visit = [&](std::size_t i, const StereoFrame& images, TrackedFrame& tracked) {
+    painter.Add(tracked.frontend.observations);
     const double t_s = ToSeconds(images.t - dataset.frames().front().t);
     if (t_s > request.from_s + request.duration_s) return false;
     if (t_s < request.from_s || i % static_cast<std::size_t>(request.every) != 0) return true;
-    cv::Mat picture = painter.Paint(images, packet.frontend);
-    PaintCaption(i, t_s, packet.frontend, picture);
+    cv::Mat picture = painter.Paint(images, tracked.frontend);
+    PaintCaption(i, t_s, tracked.frontend, picture);
     std::array<char, 32> name{};
     std::snprintf(name.data(), name.size(), "%06zu.png", i);
     WritePng(request.out / name.data(), picture);

@@ -71,10 +71,9 @@ void BM_Detect(benchmark::State& state) {
   const cv::Mat image = MakeImage(0);
   ImagePyramid pyramid;
   pyramid.Build(image, kLevels);
-  const PatchTracker tracker(KltOptions{}, 4);
-  FeatureDetector detector{DetectorOptions{}};
+  FeatureDetector detector(DetectorOptions{}, KltOptions{});
   for (auto _ : state) {
-    benchmark::DoNotOptimize(detector.Detect(image, pyramid.level(0), tracker, {}, 160));
+    benchmark::DoNotOptimize(detector.Detect(image, pyramid.level(0), {}, 160));
   }
 }
 BENCHMARK(BM_Detect)->Unit(benchmark::kMicrosecond);

@@ -158,7 +158,8 @@ OwnSearch::OwnSearch(const SimulatedRun& run,
                      SearchQuality& quality)
     : run_(run),
       options_(options),
-      mesh_(run.rig, mesh),
+      view_builder_(run.rig, WithSupportPoints(mesh)),
+      mesh_(WithSupportPoints(mesh)),
       tracker_(
           options,
           sightings == Sightings::kDetected
@@ -209,18 +210,22 @@ std::vector<PlaneCandidate> OwnSearch::SeeTrueSurfaces(const SurfaceFaces& faces
 
 PlaneAssignments OwnSearch::operator()(const FrameObservations& observations,
                                        const MapSnapshot& snapshot) {
-  FrameObservations sorted = observations;
-  std::sort(sorted.features.begin(), sorted.features.end(), [](const auto& a, const auto& b) {
+  FrontendResult keyframe;
+  keyframe.observations = observations;
+  std::vector<FeatureObservation>& features = keyframe.observations.features;
+  std::sort(features.begin(), features.end(), [](const auto& a, const auto& b) {
     return a.landmark < b.landmark;
   });
-  MeshPacket images;
-  images.intensities.assign(sorted.features.size(), 128);
-  for (const FeatureObservation& feature : sorted.features)
-    images.inverse_depths.push_back(StereoInverseDepth(run_.rig, feature));
-  const auto mesh = mesh_.Process(sorted, images, snapshot);
+  keyframe.depths.intensities.assign(features.size(), 128);
+  for (const FeatureObservation& feature : features)
+    keyframe.depths.inverse_depths.push_back(StereoInverseDepth(run_.rig, feature));
+  const MeshView& view = view_builder_.Build(keyframe, snapshot);
+  mesh_.Update(view, snapshot, run_.rig.T_BC[0]);
+  SearchMesh searched;
+  mesh_.FillSearchMesh(view, searched);
   const auto frame = static_cast<std::size_t>(observations.frame.value);
   T_WG_ = snapshot.latest.T_WB * run_.truth[frame].T_WB.Inverse();
-  PlaneAssignments found = tracker_.Process(*mesh, snapshot);
+  PlaneAssignments found = tracker_.Process(searched, snapshot).assignments;
   Judge(found);
   return found;
 }

@@ -9,7 +9,8 @@
 
 #include "consistency_run.h"
 
-#include "facet/pipeline/mesh_stage.h"
+#include "facet/mesh/horizon_mesh.h"
+#include "facet/pipeline/mesh_view_builder.h"
 #include "facet/regularities/plane_tracker.h"
 
 namespace facet {
@@ -127,7 +128,8 @@ class OwnSearch {
 
   const SimulatedRun& run_;
   RegularityOptions options_;
-  MeshStage mesh_;
+  MeshViewBuilder view_builder_;
+  HorizonMesh mesh_;
   PlaneTracker tracker_;
   SE3 T_WG_;  // from the truth's frame, where the newest poses agree
   std::map<PlaneId, std::map<PlaneId, int>> surfaces_of_plane_;

@@ -36,7 +36,7 @@ std::vector<Patch> MakeHall() {
 }
 
 struct Scene {
-  std::vector<MeshSnapshot> meshes;
+  std::vector<SearchMesh> meshes;
   std::vector<MapSnapshot> maps;
 };
 
@@ -53,10 +53,10 @@ Scene MakeScene(PlaneTracker& tracker, bool with_known_planes) {
     view.time_s += 0.2;
     scene.meshes.push_back(MakeMesh(hall, view));
     if (with_known_planes)
-      estimator.Apply(
-          tracker.Process(scene.meshes.back(), estimator.Snapshot(scene.meshes.back())));
+      estimator.Apply(tracker.Process(scene.meshes.back(), estimator.Snapshot(scene.meshes.back()))
+                          .assignments);
   }
-  for (const MeshSnapshot& mesh : scene.meshes) {
+  for (const SearchMesh& mesh : scene.meshes) {
     MapSnapshot map = estimator.Snapshot(mesh);
     std::erase_if(map.landmarks, [](const auto& landmark) { return landmark.id.value % 2 == 1; });
     scene.maps.push_back(map);

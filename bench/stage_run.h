@@ -16,22 +16,22 @@ namespace facet {
 /// Pipeline S without mesh, but for what the overrides (key=value) say. Throws ConfigError.
 VioOptions OptionsOfS(const std::vector<std::string>& overrides);
 
-/// A frame between front and back stage: its place in the sequence, its images, and what the back
-/// stage will get, which may be changed. False ends the run before the back stage.
-using VisitPacket = std::function<bool(std::size_t index, const StereoFrame&, FrontPacket&)>;
+/// A frame between its front and its back half: its place in the sequence, its images, and what the
+/// back half will get, which may be changed. False ends the run before the back half.
+using VisitTracked = std::function<bool(std::size_t index, const StereoFrame&, TrackedFrame&)>;
 
-/// Calls `visit` and then, after the back stage, `take_output`, once for each frame. Throws
+/// Calls `visit` and then, after the back half, `take_output`, once for each frame. Throws
 /// InputError.
 void RunStages(AslDataset& dataset,
                const StereoRig& rig,
                const VioOptions& options,
-               const VisitPacket& visit,
+               const VisitTracked& visit,
                const std::function<void(const VioOutput&)>& take_output);
 
 /// The same with the rig of the dataset.
 void RunStages(AslDataset& dataset,
                const VioOptions& options,
-               const VisitPacket& visit,
+               const VisitTracked& visit,
                const std::function<void(const VioOutput&)>& take_output);
 
 }  // namespace facet

@@ -38,12 +38,12 @@ void RunStages(TrueSequence& sequence,
                const VioOptions& options,
                const VisitFrame& visit,
                const std::function<void(const VioOutput&)>& take_output) {
-  const auto visit_packet = [&](std::size_t i, const StereoFrame& frame, FrontPacket& packet) {
-    FrameObservations& observations = packet.frontend.observations;
+  const auto visit_tracked = [&](std::size_t i, const StereoFrame& frame, TrackedFrame& tracked) {
+    FrameObservations& observations = tracked.frontend.observations;
     visit(static_cast<int>(i), sequence.PoseAt(frame.t), frame.left, observations);
     return true;
   };
-  RunStages(sequence.dataset, options, visit_packet, take_output);
+  RunStages(sequence.dataset, options, visit_tracked, take_output);
 }
 
 }  // namespace facet

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "facet/base/types.h"
 
@@ -16,11 +17,14 @@ struct DepthQuery {
   int num_depths = 0;
 };
 
-struct DepthPoint {
+/// A point that was matched left to right in one keyframe and is not tracked: it makes the mesh
+/// denser between the tracked corners. The estimator does not know it.
+struct SupportPoint {
   Vector2d px = Vector2d::Zero();
   Vector2d xy = Vector2d::Zero();  ///< undistorted, on the plane z = 1 of the left camera
   double inverse_depth = 0;        ///< [1/m] along z of the left camera, above 0
   double sigma_inverse_depth = 0;  ///< 1-sigma
+  std::uint8_t intensity = 0;      ///< of the left image there
 };
 
 }  // namespace facet

@@ -27,10 +27,7 @@ void FeatureDetector::MarkOccupied(const cv::Mat& image, std::span<const Vector2
   }
 }
 
-bool FeatureDetector::BestCorner(const cv::Rect& cell,
-                                 const ImageLevel& level,
-                                 const PatchTracker& tracker,
-                                 Candidate& best) {
+bool FeatureDetector::BestCorner(const cv::Rect& cell, const ImageLevel& level, Candidate& best) {
   // FAST's own response prefers isolated dots; the information of the patch is what counts.
   constexpr std::size_t kMaxTried = 4;
   const auto stronger = [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
@@ -48,7 +45,7 @@ bool FeatureDetector::BestCorner(const cv::Rect& cell,
   for (auto corner = corners_.begin(); corner != corners_.begin() + tried; ++corner) {
     const float x = corner->pt.x + static_cast<float>(cell.x);
     const float y = corner->pt.y + static_cast<float>(cell.y);
-    tracker.ExtractLevel(level, x, y, scratch_);
+    tracker_.ExtractLevel(level, x, y, scratch_);
     if (!scratch_.is_valid || scratch_.min_eigenvalue <= best.strength) continue;
     best.strength = scratch_.min_eigenvalue;
     best.px = Vector2d(x, y);
@@ -58,7 +55,6 @@ bool FeatureDetector::BestCorner(const cv::Rect& cell,
 
 bool FeatureDetector::SearchCell(const cv::Mat& image,
                                  const ImageLevel& level,
-                                 const PatchTracker& tracker,
                                  const cv::Rect& cell,
                                  int threshold) {
   const cv::Rect grown(cell.x - kFastRadius,
@@ -67,7 +63,7 @@ bool FeatureDetector::SearchCell(const cv::Mat& image,
                        cell.height + 2 * kFastRadius);
   cv::FAST(image(grown), corners_, threshold, true);
   Candidate best;
-  if (BestCorner(grown, level, tracker, best)) candidates_.push_back(best);
+  if (BestCorner(grown, level, best)) candidates_.push_back(best);
   return !corners_.empty();
 }
 
@@ -96,7 +92,6 @@ void FeatureDetector::ListEmptyCells(const cv::Mat& image, std::span<const Vecto
 
 std::span<const Vector2d> FeatureDetector::Detect(const cv::Mat& image,
                                                   const ImageLevel& level,
-                                                  const PatchTracker& tracker,
                                                   std::span<const Vector2d> occupied,
                                                   int max_points) {
   points_.clear();
@@ -105,12 +100,12 @@ std::span<const Vector2d> FeatureDetector::Detect(const cv::Mat& image,
   MarkOccupied(image, occupied);
   ListEmptyCells(image, occupied);
   std::erase_if(empty_cells_, [&](const cv::Rect& cell) {
-    return SearchCell(image, level, tracker, cell, options_.fast_threshold);
+    return SearchCell(image, level, cell, options_.fast_threshold);
   });
   // Weaker corners are only needed where there are not enough strong ones.
   if (static_cast<int>(candidates_.size()) < max_points) {
     for (const cv::Rect& cell : empty_cells_) {
-      SearchCell(image, level, tracker, cell, options_.fast_threshold_min);
+      SearchCell(image, level, cell, options_.fast_threshold_min);
     }
   }
   // Stable: equal strengths stay in the order of the cells.

@@ -15,14 +15,15 @@ namespace facet {
 /// One corner per empty grid cell, best first. Keeps its buffers; not thread-safe.
 class FeatureDetector {
  public:
-  explicit FeatureDetector(const DetectorOptions& options) : options_(options) {}
+  /// The strength of a corner is how well a tracker with these options can locate it.
+  FeatureDetector(const DetectorOptions& options, const KltOptions& klt)
+      : options_(options), tracker_(klt, options.num_parameters) {}
 
-  /// At most max_points corners, each at least min_distance_px from the `occupied` points and from
-  /// each other; the result is valid until the next call. The strength of a corner is how well
-  /// `tracker` can locate it.
+  /// At most max_points corners of the image, each at least min_distance_px from the `occupied`
+  /// points and from each other; the result is valid until the next call. `level`: the same image
+  /// as level 0 of its pyramid.
   std::span<const Vector2d> Detect(const cv::Mat& image,
                                    const ImageLevel& level,
-                                   const PatchTracker& tracker,
                                    std::span<const Vector2d> occupied,
                                    int max_points);
 
@@ -37,15 +38,12 @@ class FeatureDetector {
   /// Adds the cell's best corner to candidates_. False: there was no corner at all to choose from.
   bool SearchCell(const cv::Mat& image,
                   const ImageLevel& level,
-                  const PatchTracker& tracker,
                   const cv::Rect& cell,
                   int threshold);
-  bool BestCorner(const cv::Rect& cell,
-                  const ImageLevel& level,
-                  const PatchTracker& tracker,
-                  Candidate& best);
+  bool BestCorner(const cv::Rect& cell, const ImageLevel& level, Candidate& best);
 
   DetectorOptions options_;
+  PatchTracker tracker_;
   cv::Mat mask_;                      // 255 where a new point may be
   std::vector<unsigned char> taken_;  // by cell
   std::vector<cv::Rect> empty_cells_;

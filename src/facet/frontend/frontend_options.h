@@ -213,6 +213,31 @@ struct PixelNoiseOptions {
   }
 };
 
+/// Points besides the tracked corners, matched left to right in each keyframe for the mesh
+/// (support_places.h).
+struct SupportPointOptions {
+  bool enabled = true;
+  /// Side of a cell with at most one support point, if it holds no corner. The cells take turns
+  /// over two keyframes. Smaller: more points, more time. (!)
+  int cell_px = 23;
+  /// Mean difference between pixels two apart along the rows that a place must have [grey values].
+  double min_contrast = 1.5;
+  /// A triangle whose corners' inverse depths differ by more is also searched around the nearest
+  /// and the farthest of them [1/m].
+  double min_depth_step = 0.12;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("enabled", enabled, Range{}, "match points left to right between the corners");
+    v.Field("cell_px", cell_px, Range{12, 400}, "side of a cell with at most one support point");
+    v.Field("min_contrast", min_contrast, Range{0, 255}, "contrast along the rows [grey values]");
+    v.Field("min_depth_step",
+            min_depth_step,
+            Range{0, 100},
+            "step in inverse depth that widens the search [1/m]");
+  }
+};
+
 struct FrontendOptions {
   /// Tracks per frame; more cost time everywhere. (!)
   int max_features = 160;
@@ -225,6 +250,7 @@ struct FrontendOptions {
   OutlierOptions outliers;
   KeyframeOptions keyframe;
   PixelNoiseOptions noise;
+  SupportPointOptions support;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -237,6 +263,7 @@ struct FrontendOptions {
     v.Group("outliers", outliers);
     v.Group("keyframe", keyframe);
     v.Group("noise", noise);
+    v.Group("support", support);
   }
 };
 

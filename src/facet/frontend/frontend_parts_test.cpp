@@ -23,13 +23,12 @@ class DetectorTest : public ::testing::Test {
  protected:
   std::vector<Vector2d> Detect(const cv::Mat& image, std::span<const Vector2d> occupied, int max) {
     pyramid_.Build(image, 1);
-    const auto found = detector_.Detect(image, pyramid_.level(0), tracker_, occupied, max);
+    const auto found = detector_.Detect(image, pyramid_.level(0), occupied, max);
     return {found.begin(), found.end()};
   }
 
   DetectorOptions options_;
-  FeatureDetector detector_{options_};
-  PatchTracker tracker_{KltOptions{}, 4};
+  FeatureDetector detector_{options_, KltOptions{}};
   ImagePyramid pyramid_;
 };
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From stereo images to observations of landmarks: gyro-predicted patch tracking from
-// left image to left image, and on keyframes detection of new corners and left-right matching.
+// From stereo images to observations of landmarks: gyro-predicted patch tracking from left image to
+// left image, and on keyframes detection of new corners and left-right matching, of the tracks and
+// of the support points between them.
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -41,18 +42,25 @@ struct FrontendHint {
   const std::unordered_map<LandmarkId, double>* inverse_depth = nullptr;
 };
 
+/// What the images of a keyframe tell the mesh.
+struct KeyframeDepths {
+  /// One per observation: [1/m] along z of the left camera; 0 where not known.
+  std::vector<double> inverse_depths;
+  std::vector<std::uint8_t> intensities;  ///< one per observation, of the left image
+  std::vector<SupportPoint> support;      ///< points between the observations
+};
+
 /// Observations of one frame and what happened to the tracks.
 struct FrontendResult {
   FrameObservations observations;
   KeyframeReason keyframe_reason = KeyframeReason::kNone;
   TrackingSummary tracking;  ///< points of the previous frame; num_tracked without the outliers
-  /// On keyframes: [1/m] along z of the left camera, one per observation; 0 where not known.
-  std::vector<double> inverse_depths;
-  int num_outliers = 0;   ///< points removed because they contradict the motion of the others
-  int num_new = 0;        ///< points that begin in this frame
-  int num_stereo = 0;     ///< observations with a right pixel
-  bool right_ok = false;  ///< keyframes: there was a right image that could be used
-  bool image_ok = true;   ///< false: no left image, or one of the wrong size or type
+  KeyframeDepths depths;     ///< on keyframes; otherwise empty
+  int num_outliers = 0;      ///< points removed because they contradict the motion of the others
+  int num_new = 0;           ///< points that begin in this frame
+  int num_stereo = 0;        ///< observations with a right pixel
+  bool right_ok = false;     ///< keyframes: there was a right image that could be used
+  bool image_ok = true;      ///< false: no left image, or one of the wrong size or type
 };
 
 /// Owns the tracks. Deterministic: the same frames and hints give the same observations on every
@@ -73,11 +81,6 @@ class StereoFrontend {
   /// A left image that cannot be used gives empty observations. The tracks are kept and sought in
   /// the next frame; the hints of both frames are composed.
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
-
-  /// Matches further places of the newest left image in its right image, with the same tests as the
-  /// tracks; appends what was found. Finds nothing unless the last frame was a keyframe with a
-  /// usable right image.
-  void MatchDepths(std::span<const DepthQuery> queries, std::vector<DepthPoint>& found);
 
  private:
   struct Impl;

@@ -34,6 +34,9 @@ struct Track {
   PatchWarp reference_warp;  ///< from the reference to the newest image
   /// The reference was taken anew in the newest image, at a place a little beside the earlier one.
   bool is_renewed = false;
+
+  /// Unit vector from the left camera to the point.
+  Vector3d Bearing() const { return Vector3d(ray.xy.x(), ray.xy.y(), 1).normalized(); }
 };
 
 }  // namespace facet

@@ -355,15 +355,17 @@ TEST(HorizonMesh, ShowsSupportPointsAtTheirBetterDepths) {
     if (point.id.value % 2 == 1) point.id.value += kFirstSupportId;
   const MeshView view = ViewOf(points);
   mesh.Update(view, SnapshotOf(view), SE3());
-  const std::vector<Vector3d> matched = mesh.ShownVertices();
+  std::vector<Vector3d> matched;
+  for (const MeshVertex& vertex : mesh.vertices())
+    matched.push_back(vertex.shown_W);
   const double scale = 1.05;
-  mesh.SetDepthScales(std::vector<double>(matched.size(), scale));
+  mesh.Take(
+      {std::vector<int>(mesh.faces().size(), -1), std::vector<double>(matched.size(), scale), {}});
   const auto expect_shown = [&](const SE3& T_WC) {
-    const std::vector<Vector3d> shown = mesh.ShownVertices();
-    for (std::size_t i = 0; i < shown.size(); ++i) {
+    for (std::size_t i = 0; i < matched.size(); ++i) {
       const MeshVertex& vertex = mesh.vertices()[i];
       const double factor = IsSupport(vertex.id) ? scale : 1;
-      EXPECT_NEAR((shown[i] - T_WC * (factor * matched[i])).norm(), 0, 1e-9);
+      EXPECT_NEAR((vertex.shown_W - T_WC * (factor * matched[i])).norm(), 0, 1e-9);
       EXPECT_NEAR((vertex.p_W - T_WC * matched[i]).norm(), 0, 1e-9);
     }
   };

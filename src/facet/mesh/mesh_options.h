@@ -2,6 +2,8 @@
 // Every knob of the mesh. (!) marks the ones worth tuning.
 #pragma once
 
+#include <algorithm>
+
 #include "facet/base/options.h"
 
 namespace facet {
@@ -160,17 +162,8 @@ struct SurfaceMapOptions {
   }
 };
 
-/// Points besides the tracked corners, matched left to right in each keyframe.
+/// Points besides the tracked corners that the front end matched left to right in each keyframe.
 struct SupportOptions {
-  bool enabled = true;
-  /// Side of a cell with at most one support point, if it holds no corner. The cells take turns
-  /// over two keyframes. Smaller: more points, more time. (!)
-  int cell_px = 23;
-  /// Mean difference between pixels two apart along the rows that a place must have [grey values].
-  double min_contrast = 1.5;
-  /// A triangle whose corners' inverse depths differ by more is also searched around the nearest
-  /// and the farthest of them [1/m].
-  double min_depth_step = 0.12;
   /// Largest 1-sigma of the depth over the depth.
   double max_depth_sigma = 0.05;
   /// Takes the place of the faces' limit: where points are dense, a large face is a gap in which
@@ -179,13 +172,6 @@ struct SupportOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("enabled", enabled, Range{}, "match points left to right between the corners");
-    v.Field("cell_px", cell_px, Range{12, 400}, "side of a cell with at most one support point");
-    v.Field("min_contrast", min_contrast, Range{0, 255}, "contrast along the rows [grey values]");
-    v.Field("min_depth_step",
-            min_depth_step,
-            Range{0, 100},
-            "step in inverse depth that widens the search [1/m]");
     v.Field("max_depth_sigma", max_depth_sigma, Range{1e-4, 1}, "1-sigma of depth over depth");
     v.Field("max_side_per_depth",
             max_side_per_depth,
@@ -255,5 +241,14 @@ struct MeshOptions {
     v.Group("map", map);
   }
 };
+
+/// The options in force where the front end matches support points: large faces are gaps, and what
+/// can be matched near the border of the image is measured.
+inline MeshOptions WithSupportPoints(MeshOptions options) {
+  options.faces.max_side_per_depth =
+      std::min(options.faces.max_side_per_depth, options.support.max_side_per_depth);
+  options.border.enabled = false;
+  return options;
+}
 
 }  // namespace facet

@@ -5,56 +5,20 @@
 
 namespace facet {
 
-namespace {
-
-MeshSnapshot MakeEmpty(const MeshView& view) {
+// Vertices that no shown face needs are left out; the others keep their order.
+MeshSnapshot MakeMeshSnapshot(const MeshView& view, const HorizonMesh& horizon) {
   MeshSnapshot snapshot;
   snapshot.frame = view.frame;
   snapshot.t = view.t;
   snapshot.T_WC = view.T_WC;
-  snapshot.focal_px = view.focal_px;
-  snapshot.first_match = view.first_match;
-  snapshot.end_match = view.end_match;
-  return snapshot;
-}
-
-void AddFlags(const MeshFace& face, MeshSnapshot& snapshot) {
-  snapshot.may_vote.push_back(face.may_vote ? 1 : 0);
-  snapshot.in_view.push_back(face.in_view ? 1 : 0);
-}
-
-void AddVertexData(const MeshVertex& vertex, MeshSnapshot& snapshot) {
-  snapshot.vertex_ids.push_back(vertex.id);
-  snapshot.sigma_depth_m.push_back(vertex.sigma_depth_m);
-}
-
-}  // namespace
-
-MeshSnapshot MakeMeshSnapshot(const MeshView& view, const HorizonMesh& horizon) {
-  MeshSnapshot snapshot = MakeEmpty(view);
-  snapshot.mesh = horizon.ToTriangleMesh();
-  snapshot.vertex_ids.reserve(horizon.vertices().size());
-  snapshot.sigma_depth_m.reserve(horizon.vertices().size());
-  for (const MeshVertex& vertex : horizon.vertices())
-    AddVertexData(vertex, snapshot);
-  snapshot.may_vote.reserve(horizon.faces().size());
-  snapshot.in_view.reserve(horizon.faces().size());
-  for (const MeshFace& face : horizon.faces()) {
-    if (!face.by_plane) AddFlags(face, snapshot);
-  }
-  return snapshot;
-}
-
-// Vertices that no shown face needs are left out; the others keep their order.
-MeshSnapshot MakeShownSnapshot(const MeshView& view, const HorizonMesh& horizon) {
-  MeshSnapshot snapshot = MakeEmpty(view);
   TriangleMesh& mesh = snapshot.mesh;
   std::vector<int> index(horizon.vertices().size(), -1);
   for (const MeshFace& face : horizon.faces()) {
     if (face.is_hidden) continue;
     mesh.faces.push_back(face.CounterClockwise());
     mesh.plane_ids.push_back(face.plane_id);
-    AddFlags(face, snapshot);
+    snapshot.may_vote.push_back(face.may_vote ? 1 : 0);
+    snapshot.in_view.push_back(face.in_view ? 1 : 0);
     for (const int corner : face.corners)
       index[corner] = 0;
   }
@@ -64,7 +28,8 @@ MeshSnapshot MakeShownSnapshot(const MeshView& view, const HorizonMesh& horizon)
     index[i] = static_cast<int>(mesh.vertices.size());
     mesh.vertices.push_back(vertex.shown_W);
     mesh.colours.push_back({vertex.intensity, vertex.intensity, vertex.intensity});
-    AddVertexData(vertex, snapshot);
+    snapshot.vertex_ids.push_back(vertex.id);
+    snapshot.sigma_depth_m.push_back(vertex.sigma_depth_m);
   }
   for (std::array<int, 3>& face : mesh.faces) {
     for (int& corner : face)

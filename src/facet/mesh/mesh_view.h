@@ -11,7 +11,7 @@
 namespace facet {
 
 /// Ids from here on belong to support points: matched left to right in one keyframe, never tracked,
-/// unknown to the estimator.
+/// unknown to the estimator. They grow from view to view.
 inline constexpr std::int64_t kFirstSupportId = std::int64_t{1} << 40;
 
 inline bool IsSupport(LandmarkId id) {

@@ -2,57 +2,56 @@
 #include "facet/pipeline/front_stage.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "facet/imu/preintegration.h"
 
 namespace facet {
 
 namespace {
+
 // The newest image may come this much before the IMU sample that follows it.
 constexpr double kMaxExtrapolation_s = 0.03;
 constexpr double kMinDepth_m = 0.05;
 
-std::uint8_t GreyValueAt(const cv::Mat& image, const Vector2d& px) {
-  const int x = std::clamp(static_cast<int>(std::lround(px.x())), 0, image.cols - 1);
-  const int y = std::clamp(static_cast<int>(std::lround(px.y())), 0, image.rows - 1);
-  return image.at<std::uint8_t>(y, x);
+// Support points are for the mesh only.
+FrontendOptions FrontendOptionsOf(const VioOptions& options) {
+  FrontendOptions frontend = options.frontend;
+  frontend.support.enabled = frontend.support.enabled && options.mesh.enabled;
+  return frontend;
 }
+
 }  // namespace
 
 FrontStage::FrontStage(const StereoRig& rig, const VioOptions& options)
     : rig_(rig),
       max_gap_s_(options.estimator.imu.max_gap_s),
-      mesh_options_(options.mesh),
-      frontend_(rig, options.frontend),
-      support_places_(options.mesh.support) {}
+      frontend_(rig, FrontendOptionsOf(options)) {}
 
-ImuBuffer::AddResult FrontStage::AddImu(const ImuSample& sample) {
-  const ImuBuffer::AddResult result = imu_.Add(sample);
+void FrontStage::AddImu(const ImuSample& sample) {
+  if (imu_.Add(sample) != ImuBuffer::AddResult::kAdded) ++num_refused_imu_;
   if (!has_previous_ && !imu_.empty()) imu_.DropBefore(imu_.last_stamp() - kLongestHistory);
-  return result;
 }
 
-FrontPacket FrontStage::Process(const StereoFrame& frame) {
-  FrontPacket packet;
-  const Timestamp t_imu = frame.t + rig_.time_offset;
-  FrontendHint hint;
-  {
-    ScopedStage stage(packet.times, Stage::kImu);
-    TakeFeedback();
-    packet.imu = IntervalTo(t_imu);
-    hint = Predict(packet.imu);
-  }
-  packet.used_feedback = hint.inverse_depth != nullptr;
-  packet.frontend = frontend_.Process(frame, hint, packet.times);
-  if (packet.frontend.observations.is_keyframe && mesh_options_.enabled) {
-    FillMeshPacket(frame, packet);
-  }
-  previous_t_ = t_imu;
+MotionPrediction FrontStage::Predict(Timestamp t) {
+  MotionPrediction prediction;
+  const ScopedStage stage(prediction.times, Stage::kImu);
+  TakeFeedback();
+  prediction.imu = IntervalTo(t + rig_.time_offset);
+  prediction.hint = MakeHint(prediction.imu);
+  return prediction;
+}
+
+TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction prediction) {
+  TrackedFrame tracked;
+  tracked.imu = std::move(prediction.imu);
+  tracked.times = prediction.times;
+  tracked.used_feedback = prediction.hint.inverse_depth != nullptr;
+  tracked.frontend = frontend_.Process(frame, prediction.hint, tracked.times);
+  previous_t_ = frame.t + rig_.time_offset;
   has_previous_ = true;
   ++next_frame_;
   ForgetOldImu();
-  return packet;
+  return tracked;
 }
 
 // What is still needed: the time since the feedback in use, and since the frames whose feedback may
@@ -65,24 +64,6 @@ void FrontStage::ForgetOldImu() {
     if (!feedback.is_reset) oldest = std::min(oldest, feedback.state.t);
   }
   imu_.DropBefore(oldest);
-}
-
-void FrontStage::FillMeshPacket(const StereoFrame& frame, FrontPacket& packet) {
-  const ScopedStage stage(packet.times, Stage::kMesh);
-  const std::vector<FeatureObservation>& features = packet.frontend.observations.features;
-  MeshPacket& mesh = packet.mesh;
-  mesh.intensities.reserve(features.size());
-  for (const FeatureObservation& feature : features)
-    mesh.intensities.push_back(GreyValueAt(frame.left, feature.px_left));
-  mesh.inverse_depths = packet.frontend.inverse_depths;
-  if (!mesh_options_.support.enabled) return;
-  const std::vector<DepthQuery>& places =
-      support_places_.Choose(frame.left, features, packet.frontend.inverse_depths);
-  mesh.support.reserve(places.size());
-  frontend_.MatchDepths(places, mesh.support);
-  mesh.support_intensities.reserve(mesh.support.size());
-  for (const DepthPoint& point : mesh.support)
-    mesh.support_intensities.push_back(GreyValueAt(frame.left, point.px));
 }
 
 void FrontStage::TakeFeedback() {
@@ -100,7 +81,7 @@ ImuInterval FrontStage::IntervalTo(Timestamp t_imu) const {
   return imu_.Between(std::min(imu_.first_stamp(), t_imu), t_imu, gap, extrapolation);
 }
 
-FrontendHint FrontStage::Predict(const ImuInterval& now) {
+FrontendHint FrontStage::MakeHint(const ImuInterval& now) {
   FrontendHint hint;
   if (!has_previous_ || imu_.empty()) return hint;
   const Duration gap = FromSeconds(max_gap_s_), extrapolation = FromSeconds(kMaxExtrapolation_s);

@@ -9,14 +9,14 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/pipeline/test_back_stage.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
+#include "facet/testing/pipeline/simulated_front.h"
 
 namespace facet {
 namespace {
 
-using testing::RunBackStage;
+using testing::RunOnFeatures;
 
 constexpr double kLookAway_s = 5, kLookBack_s = 13, kEnd_s = 19, kTurn_s = 2;
 
@@ -78,11 +78,10 @@ PlaneId PlaneInFront(const MapSnapshot& map) {
 
 TEST(PlanesTest, APlaneOutOfViewSleepsInTheEstimatorAndIsRecognised) {
   const SimulatedRun run = Simulate(0);
-  BackStage back(run.rig, ImuNoise{}, VioOptions());
   PlaneId wall;
   std::set<LandmarkId> before, after;
   std::size_t num_asleep = 0;
-  RunBackStage(back, run, [&](const VioOutput& output) {
+  RunOnFeatures(run, VioOptions(), [&](const VioOutput& output) {
     if (!output.snapshot) return;
     const MapSnapshot& map = *output.snapshot;
     const double t = ToSeconds(output.t - run.frames[0].t);
@@ -118,9 +117,8 @@ std::vector<NavState> States(const SimulatedRun& run,
                              int* most_planes = nullptr) {
   VioOptions options;
   options.pipeline = pipeline;
-  BackStage back(run.rig, ImuNoise{}, options);
   std::vector<NavState> out;
-  RunBackStage(back, run, [&](const VioOutput& output) {
+  RunOnFeatures(run, options, [&](const VioOutput& output) {
     if (output.has_pose) out.push_back(output.state);
     if (most_planes != nullptr) *most_planes = std::max(*most_planes, output.num_planes);
   });

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/pipeline/back_stage.h"
 #include "facet/pipeline/front_stage.h"
+#include "facet/pipeline/pose_stage.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
 
@@ -25,19 +25,19 @@ VioOptions WithoutMesh() {
 /// A front stage that sees nothing but grey, with IMU at 200 Hz.
 class FrontStageTest : public testing::Test {
  protected:
-  FrontPacket Next() {
+  TrackedFrame Next() {
     frame_.t = frame_.t + kFrameInterval;
     FeedImuUntil(frame_.t + kImuInterval);
-    return front_.Process(frame_);
+    return front_.Track(frame_, front_.Predict(frame_.t));
   }
   void FeedImuUntil(Timestamp t) {
     for (; t_imu_ <= t; t_imu_ = t_imu_ + kImuInterval)
       front_.AddImu({t_imu_, Vector3d::Zero(), Vector3d(0, 0, 9.81)});
   }
-  Feedback FeedbackOf(const FrontPacket& packet) const {
+  Feedback FeedbackOf(const TrackedFrame& tracked) const {
     Feedback feedback;
-    feedback.frame = packet.frontend.observations.frame;
-    feedback.state.t = packet.frontend.observations.t;
+    feedback.frame = tracked.frontend.observations.frame;
+    feedback.state.t = tracked.frontend.observations.t;
     return feedback;
   }
 
@@ -51,18 +51,18 @@ class FrontStageTest : public testing::Test {
 
 TEST_F(FrontStageTest, KeepsLittleImuWhileNothingComesBack) {
   for (int i = 0; i < 100; ++i) {
-    const FrontPacket packet = Next();
-    EXPECT_EQ(packet.imu.samples.size(), 11u) << i;
+    const TrackedFrame tracked = Next();
+    EXPECT_EQ(tracked.imu.samples.size(), 11u) << i;
     EXPECT_LE(front_.num_imu_samples(), 25u) << i;
   }
 }
 
 TEST_F(FrontStageTest, FeedbackReachesBackToItsFrame) {
   for (int i = 0; i < 40; ++i) {
-    const FrontPacket packet = Next();
-    EXPECT_EQ(packet.used_feedback, i >= 3) << i;
+    const TrackedFrame tracked = Next();
+    EXPECT_EQ(tracked.used_feedback, i >= 3) << i;
     // Every fifth frame is a keyframe after the first one.
-    if (i == 1 || i % 5 == 4) front_.AddFeedback(FeedbackOf(packet));
+    if (i == 1 || i % 5 == 4) front_.AddFeedback(FeedbackOf(tracked));
   }
 }
 
@@ -91,30 +91,32 @@ TEST_F(FrontStageTest, KeepsTheLastMinutesOfImuBeforeTheFirstFrame) {
   EXPECT_EQ(Next().imu.samples.back().t, frame_.t);
 }
 
-TEST(BackStageTest, TellsTheFrontStageOfAReset) {
+TEST(PoseStageTest, TellsTheFrontStageOfAReset) {
   FeatureSimulatorOptions options;
   options.max_tracks = 70;
   options.duration_s = 5;
   const SimulatedRun run =
       SimulateFeatures(SplineTrajectory::Fit(MakeFlight(10, 2)), EurocRig(), options, 1);
-  BackStage back(run.rig, ImuNoise{}, WithoutMesh());
+  PoseStage pose(run.rig, ImuNoise{}, WithoutMesh());
   ImuBuffer imu;
   for (const ImuSample& sample : run.imu)
     imu.Add(sample);
   int num_resets = 0, num_feedbacks = 0;
   for (std::size_t i = 1; i < run.frames.size(); ++i) {
-    FrontPacket packet;
-    packet.frontend.observations = run.frames[i];
-    packet.imu = imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{20'000'000}, Duration{0});
+    TrackedFrame tracked;
+    tracked.frontend.observations = run.frames[i];
+    tracked.imu =
+        imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{20'000'000}, Duration{0});
     // In the dark the body is thrown away.
-    if (i > 60) packet.frontend.observations.features.clear();
-    for (std::size_t k = 1; i > 60 && k < packet.imu.samples.size(); ++k)
-      packet.imu.samples[k].accel.x() += 500;
-    const VioOutput output = back.Process(packet);
+    if (i > 60) tracked.frontend.observations.features.clear();
+    for (std::size_t k = 1; i > 60 && k < tracked.imu.samples.size(); ++k)
+      tracked.imu.samples[k].accel.x() += 500;
+    const VioOutput output = pose.Estimate(tracked);
     num_resets += output.was_reset ? 1 : 0;
-    if (!back.feedback()) continue;
+    const std::optional<Feedback> feedback = pose.TakeFeedback();
+    if (!feedback) continue;
     ++num_feedbacks;
-    EXPECT_EQ(back.feedback()->is_reset, output.was_reset) << i;
+    EXPECT_EQ(feedback->is_reset, output.was_reset) << i;
   }
   EXPECT_GE(num_resets, 1);
   EXPECT_GT(num_feedbacks, num_resets);

@@ -8,124 +8,117 @@
 #include <thread>
 #include <utility>
 
-#include "facet/pipeline/back_stage.h"
-#include "facet/pipeline/front_stage.h"
+#include "facet/pipeline/process_frame.h"
+#include "facet/pipeline/vio_stages.h"
 
 namespace facet {
 
-struct ThreadedVio::Impl {
-  Impl(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
-      : front(rig, options), back(rig, noise, options), worker([this] { Work(); }) {}
+// A thread that runs the back halves of frames, in order.
+class ThreadedVio::Worker {
+ public:
+  Worker() : thread_([this] { Run(); }) {}
 
-  ~Impl() {
+  ~Worker() {
     {
-      const std::lock_guard lock(mutex);
-      stop = true;
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
     }
-    changed.notify_all();
-    worker.join();
+    changed_.notify_all();
+    thread_.join();
   }
 
-  // The back stage's thread: packets in, outputs and feedback out, in order.
-  void Work() {
-    while (true) {
-      FrontPacket packet;
-      {
-        std::unique_lock lock(mutex);
-        changed.wait(lock, [this] { return stop || !packets.empty(); });
-        if (packets.empty()) return;
-        packet = std::move(packets.front());
-        packets.pop_front();
-      }
+  void Add(BackHalf back_half) {
+    {
+      const std::lock_guard lock(mutex_);
+      waiting_.push_back(std::move(back_half));
+      ++num_added_;
+    }
+    changed_.notify_all();
+  }
+
+  // Waits until all frames but the newest `num_left` are done and returns those that are new.
+  // Throws what the work threw: a programmer's error, or no memory.
+  std::vector<ProcessedFrame> Collect(std::int64_t num_left) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return num_done_ >= num_added_ - num_left || failure_; });
+    if (failure_) std::rethrow_exception(failure_);
+    return std::exchange(done_, {});
+  }
+
+ private:
+  void Run() {
+    while (std::optional<BackHalf> back_half = Next()) {
       try {
-        VioOutput output = back.Process(packet);
-        const std::lock_guard lock(mutex);
-        outputs.push_back(std::move(output));
-        if (back.feedback()) feedback.push_back(*back.feedback());
-        ++num_done;
+        ProcessedFrame processed = (*back_half)();
+        const std::lock_guard lock(mutex_);
+        done_.push_back(std::move(processed));
+        ++num_done_;
       } catch (...) {
-        // A programmer's error or no memory: the caller's thread has to hear of it.
-        const std::lock_guard lock(mutex);
-        failure = std::current_exception();
-        stop = true;
+        const std::lock_guard lock(mutex_);
+        failure_ = std::current_exception();
+        stop_ = true;
       }
-      changed.notify_all();
-      if (failure) return;
+      changed_.notify_all();
     }
   }
 
-  // Waits until `count` frames have passed the back stage and takes what they left.
-  std::vector<VioOutput> Collect(std::int64_t count) {
-    std::unique_lock lock(mutex);
-    changed.wait(lock, [&] { return num_done >= count || failure; });
-    if (failure) std::rethrow_exception(failure);
-    for (Feedback& f : feedback)
-      front.AddFeedback(std::move(f));
-    feedback.clear();
-    return std::exchange(outputs, {});
+  // Waits for work; empty: there will be none.
+  std::optional<BackHalf> Next() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return stop_ || !waiting_.empty(); });
+    if (waiting_.empty() || failure_) return std::nullopt;
+    BackHalf next = std::move(waiting_.front());
+    waiting_.pop_front();
+    return next;
   }
 
-  FrontStage front;  // caller's thread
-  BackStage back;    // worker's thread
-  std::int64_t num_sent = 0;
-  int num_refused_imu = 0;
-
-  std::mutex mutex;
-  std::condition_variable changed;
-  bool stop = false;
-  std::deque<FrontPacket> packets;
-  std::vector<VioOutput> outputs;
-  std::vector<Feedback> feedback;
-  std::int64_t num_done = 0;
-  std::exception_ptr failure;  // set once, by the worker
-
-  std::thread worker;  // last: starts when everything above exists
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool stop_ = false;
+  std::deque<BackHalf> waiting_;
+  std::vector<ProcessedFrame> done_;
+  std::int64_t num_added_ = 0, num_done_ = 0;
+  std::exception_ptr failure_;
+  std::thread thread_;  // last: starts when everything above exists
 };
 
-ThreadedVio::ThreadedVio(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
-    : impl_(std::make_unique<Impl>(rig, noise, options)) {}
+ThreadedVio::ThreadedVio(const StereoRig& rig,
+                         const ImuNoise& noise,
+                         const VioOptions& options,
+                         PoseObserver on_pose)
+    : stages_(std::make_unique<VioStages>(rig, noise, options)),
+      on_pose_(std::move(on_pose)),
+      worker_(std::make_unique<Worker>()) {}
 
 ThreadedVio::~ThreadedVio() = default;
 
 void ThreadedVio::AddImu(const ImuSample& sample) {
-  if (impl_->front.AddImu(sample) != ImuBuffer::AddResult::kAdded) ++impl_->num_refused_imu;
+  stages_->front.AddImu(sample);
 }
 
 std::vector<VioOutput> ThreadedVio::AddStereo(const StereoFrame& frame) {
+  auto& [front, pose, scene] = *stages_;
   // The front stage may use feedback of frames kLag back, so those must be done.
-  std::vector<VioOutput> ready = impl_->Collect(impl_->num_sent - FrontStage::kLag + 1);
-  FrontPacket packet = impl_->front.Process(frame);
-  {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->packets.push_back(std::move(packet));
-    ++impl_->num_sent;
-  }
-  impl_->changed.notify_all();
+  std::vector<VioOutput> ready = TakeDone(FrontStage::kLag - 1);
+  worker_->Add(ProcessFrame(front, pose, scene, frame, on_pose_));
   return ready;
 }
 
 std::vector<VioOutput> ThreadedVio::Finish() {
-  return impl_->Collect(impl_->num_sent);
+  return TakeDone(0);
 }
 
-std::vector<KeyframePose> ThreadedVio::WindowKeyframes() const {
-  return impl_->back.WindowKeyframes();
+std::vector<VioOutput> ThreadedVio::TakeDone(std::int64_t num_left) {
+  std::vector<VioOutput> outputs;
+  for (ProcessedFrame& processed : worker_->Collect(num_left)) {
+    if (processed.feedback) stages_->front.AddFeedback(std::move(*processed.feedback));
+    outputs.push_back(std::move(processed.output));
+  }
+  return outputs;
 }
 
-std::optional<TriangleMesh> ThreadedVio::Map() const {
-  return impl_->back.Map();
-}
-
-MapMemory ThreadedVio::map_memory() const {
-  return impl_->back.map_memory();
-}
-
-std::vector<PlaneRecord> ThreadedVio::Planes() const {
-  return impl_->back.Planes();
-}
-
-int ThreadedVio::num_refused_imu() const {
-  return impl_->num_refused_imu;
+RunResult ThreadedVio::Result() const {
+  return stages_->Result();
 }
 
 }  // namespace facet

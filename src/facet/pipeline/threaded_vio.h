@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The same stages as VioPipeline on two threads: while the back stage works on one frame, the
+// The same stages as VioPipeline on two threads: while the back half of one frame is worked on, the
 // caller's thread tracks features in the next. Same results, bit for bit; only the latency differs.
 // The only file with threads in the library.
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "facet/map/plane_record.h"
 #include "facet/pipeline/vio_pipeline.h"
 
 namespace facet {
@@ -16,7 +15,12 @@ namespace facet {
 /// Call from one thread. Outputs come one call late.
 class ThreadedVio {
  public:
-  ThreadedVio(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options);
+  /// `on_pose` is called by the other thread as soon as a pose is known, before mesh, planes and
+  /// map are worked on.
+  ThreadedVio(const StereoRig& rig,
+              const ImuNoise& noise,
+              const VioOptions& options,
+              PoseObserver on_pose = nullptr);
   ~ThreadedVio();
   ThreadedVio(const ThreadedVio&) = delete;
   ThreadedVio& operator=(const ThreadedVio&) = delete;
@@ -29,22 +33,18 @@ class ThreadedVio {
   /// Waits for the frames under way and returns their outputs. More frames may follow.
   std::vector<VioOutput> Finish();
 
-  /// The keyframes that are still in the window, oldest first; after Finish.
-  std::vector<KeyframePose> WindowKeyframes() const;
-
-  /// The mesh of the whole run so far; empty when the map is switched off. After Finish.
-  std::optional<TriangleMesh> Map() const;
-  /// What that takes up. After Finish.
-  MapMemory map_memory() const;
-
-  /// Every plane that was ever a variable, in the order of their ids; none in pipeline S.
-  std::vector<PlaneRecord> Planes() const;
-
-  int num_refused_imu() const;
+  /// Window, map and planes; after Finish.
+  RunResult Result() const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  class Worker;
+
+  /// Waits for all frames but the newest `num_left`.
+  std::vector<VioOutput> TakeDone(std::int64_t num_left);
+
+  std::unique_ptr<VioStages> stages_;
+  PoseObserver on_pose_;
+  std::unique_ptr<Worker> worker_;  // last: it uses the others
 };
 
 }  // namespace facet

@@ -195,7 +195,7 @@ TEST_F(ThreadedVioTest, FollowsThePathWithoutRightImages) {
 TEST_F(ThreadedVioTest, FindsFloorAndWallWhereTheyAre) {
   const SE3 T_true_W = TrueToWorld().Inverse();
   int num_floors = 0, num_walls = 0;
-  for (const PlaneRecord& plane : one_->Planes()) {
+  for (const PlaneRecord& plane : *one_->Result().planes) {
     const bool is_wall = plane.label == PlaneLabel::kWall;
     num_floors += plane.label == PlaneLabel::kFloor ? 1 : 0;
     num_walls += is_wall ? 1 : 0;
@@ -208,7 +208,7 @@ TEST_F(ThreadedVioTest, FindsFloorAndWallWhereTheyAre) {
 }
 
 TEST_F(ThreadedVioTest, MapsFloorAndWall) {
-  const std::optional<TriangleMesh> map = one_->Map();
+  const std::optional<TriangleMesh> map = one_->Result().map;
   ASSERT_TRUE(map);
   EXPECT_GT(map->faces.size(), 3000U);
   const SE3 T_true_W = TrueToWorld().Inverse();
@@ -251,19 +251,20 @@ TEST_F(ThreadedVioTest, GivesTheSameBitsAsOneThread) {
     SCOPED_TRACE(i);
     ExpectSame(outputs[i], (*outputs_)[i]);
   }
-  const std::optional<TriangleMesh> map = two.Map(), expected_map = one_->Map();
-  ASSERT_TRUE(map && expected_map);
-  EXPECT_EQ(map->vertices, expected_map->vertices);
-  EXPECT_EQ(map->faces, expected_map->faces);
-  EXPECT_EQ(map->plane_ids, expected_map->plane_ids);
-  const std::vector<PlaneRecord> planes = two.Planes(), expected_planes = one_->Planes();
-  ASSERT_EQ(planes.size(), expected_planes.size());
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    EXPECT_EQ(planes[i].id, expected_planes[i].id);
-    EXPECT_EQ(planes[i].plane_W.n, expected_planes[i].plane_W.n);
-    EXPECT_EQ(planes[i].plane_W.d, expected_planes[i].plane_W.d);
+  const RunResult result = two.Result(), expected = one_->Result();
+  ASSERT_TRUE(result.map && expected.map);
+  EXPECT_EQ(result.map->vertices, expected.map->vertices);
+  EXPECT_EQ(result.map->faces, expected.map->faces);
+  EXPECT_EQ(result.map->plane_ids, expected.map->plane_ids);
+  ASSERT_TRUE(result.planes && expected.planes);
+  ASSERT_EQ(result.planes->size(), expected.planes->size());
+  for (std::size_t i = 0; i < result.planes->size(); ++i) {
+    const PlaneRecord &plane = (*result.planes)[i], &other = (*expected.planes)[i];
+    EXPECT_EQ(plane.id, other.id);
+    EXPECT_EQ(plane.plane_W.n, other.plane_W.n);
+    EXPECT_EQ(plane.plane_W.d, other.plane_W.d);
   }
-  EXPECT_EQ(two.WindowKeyframes().size(), one_->WindowKeyframes().size());
+  EXPECT_EQ(result.window_keyframes.size(), expected.window_keyframes.size());
 }
 
 }  // namespace

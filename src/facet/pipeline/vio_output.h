@@ -2,6 +2,7 @@
 // What the pipeline tells the outside world after each stereo frame.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,5 +44,9 @@ struct VioOutput {
   std::shared_ptr<const MeshSnapshot> mesh;
   StageTimes times;
 };
+
+/// Told of each frame's pose as soon as it is estimated, before mesh, planes and map are worked on;
+/// the output has no mesh yet. May be empty.
+using PoseObserver = std::function<void(const VioOutput& output)>;
 
 }  // namespace facet

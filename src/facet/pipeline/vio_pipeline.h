@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The file to read first: one stereo frame from images and IMU samples to a causal pose.
+// The visual-inertial odometry as one object: IMU samples and stereo pairs in, poses, mesh and
+// planes out. What happens to a frame is in process_frame.h.
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <vector>
 
 #include "facet/camera/stereo_rig.h"
 #include "facet/frontend/stereo_frontend.h"
 #include "facet/imu/imu_types.h"
-#include "facet/map/plane_record.h"
-#include "facet/mesh/surface_map.h"
+#include "facet/pipeline/run_result.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/pipeline/vio_output.h"
 
 namespace facet {
+
+struct VioStages;
 
 /// Synchronous and deterministic; not thread-safe. Never throws for any content of images or
 /// samples.
@@ -30,25 +30,14 @@ class VioPipeline {
   void AddImu(const ImuSample& sample);
 
   /// A stereo pair, after the IMU samples up to its stamp (one sample beyond it is ideal).
-  VioOutput AddStereo(const StereoFrame& frame);
+  /// `on_pose` gets the same output without the mesh, which is then still to be made.
+  VioOutput AddStereo(const StereoFrame& frame, const PoseObserver& on_pose = nullptr);
 
-  /// The keyframes that are still in the window, oldest first; for the end of a run.
-  std::vector<KeyframePose> WindowKeyframes() const;
-
-  /// The mesh of the whole run so far; empty when the map is switched off.
-  std::optional<TriangleMesh> Map() const;
-  /// What that takes up.
-  MapMemory map_memory() const;
-
-  /// Every plane that was ever a variable, in the order of their ids; none in pipeline S.
-  std::vector<PlaneRecord> Planes() const;
-
-  /// Samples that AddImu refused.
-  int num_refused_imu() const;
+  /// Window, map and planes as they are now; for the end of a run.
+  RunResult Result() const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<VioStages> stages_;
 };
 
 }  // namespace facet

@@ -41,7 +41,7 @@ class Judge {
     });
   }
 
-  FaceStanding Of(const Triangle& t) const {
+  TriangleVerdict Of(const Triangle& t) const {
     const Planes common = on_[t[0]] & on_[t[1]] & on_[t[2]];
     if (common != 0) return {PlaneOf(t, common), false};
     return {-1, IsBridge(t)};
@@ -167,12 +167,12 @@ class Judge {
 
 }  // namespace
 
-std::vector<FaceStanding> JudgeFaces(std::span<const FacePoint> points,
-                                     std::span<const std::array<int, 3>> triangles,
-                                     const std::vector<KnownPlane>& planes,
-                                     const SE3& T_WB,
-                                     const RegularityOptions& options) {
-  std::vector<FaceStanding> out(triangles.size());
+std::vector<TriangleVerdict> JudgeFaces(std::span<const FacePoint> points,
+                                        std::span<const std::array<int, 3>> triangles,
+                                        const std::vector<KnownPlane>& planes,
+                                        const SE3& T_WB,
+                                        const RegularityOptions& options) {
+  std::vector<TriangleVerdict> out(triangles.size());
   std::vector<SeenPlane> seen = SolvedPlanes(planes, T_WB);
   if (seen.empty()) return out;
   const Judge judge(points, triangles, std::move(seen), options);

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "facet/mesh/face_standing.h"
+#include "facet/mesh/mesh_regularities.h"
 #include "facet/regularities/known_plane.h"
 #include "facet/regularities/regularity_options.h"
 #include "facet/regularities/surface_face.h"
@@ -17,10 +17,10 @@ namespace facet {
 
 /// One standing per triangle, whose corners are places in `points`. Deterministic; the planes do
 /// not change.
-std::vector<FaceStanding> JudgeFaces(std::span<const FacePoint> points,
-                                     std::span<const std::array<int, 3>> triangles,
-                                     const std::vector<KnownPlane>& planes,
-                                     const SE3& T_WB,
-                                     const RegularityOptions& options);
+std::vector<TriangleVerdict> JudgeFaces(std::span<const FacePoint> points,
+                                        std::span<const std::array<int, 3>> triangles,
+                                        const std::vector<KnownPlane>& planes,
+                                        const SE3& T_WB,
+                                        const RegularityOptions& options);
 
 }  // namespace facet

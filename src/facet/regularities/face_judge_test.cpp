@@ -40,8 +40,8 @@ class FaceJudgeTest : public ::testing::Test {
   }
 
   // Of the first triangle; `more` stands beside it.
-  FaceStanding Judge(const std::vector<Vector3d>& corners,
-                     const std::vector<std::array<int, 3>>& more = {}) const {
+  TriangleVerdict Judge(const std::vector<Vector3d>& corners,
+                        const std::vector<std::array<int, 3>>& more = {}) const {
     std::vector<FacePoint> points;
     for (const Vector3d& p : corners)
       points.push_back(MakeFacePoint(p, 0.01, {Vector3d::Zero(), 1.5e-3}));
@@ -68,7 +68,7 @@ TEST_F(FaceJudgeTest, OnlyBesideWhatIsKnownOfThePlane) {
 
 TEST_F(FaceJudgeTest, ASmallFaceMayStandAcrossThePlane) {
   const double step_m = 0.04;
-  const FaceStanding standing =
+  const TriangleVerdict standing =
       Judge({OnWall(0, 0), OnWall(0, step_m, step_m), OnWall(0.02, 0, 0.01)});
   EXPECT_EQ(standing.plane_id, -1) << "its normal is not the plane's";
   EXPECT_FALSE(standing.is_bridge);

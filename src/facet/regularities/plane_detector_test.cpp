@@ -161,18 +161,18 @@ TEST(PlaneDetectorTest, TablesOfOneHeightFarApartAreTwo) {
 TEST(PlaneDetectorTest, ClutterAndSpheresHoldNoPlane) {
   for (int seed = 1; seed <= 20; ++seed) {
     Rng rng(seed);
-    MeshSnapshot mesh;
+    SearchMesh mesh;
     mesh.focal_px = 467;
     mesh.T_WC.p = {0, 0, 1};
     for (int i = 0; i < 300; ++i) {
-      const int first = static_cast<int>(mesh.mesh.vertices.size());
+      const int first = static_cast<int>(mesh.vertices.size());
       const Vector3d middle(rng.Uniform(1, 5), rng.Uniform(-2, 2), rng.Uniform(0, 2.5));
       for (int k = 0; k < 3; ++k)
-        mesh.mesh.vertices.push_back(middle + 0.12 * rng.Normal3());
-      mesh.mesh.faces.push_back({first, first + 1, first + 2});
+        mesh.vertices.push_back(middle + 0.12 * rng.Normal3());
+      mesh.faces.push_back({first, first + 1, first + 2});
     }
-    mesh.sigma_depth_m.assign(mesh.mesh.vertices.size(), 0.01);
-    mesh.may_vote.assign(mesh.mesh.faces.size(), 1);
+    mesh.sigma_depth_m.assign(mesh.vertices.size(), 0.01);
+    mesh.may_vote.assign(mesh.faces.size(), 1);
     mesh.in_view = mesh.may_vote;
     SurfaceFaces faces;
     FillSurfaceFaces(mesh, faces);
@@ -182,9 +182,9 @@ TEST(PlaneDetectorTest, ClutterAndSpheresHoldNoPlane) {
 
 TEST(PlaneDetectorTest, ASphereHoldsNoPlane) {
   for (const double radius : {0.4, 0.7, 1.0}) {
-    MeshSnapshot mesh = testing::MakeMesh({MakeFloor({0, 0, 0}, 3, 6)}, ViewAt({0, 0, 1}));
+    SearchMesh mesh = testing::MakeMesh({MakeFloor({0, 0, 0}, 3, 6)}, ViewAt({0, 0, 1}));
     // The patch wound around a sphere before the camera.
-    for (Vector3d& p : mesh.mesh.vertices) {
+    for (Vector3d& p : mesh.vertices) {
       const double azimuth = p.y() / 6 * 2 * std::numbers::pi,
                    tilt = p.x() / 3.3 * std::numbers::pi;
       p = Vector3d(3, 0, 1) + radius * Vector3d(std::cos(tilt) * std::cos(azimuth),
@@ -285,21 +285,21 @@ TEST(PlaneDetectorTest, TakenFacesAndThoseThatMayNotVoteAreLeftAlone) {
 }
 
 TEST(PlaneDetectorTest, StrayFacesFarAwayHideNothing) {
-  MeshSnapshot mesh = testing::MakeMesh(
-      {MakeFloor({2, 0, 0}, 3, 3), MakeWall({4, 0, 1.2}, 0, 3, 2)}, ViewAt({0, 0, 1.5}));
+  SearchMesh mesh = testing::MakeMesh({MakeFloor({2, 0, 0}, 3, 3), MakeWall({4, 0, 1.2}, 0, 3, 2)},
+                                      ViewAt({0, 0, 1.5}));
   const double nan = std::nan("");
   for (const Vector3d& stray : {Vector3d(3, 0, -700),
                                 Vector3d(900, 0, 1),
                                 Vector3d(1e200, 1e200, -1e200),
                                 Vector3d(nan, 0, nan)}) {
-    const int first = static_cast<int>(mesh.mesh.vertices.size());
+    const int first = static_cast<int>(mesh.vertices.size());
     for (const Vector3d& side : {Vector3d(0, 0, 0), Vector3d(0.3, 0, 0.001), Vector3d(0, 0.3, 0)})
-      mesh.mesh.vertices.push_back(stray + side);
-    mesh.mesh.faces.push_back({first, first + 1, first + 2});
+      mesh.vertices.push_back(stray + side);
+    mesh.faces.push_back({first, first + 1, first + 2});
     mesh.may_vote.push_back(1);
     mesh.in_view.push_back(1);
   }
-  mesh.sigma_depth_m.resize(mesh.mesh.vertices.size(), 0.01);
+  mesh.sigma_depth_m.resize(mesh.vertices.size(), 0.01);
   SurfaceFaces faces;
   FillSurfaceFaces(mesh, faces);
   const auto found = Detect(faces);

@@ -47,7 +47,7 @@ struct PointRange {
 };
 
 // Vertices are sorted by id.
-PointRange MatchedPoints(const MeshSnapshot& mesh) {
+PointRange MatchedPoints(const SearchMesh& mesh) {
   const auto place = [&](LandmarkId id) {
     const auto at = std::lower_bound(mesh.vertex_ids.begin(), mesh.vertex_ids.end(), id);
     return static_cast<std::size_t>(at - mesh.vertex_ids.begin());
@@ -112,7 +112,7 @@ std::optional<PlaneSighting> Sight(const WeightedPoints& points,
 
 }  // namespace
 
-std::vector<PlaneSighting> SightPlanes(const MeshSnapshot& mesh,
+std::vector<PlaneSighting> SightPlanes(const SearchMesh& mesh,
                                        const SurfaceFaces& faces,
                                        const std::vector<int>& plane_of_face,
                                        const std::vector<KnownPlane>& planes,

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "facet/map/plane_sighting.h"
-#include "facet/mesh/mesh_snapshot.h"
+#include "facet/mesh/search_mesh.h"
 #include "facet/regularities/known_plane.h"
 #include "facet/regularities/regularity_options.h"
 #include "facet/regularities/surface_face.h"
@@ -17,7 +17,7 @@ namespace facet {
 /// estimator does not have, where the surface of the plane is known, within three sigmas of it: a
 /// narrower choice would make the plane confirm itself. Points whose faces are on other planes
 /// alone (`plane_of_face`, -1: none) do not count. `mesh`, `faces` and `map` are of one keyframe.
-std::vector<PlaneSighting> SightPlanes(const MeshSnapshot& mesh,
+std::vector<PlaneSighting> SightPlanes(const SearchMesh& mesh,
                                        const SurfaceFaces& faces,
                                        const std::vector<int>& plane_of_face,
                                        const std::vector<KnownPlane>& planes,

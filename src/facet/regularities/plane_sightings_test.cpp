@@ -36,7 +36,7 @@ class PlaneSightingsTest : public ::testing::Test {
 
   // No face is on a plane yet; all points are support points that were matched just now.
   std::vector<PlaneSighting> Sight(const std::vector<Patch>& patches, const KnownPlane& plane) {
-    MeshSnapshot mesh = MakeMesh(patches, view_);
+    SearchMesh mesh = MakeMesh(patches, view_);
     mesh.first_match = LandmarkId{first_match_};
     mesh.end_match = LandmarkId{1'000'000};
     FillSurfaceFaces(mesh, faces_);

@@ -28,8 +28,9 @@ constexpr double kMaxLandmarkSigma_m = 0.1;
 
 }  // namespace
 
-PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapshot& map) {
-  PlaneAssignments out;
+RegularityResult PlaneTracker::Process(const SearchMesh& mesh, const MapSnapshot& map) {
+  RegularityResult result;
+  PlaneAssignments& out = result.assignments;
   now_ = mesh.t;
   FillSurfaceFaces(mesh, faces_);
   landmark_of_point_ = LandmarksOfVertices(mesh, map);
@@ -56,12 +57,8 @@ PlaneAssignments PlaneTracker::Process(const MeshSnapshot& mesh, const MapSnapsh
   if (options_.sightings.enabled)
     out.sighted = SightPlanes(mesh, faces_, plane_of_face_, planes_, map, options_.sightings);
   Relate(out);
-  SetFacePlanes();
-  if (options_.support_depths.enabled) {
-    depth_scales_ =
-        SupportDepthScales(mesh, faces_, planes_, map.latest.T_WB, options_.support_depths);
-  }
-  return out;
+  result.mesh = JudgeMesh(mesh, map.latest.T_WB);
+  return result;
 }
 
 // The estimator's values are the truth about its planes, and what it dropped is gone.
@@ -262,24 +259,38 @@ void PlaneTracker::Relate(PlaneAssignments& out) {
   relations_.Update(planes, out.related);
 }
 
-void PlaneTracker::SetFacePlanes() {
-  face_planes_.assign(faces_.faces.size(), -1);
-  for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
+std::vector<int> PlaneTracker::FacePlanes() const {
+  std::vector<int> out(faces_.faces.size(), -1);
+  for (std::size_t f = 0; f < out.size(); ++f) {
     const int plane = plane_of_face_[f];
     if (plane >= 0 && !planes_[plane].IsTentative())
-      face_planes_[f] = static_cast<int>(planes_[plane].id.value);
+      out[f] = static_cast<int>(planes_[plane].id.value);
   }
+  return out;
 }
 
-std::vector<FaceStanding> PlaneTracker::JudgeTriangles(
-    std::span<const MeshVertex> vertices,
-    std::span<const std::array<int, 3>> triangles,
-    const SE3& T_WB) const {
+// As the triangles are shown once planes have moved the support points that lie on them.
+std::vector<TriangleVerdict> PlaneTracker::JudgeTriangles(const SearchMesh& mesh,
+                                                          const std::vector<double>& depth_scales,
+                                                          const SE3& T_WB) const {
   std::vector<FacePoint> points;
-  points.reserve(vertices.size());
-  for (const MeshVertex& vertex : vertices)
-    points.push_back(MakeFacePoint(vertex.shown_W, vertex.sigma_depth_m, faces_.camera));
-  return JudgeFaces(points, triangles, planes_, T_WB, options_);
+  points.reserve(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Vector3d shown_W =
+        depth_scales.empty() ? mesh.shown_vertices[i] : mesh.ShownWith(depth_scales[i], i);
+    points.push_back(MakeFacePoint(shown_W, mesh.sigma_depth_m[i], faces_.camera));
+  }
+  return JudgeFaces(points, mesh.triangles, planes_, T_WB, options_);
+}
+
+MeshRegularities PlaneTracker::JudgeMesh(const SearchMesh& mesh, const SE3& T_WB) const {
+  MeshRegularities out;
+  out.face_planes = FacePlanes();
+  if (options_.support_depths.enabled)
+    out.depth_scales = SupportDepthScales(mesh, faces_, planes_, T_WB, options_.support_depths);
+  if (options_.faces.enabled && !mesh.triangles.empty())
+    out.verdicts = JudgeTriangles(mesh, out.depth_scales, T_WB);
+  return out;
 }
 
 void PlaneTracker::Reset() {

@@ -5,17 +5,16 @@
 #pragma once
 
 #include <functional>
-#include <span>
 #include <utility>
 #include <vector>
 
-#include "facet/map/plane_assignments.h"
 #include "facet/map/plane_record.h"
 #include "facet/regularities/former_planes.h"
 #include "facet/regularities/known_plane.h"
 #include "facet/regularities/plane_detector.h"
 #include "facet/regularities/plane_relations.h"
 #include "facet/regularities/regularity_options.h"
+#include "facet/regularities/regularity_result.h"
 
 namespace facet {
 
@@ -35,18 +34,7 @@ class PlaneTracker {
         relations_(options.relations) {}
 
   /// After a keyframe: the mesh and what the estimator knows. Both must be of the same keyframe.
-  PlaneAssignments Process(const MeshSnapshot& mesh, const MapSnapshot& map);
-
-  /// The plane of each face of the last mesh, -1: none.
-  const std::vector<int>& face_planes() const { return face_planes_; }
-
-  /// By vertex of the last mesh: the factor of its distance from the camera (support_depths.h).
-  const std::vector<double>& depth_scales() const { return depth_scales_; }
-
-  /// What the planes say of triangles of a mesh seen from the last keyframe (face_judge.h).
-  std::vector<FaceStanding> JudgeTriangles(std::span<const MeshVertex> vertices,
-                                           std::span<const std::array<int, 3>> triangles,
-                                           const SE3& T_WB) const;
+  RegularityResult Process(const SearchMesh& mesh, const MapSnapshot& map);
 
   /// Every plane that the estimator has ever solved for, in the order of their ids, but for those
   /// that became part of another and those that turned out to be none.
@@ -68,7 +56,11 @@ class PlaneTracker {
   /// Planes that have had their time are not the same when they come back.
   bool MayRecall() const { return options_.tracking.max_age_s == 0; }
   void Relate(PlaneAssignments& out);
-  void SetFacePlanes();
+  MeshRegularities JudgeMesh(const SearchMesh& mesh, const SE3& T_WB) const;
+  std::vector<int> FacePlanes() const;
+  std::vector<TriangleVerdict> JudgeTriangles(const SearchMesh& mesh,
+                                              const std::vector<double>& depth_scales,
+                                              const SE3& T_WB) const;
   void Forget(std::size_t plane);
 
   RegularityOptions options_;
@@ -83,8 +75,6 @@ class PlaneTracker {
   SurfaceFaces faces_;
   std::vector<int> landmark_of_point_;  // into MapSnapshot::landmarks, -1: none
   std::vector<int> plane_of_face_;      // into planes_, -1: none
-  std::vector<int> face_planes_;
-  std::vector<double> depth_scales_;
 };
 
 }  // namespace facet

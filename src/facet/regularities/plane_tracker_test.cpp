@@ -34,10 +34,11 @@ class PlaneTrackerTest : public ::testing::Test {
     view_.time_s += kKeyframe_s;
     ++view_.seed;
     mesh_ = MakeMesh(patches, view_);
-    const PlaneAssignments found = tracker_.Process(mesh_, estimator_.Snapshot(mesh_));
-    estimator_.Apply(found);
-    num_created_ += static_cast<int>(found.created.size());
-    return found;
+    RegularityResult found = tracker_.Process(mesh_, estimator_.Snapshot(mesh_));
+    estimator_.Apply(found.assignments);
+    num_created_ += static_cast<int>(found.assignments.created.size());
+    face_planes_ = std::move(found.mesh.face_planes);
+    return found.assignments;
   }
   void Run(const std::vector<Patch>& patches, int num_keyframes) {
     for (int k = 0; k < num_keyframes; ++k)
@@ -52,7 +53,8 @@ class PlaneTrackerTest : public ::testing::Test {
   }
 
   TestView view_{{0, 0, 1.4}, 0.01, 1, 0, 1};
-  MeshSnapshot mesh_;
+  SearchMesh mesh_;
+  std::vector<int> face_planes_;  // of mesh_
   BelievingEstimator estimator_;
   PlaneTracker tracker_{RegularityOptions()};
   int num_created_ = 0;
@@ -104,7 +106,7 @@ TEST_F(PlaneTrackerTest, FewLandmarksAreEnoughIfTheyAreFarApart) {
     for (int k = 0; k < 2 * PlaneTrackingOptions().min_sightings; ++k) {
       view_.time_s += kKeyframe_s;
       ++view_.seed;
-      const MeshSnapshot mesh = MakeMesh({wall_}, view_);
+      const SearchMesh mesh = MakeMesh({wall_}, view_);
       MapSnapshot map = estimator_.Snapshot(mesh);
       std::vector<LandmarkEstimate> ring;
       for (int i = 0; i < num; ++i) {
@@ -120,7 +122,7 @@ TEST_F(PlaneTrackerTest, FewLandmarksAreEnoughIfTheyAreFarApart) {
       }
       std::sort(ring.begin(), ring.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
       map.landmarks = ring;
-      created += static_cast<int>(tracker.Process(mesh, map).created.size());
+      created += static_cast<int>(tracker.Process(mesh, map).assignments.created.size());
     }
     return created;
   };
@@ -149,13 +151,13 @@ TEST_F(PlaneTrackerTest, TheSamePlaneIsNeverHandedOverTwice) {
 
 TEST_F(PlaneTrackerTest, FacesKnowTheirPlane) {
   Run({wall_, floor_}, 5);
-  const std::vector<int>& planes = tracker_.face_planes();
-  ASSERT_EQ(planes.size(), mesh_.mesh.faces.size());
+  const std::vector<int>& planes = face_planes_;
+  ASSERT_EQ(planes.size(), mesh_.faces.size());
   int on_wall = 0, on_floor = 0;
   for (std::size_t f = 0; f < planes.size(); ++f) {
     if (planes[f] < 0) continue;
     const Plane& plane = estimator_.planes.at(PlaneId{planes[f]});
-    const Vector3d& corner = mesh_.mesh.vertices[mesh_.mesh.faces[f][0]];
+    const Vector3d& corner = mesh_.vertices[mesh_.faces[f][0]];
     EXPECT_NEAR(plane.SignedDistance(corner), 0, 0.08);
     (std::abs(plane.n.z()) > 0.5 ? on_floor : on_wall) += 1;
   }
@@ -225,7 +227,7 @@ TEST_F(PlaneTrackerTest, AnUnseenPlaneSleepsAndIsRecognised) {
   const PlaneAssignments found = Step({displaced});
   EXPECT_TRUE(found.created.empty());
   EXPECT_EQ(tracker_.Records()[0].last_seen, mesh_.t);
-  EXPECT_GT(std::count(tracker_.face_planes().begin(), tracker_.face_planes().end(), 0), 100);
+  EXPECT_GT(std::count(face_planes_.begin(), face_planes_.end(), 0), 100);
 }
 
 TEST_F(PlaneTrackerTest, LandmarksOfARecognisedPlaneMayBeAsFarOffAsItWas) {
@@ -302,7 +304,7 @@ TEST_F(PlaneTrackerTest, WhatItsSupportPointsMeasureIsHandedOver) {
   mesh_.first_match = mesh_.vertex_ids.front();
   MapSnapshot map = estimator_.Snapshot(mesh_);
   map.keyframes.push_back({FrameId{31}, mesh_.t, map.latest.T_WB});
-  const PlaneAssignments found = tracker_.Process(mesh_, map);
+  const PlaneAssignments found = tracker_.Process(mesh_, map).assignments;
   ASSERT_EQ(found.sighted.size(), 1u);
   EXPECT_EQ(found.sighted[0].plane, PlaneId{0});
   EXPECT_EQ(found.sighted[0].frame, FrameId{31});
@@ -340,23 +342,23 @@ TEST_F(PlaneTrackerTest, OldFacesOfTheOtherSideDoNotCount) {
   far.first_id = 20000;
   TestView behind = view_;
   behind.camera_W = {6, 0, 1.4};
-  const MeshSnapshot old = MakeMesh({far}, behind);
+  const SearchMesh old = MakeMesh({far}, behind);
   for (int k = 0; k < 6; ++k) {
     view_.time_s += kKeyframe_s;
     ++view_.seed;
     mesh_ = MakeMesh({wall_}, view_);
-    const int first = static_cast<int>(mesh_.mesh.vertices.size());
-    for (std::size_t i = 0; i < old.mesh.vertices.size(); ++i) {
-      mesh_.mesh.vertices.push_back(old.mesh.vertices[i]);
+    const int first = static_cast<int>(mesh_.vertices.size());
+    for (std::size_t i = 0; i < old.vertices.size(); ++i) {
+      mesh_.vertices.push_back(old.vertices[i]);
       mesh_.vertex_ids.push_back(old.vertex_ids[i]);
       mesh_.sigma_depth_m.push_back(old.sigma_depth_m[i]);
     }
-    for (const auto& face : old.mesh.faces) {
-      mesh_.mesh.faces.push_back({face[0] + first, face[1] + first, face[2] + first});
+    for (const auto& face : old.faces) {
+      mesh_.faces.push_back({face[0] + first, face[1] + first, face[2] + first});
       mesh_.may_vote.push_back(1);
       mesh_.in_view.push_back(0);
     }
-    estimator_.Apply(tracker_.Process(mesh_, estimator_.Snapshot(mesh_)));
+    estimator_.Apply(tracker_.Process(mesh_, estimator_.Snapshot(mesh_)).assignments);
   }
   ASSERT_EQ(tracker_.Records().size(), 1u);
   EXPECT_GT(tracker_.Records()[0].num_landmarks, 50);
@@ -429,15 +431,17 @@ TEST_F(PlaneTrackerTest, ATentativePlaneThatIsNotSeenAgainIsForgotten) {
 
 TEST_F(PlaneTrackerTest, WithoutMeshOrLandmarksNothingHappens) {
   EXPECT_TRUE(Step({}).IsEmpty());
-  EXPECT_TRUE(tracker_.face_planes().empty());
+  EXPECT_TRUE(face_planes_.empty());
   for (int k = 0; k < 6; ++k) {
     view_.time_s += kKeyframe_s;
-    const MeshSnapshot mesh = MakeMesh({wall_}, view_);
+    const SearchMesh mesh = MakeMesh({wall_}, view_);
     MapSnapshot map = estimator_.Snapshot(mesh);
     map.landmarks.clear();
-    EXPECT_TRUE(tracker_.Process(mesh, map).IsEmpty());
-    EXPECT_EQ(std::count(tracker_.face_planes().begin(), tracker_.face_planes().end(), -1),
-              static_cast<std::ptrdiff_t>(mesh.mesh.faces.size()));
+    const RegularityResult found = tracker_.Process(mesh, map);
+    EXPECT_TRUE(found.assignments.IsEmpty());
+    face_planes_ = found.mesh.face_planes;
+    EXPECT_EQ(std::count(face_planes_.begin(), face_planes_.end(), -1),
+              static_cast<std::ptrdiff_t>(mesh.faces.size()));
   }
 }
 
@@ -452,15 +456,15 @@ TEST_F(PlaneTrackerTest, FacesThatAreNotFiniteBelongToNoPlane) {
   Run({floor_}, 5);
   view_.time_s += kKeyframe_s;
   mesh_ = MakeMesh({floor_}, view_);
-  mesh_.mesh.vertices[0].setConstant(std::nan(""));
-  mesh_.mesh.vertices[30].setConstant(1e300);
-  tracker_.Process(mesh_, estimator_.Snapshot(mesh_));
-  for (std::size_t f = 0; f < mesh_.mesh.faces.size(); ++f) {
-    const auto& corners = mesh_.mesh.faces[f];
+  mesh_.vertices[0].setConstant(std::nan(""));
+  mesh_.vertices[30].setConstant(1e300);
+  face_planes_ = tracker_.Process(mesh_, estimator_.Snapshot(mesh_)).mesh.face_planes;
+  for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
+    const auto& corners = mesh_.faces[f];
     const bool is_bad = std::any_of(
         corners.begin(), corners.end(), [](int corner) { return corner == 0 || corner == 30; });
     if (is_bad) {
-      EXPECT_EQ(tracker_.face_planes()[f], -1);
+      EXPECT_EQ(face_planes_[f], -1);
     }
   }
   EXPECT_TRUE(std::isfinite(tracker_.Records()[0].area_m2));
@@ -529,18 +533,18 @@ TEST_F(PlaneTrackerTest, LandmarksOfEarlierViewsCountForANewPlane) {
     for (int k = 0; k < 2 * PlaneTrackingOptions().min_sightings; ++k) {
       view_.time_s += kKeyframe_s;
       ++view_.seed;
-      MeshSnapshot mesh = MakeMesh({wall_}, view_);
+      SearchMesh mesh = MakeMesh({wall_}, view_);
       MapSnapshot map = estimator_.Snapshot(mesh);
       int in_view = 0;  // landmarks on the half that is in view, less than a new plane needs
       std::erase_if(map.landmarks, [&](const LandmarkEstimate& landmark) {
         const bool is_old = landmark.p_W.y() < 0;
         return is_old ? !with_rest : ++in_view >= PlaneTrackingOptions().min_spread_landmarks;
       });
-      for (std::size_t f = 0; f < mesh.mesh.faces.size(); ++f) {
-        for (const int corner : mesh.mesh.faces[f])
-          mesh.in_view[f] = mesh.in_view[f] != 0 && mesh.mesh.vertices[corner].y() >= 0 ? 1 : 0;
+      for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        for (const int corner : mesh.faces[f])
+          mesh.in_view[f] = mesh.in_view[f] != 0 && mesh.vertices[corner].y() >= 0 ? 1 : 0;
       }
-      created += static_cast<int>(tracker.Process(mesh, map).created.size());
+      created += static_cast<int>(tracker.Process(mesh, map).assignments.created.size());
     }
     return created;
   };

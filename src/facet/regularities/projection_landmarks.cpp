@@ -5,7 +5,7 @@
 
 namespace facet {
 
-PlaneAssignments ProjectionLandmarks::Process(const MeshSnapshot& mesh, const MapSnapshot& map) {
+PlaneAssignments ProjectionLandmarks::Process(const SearchMesh& mesh, const MapSnapshot& map) {
   FillSurfaceFaces(mesh, faces_);
   std::vector<char> on_plane(faces_.faces.size(), 0);
   for (const PlaneCandidate& candidate : detector_.Detect(faces_, on_plane)) {

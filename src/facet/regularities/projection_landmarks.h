@@ -19,7 +19,7 @@ class ProjectionLandmarks {
 
   /// After a keyframe: which landmarks are on some plane from now on, and which of those that were
   /// have faces around them now, which were searched, and none on a plane.
-  PlaneAssignments Process(const MeshSnapshot& mesh, const MapSnapshot& map);
+  PlaneAssignments Process(const SearchMesh& mesh, const MapSnapshot& map);
 
   void Reset() { projected_.clear(); }
 

@@ -18,7 +18,7 @@ using testing::TestView;
 const TestView kView{{0, 0, 1.4}, 0.005, 1, 0, 1};
 
 TEST(ProjectionLandmarks, LandmarksOfAWallAreMarkedOnce) {
-  const MeshSnapshot mesh = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
+  const SearchMesh mesh = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
   const MapSnapshot map = BelievingEstimator().Snapshot(mesh);
   ProjectionLandmarks search{DetectionOptions()};
   const PlaneAssignments found = search.Process(mesh, map);
@@ -29,12 +29,12 @@ TEST(ProjectionLandmarks, LandmarksOfAWallAreMarkedOnce) {
 
 TEST(ProjectionLandmarks, WhatIsNoLongerOnAPlaneIsTakenBack) {
   TestView view = kView;
-  const MeshSnapshot wall = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, view);
+  const SearchMesh wall = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, view);
   ProjectionLandmarks search{DetectionOptions()};
   const auto marked = search.Process(wall, BelievingEstimator().Snapshot(wall)).projected;
-  MeshSnapshot crumpled = wall;
+  SearchMesh crumpled = wall;
   Rng rng(3);
-  for (Vector3d& p_W : crumpled.mesh.vertices)
+  for (Vector3d& p_W : crumpled.vertices)
     p_W.x() += rng.Uniform(-0.5, 0.5);
   const PlaneAssignments found = search.Process(crumpled, BelievingEstimator().Snapshot(crumpled));
   EXPECT_GT(found.unprojected.size(), 0.9 * static_cast<double>(marked.size()));
@@ -43,20 +43,20 @@ TEST(ProjectionLandmarks, WhatIsNoLongerOnAPlaneIsTakenBack) {
 }
 
 TEST(ProjectionLandmarks, WhatLeavesTheViewStays) {
-  MeshSnapshot mesh = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
+  SearchMesh mesh = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
   const MapSnapshot map = BelievingEstimator().Snapshot(mesh);
   ProjectionLandmarks search{DetectionOptions()};
   EXPECT_FALSE(search.Process(mesh, map).projected.empty());
-  mesh.in_view.assign(mesh.mesh.faces.size(), 0);
+  mesh.in_view.assign(mesh.faces.size(), 0);
   EXPECT_TRUE(search.Process(mesh, map).IsEmpty());
 }
 
 TEST(ProjectionLandmarks, AnEmptyMeshChangesNothing) {
-  const MeshSnapshot wall = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
+  const SearchMesh wall = MakeMesh({MakeWall({3, 0, 1.4}, 0, 3, 2)}, kView);
   const MapSnapshot map = BelievingEstimator().Snapshot(wall);
   ProjectionLandmarks search{DetectionOptions()};
   search.Process(wall, map);
-  EXPECT_TRUE(search.Process(MeshSnapshot(), map).IsEmpty());
+  EXPECT_TRUE(search.Process(SearchMesh(), map).IsEmpty());
   search.Reset();
   EXPECT_FALSE(search.Process(wall, map).projected.empty());
 }

@@ -53,7 +53,7 @@ double BestScale(const FacePoint& point,
 
 }  // namespace
 
-std::vector<double> SupportDepthScales(const MeshSnapshot& mesh,
+std::vector<double> SupportDepthScales(const SearchMesh& mesh,
                                        const SurfaceFaces& faces,
                                        const std::vector<KnownPlane>& planes,
                                        const SE3& T_WB,

@@ -15,7 +15,7 @@ namespace facet {
 /// estimated from its own depth and from the plane behind it, weighted by their uncertainties; 1
 /// for landmarks, for points out of view, and for points that contradict every plane. The planes
 /// never see the result: whether surface is known is said by faces with their depths as matched.
-std::vector<double> SupportDepthScales(const MeshSnapshot& mesh,
+std::vector<double> SupportDepthScales(const SearchMesh& mesh,
                                        const SurfaceFaces& faces,
                                        const std::vector<KnownPlane>& planes,
                                        const SE3& T_WB,

@@ -30,10 +30,10 @@ class SupportDepthsTest : public ::testing::Test {
 
   double ScaleOf(double offset_m, double y = 0, bool is_support = true, bool in_view = true) const {
     const Vector3d first = (1 - offset_m / kWall_m) * Vector3d(kWall_m, y, 0);
-    MeshSnapshot mesh;
+    SearchMesh mesh;
     mesh.focal_px = 467;
-    mesh.mesh.vertices = {first, {kWall_m, 0.3, 0}, {kWall_m, 0, 0.3}};
-    mesh.mesh.faces = {{0, 1, 2}};
+    mesh.vertices = {first, {kWall_m, 0.3, 0}, {kWall_m, 0, 0.3}};
+    mesh.faces = {{0, 1, 2}};
     const std::int64_t id = is_support ? kFirstSupportId : 0;
     mesh.vertex_ids = {LandmarkId{id}, LandmarkId{id + 1}, LandmarkId{id + 2}};
     mesh.sigma_depth_m.assign(3, kSigmaDepth);

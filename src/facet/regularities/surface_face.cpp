@@ -19,7 +19,7 @@ FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const FaceCam
 }
 
 // Both lists are sorted by id.
-std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot& map) {
+std::vector<int> LandmarksOfVertices(const SearchMesh& mesh, const MapSnapshot& map) {
   std::vector<int> out(mesh.vertex_ids.size(), -1);
   std::size_t l = 0;
   for (std::size_t i = 0; i < mesh.vertex_ids.size(); ++i) {
@@ -31,19 +31,18 @@ std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot
   return out;
 }
 
-void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& out) {
-  const TriangleMesh& source = mesh.mesh;
+void FillSurfaceFaces(const SearchMesh& mesh, SurfaceFaces& out) {
   out.camera = {mesh.T_WC.p, kSigma_px / mesh.focal_px};
-  out.points.resize(source.vertices.size());
-  out.faces.resize(source.faces.size());
-  for (std::size_t i = 0; i < source.vertices.size(); ++i)
-    out.points[i] = MakeFacePoint(source.vertices[i], mesh.sigma_depth_m[i], out.camera);
-  for (std::size_t f = 0; f < source.faces.size(); ++f) {
+  out.points.resize(mesh.vertices.size());
+  out.faces.resize(mesh.faces.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    out.points[i] = MakeFacePoint(mesh.vertices[i], mesh.sigma_depth_m[i], out.camera);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     SurfaceFace& face = out.faces[f];
-    face.corners = source.faces[f];
-    const Vector3d& a = source.vertices[face.corners[0]];
-    const Vector3d& b = source.vertices[face.corners[1]];
-    const Vector3d& c = source.vertices[face.corners[2]];
+    face.corners = mesh.faces[f];
+    const Vector3d& a = mesh.vertices[face.corners[0]];
+    const Vector3d& b = mesh.vertices[face.corners[1]];
+    const Vector3d& c = mesh.vertices[face.corners[2]];
     const Vector3d n = (b - a).cross(c - a);
     const double norm = n.norm();
     face.centre_W = 1.0 / 3 * (a + b + c);

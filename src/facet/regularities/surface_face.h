@@ -5,7 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "facet/mesh/mesh_snapshot.h"
+#include "facet/map/map_snapshot.h"
+#include "facet/mesh/search_mesh.h"
 
 namespace facet {
 
@@ -52,9 +53,9 @@ struct SurfaceFaces {
 };
 
 /// For each vertex its place in `map.landmarks`, -1: a support point, or forgotten.
-std::vector<int> LandmarksOfVertices(const MeshSnapshot& mesh, const MapSnapshot& map);
+std::vector<int> LandmarksOfVertices(const SearchMesh& mesh, const MapSnapshot& map);
 
 /// `faces` is filled anew; it keeps its storage.
-void FillSurfaceFaces(const MeshSnapshot& mesh, SurfaceFaces& faces);
+void FillSurfaceFaces(const SearchMesh& mesh, SurfaceFaces& faces);
 
 }  // namespace facet

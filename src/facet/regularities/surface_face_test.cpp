@@ -9,12 +9,12 @@
 namespace facet {
 namespace {
 
-MeshSnapshot OneFace(const Vector3d& camera_W) {
-  MeshSnapshot mesh;
+SearchMesh OneFace(const Vector3d& camera_W) {
+  SearchMesh mesh;
   mesh.T_WC.p = camera_W;
   mesh.focal_px = 0.7 / 1.5e-3;
-  mesh.mesh.vertices = {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
-  mesh.mesh.faces = {{0, 1, 2}};
+  mesh.vertices = {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
+  mesh.faces = {{0, 1, 2}};
   mesh.vertex_ids = {LandmarkId{1}, LandmarkId{2}, LandmarkId{3}};
   mesh.sigma_depth_m = {0.1, 0.2, 0.3};
   mesh.may_vote = {1};
@@ -32,7 +32,7 @@ TEST(SurfaceFaceTest, KnowsCentreNormalAndArea) {
   EXPECT_TRUE(faces.faces[0].may_vote);
   EXPECT_TRUE(faces.faces[0].in_view);
   EXPECT_EQ(faces.camera.p_W, Vector3d(0, 0, 1));
-  FillSurfaceFaces(MeshSnapshot(), faces);
+  FillSurfaceFaces(SearchMesh(), faces);
   EXPECT_TRUE(faces.faces.empty() && faces.points.empty());
 }
 
@@ -47,15 +47,15 @@ TEST(SurfaceFaceTest, SigmaIsThatOfTheDepthAlongTheRayAndSmallAcross) {
 
 TEST(SurfaceFaceTest, FacesWithoutAFiniteAreaAreNoSurface) {
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e200}) {
-    MeshSnapshot mesh = OneFace(Vector3d::Zero());
-    mesh.mesh.vertices[1].x() = bad;
+    SearchMesh mesh = OneFace(Vector3d::Zero());
+    mesh.vertices[1].x() = bad;
     SurfaceFaces faces;
     FillSurfaceFaces(mesh, faces);
     EXPECT_FALSE(faces.faces[0].may_vote);
     EXPECT_EQ(faces.faces[0].area_m2, 0);
   }
-  MeshSnapshot mesh = OneFace(Vector3d::Zero());
-  mesh.mesh.vertices[1] = mesh.mesh.vertices[0];
+  SearchMesh mesh = OneFace(Vector3d::Zero());
+  mesh.vertices[1] = mesh.vertices[0];
   SurfaceFaces faces;
   FillSurfaceFaces(mesh, faces);
   EXPECT_FALSE(faces.faces[0].may_vote);

@@ -19,7 +19,7 @@ Vector3d WithNoise(const Vector3d& p_W, const TestView& view, Rng& rng) {
   return p_W + noise - noise.dot(ray) * ray + view.sigma_depth_m * rng.Normal() * ray;
 }
 
-void AddFace(std::array<int, 3> face, const Vector3d& camera_W, TriangleMesh& mesh) {
+void AddFace(std::array<int, 3> face, const Vector3d& camera_W, SearchMesh& mesh) {
   const Vector3d& a = mesh.vertices[face[0]];
   const Vector3d n = (mesh.vertices[face[1]] - a).cross(mesh.vertices[face[2]] - a);
   if (n.dot(camera_W - a) < 0) std::swap(face[1], face[2]);
@@ -27,10 +27,10 @@ void AddFace(std::array<int, 3> face, const Vector3d& camera_W, TriangleMesh& me
 }
 
 // A grid whose inner vertices are moved a little, so that no row of them lines up.
-void AddPatch(const Patch& patch, const TestView& view, Rng& rng, MeshSnapshot& out) {
+void AddPatch(const Patch& patch, const TestView& view, Rng& rng, SearchMesh& out) {
   const int rows = std::max(1, static_cast<int>(2 * patch.half_a_W.norm() / patch.step_m));
   const int columns = std::max(1, static_cast<int>(2 * patch.half_b_W.norm() / patch.step_m));
-  const int first = static_cast<int>(out.mesh.vertices.size());
+  const int first = static_cast<int>(out.vertices.size());
   Rng jitter(7);  // the same corners in every view
   for (int i = 0; i <= rows; ++i) {
     for (int j = 0; j <= columns; ++j) {
@@ -39,14 +39,14 @@ void AddPatch(const Patch& patch, const TestView& view, Rng& rng, MeshSnapshot& 
       const double a = 2 * (i + (is_inner ? da : 0)) / rows - 1;
       const double b = 2 * (j + (is_inner ? db : 0)) / columns - 1;
       const Vector3d p = patch.centre_W + a * patch.half_a_W + b * patch.half_b_W;
-      out.mesh.vertices.push_back(WithNoise(p, view, rng));
+      out.vertices.push_back(WithNoise(p, view, rng));
     }
   }
   for (int i = 0; i < rows; ++i) {
     for (int j = 0; j < columns; ++j) {
       const int k = first + i * (columns + 1) + j, above = k + columns + 1;
-      AddFace({k, k + 1, above}, view.camera_W, out.mesh);
-      AddFace({k + 1, above + 1, above}, view.camera_W, out.mesh);
+      AddFace({k, k + 1, above}, view.camera_W, out);
+      AddFace({k + 1, above + 1, above}, view.camera_W, out);
     }
   }
 }
@@ -69,23 +69,23 @@ Patch Turned(Patch patch, const Vector3d& axis_W, double angle) {
   return patch;
 }
 
-MeshSnapshot MakeMesh(const std::vector<Patch>& patches, const TestView& view) {
-  MeshSnapshot out;
+SearchMesh MakeMesh(const std::vector<Patch>& patches, const TestView& view) {
+  SearchMesh out;
   out.t = Timestamp{0} + FromSeconds(view.time_s);
   out.T_WC.p = view.camera_W;
   out.focal_px = kFocal_px;
   Rng rng(view.seed);
   for (std::size_t k = 0; k < patches.size(); ++k) {
-    const std::size_t first = out.mesh.vertices.size();
+    const std::size_t first = out.vertices.size();
     AddPatch(patches[k], view, rng, out);
     const int own_id = patches[k].first_id;
     const int first_id = own_id >= 0 ? own_id : kIdsPerPatch * static_cast<int>(k);
-    for (std::size_t i = first; i < out.mesh.vertices.size(); ++i)
+    for (std::size_t i = first; i < out.vertices.size(); ++i)
       out.vertex_ids.push_back(LandmarkId{first_id + static_cast<int>(i - first)});
   }
-  out.sigma_depth_m.assign(out.mesh.vertices.size(), view.sigma_depth_m);
-  out.may_vote.assign(out.mesh.faces.size(), 1);
-  out.in_view.assign(out.mesh.faces.size(), 1);
+  out.sigma_depth_m.assign(out.vertices.size(), view.sigma_depth_m);
+  out.may_vote.assign(out.faces.size(), 1);
+  out.in_view.assign(out.faces.size(), 1);
   return out;
 }
 
@@ -133,14 +133,14 @@ void BelievingEstimator::Apply(const PlaneAssignments& assignments) {
   }
 }
 
-MapSnapshot BelievingEstimator::Snapshot(const MeshSnapshot& mesh) const {
+MapSnapshot BelievingEstimator::Snapshot(const SearchMesh& mesh) const {
   MapSnapshot out;
   out.latest.t = mesh.t;
   out.latest.T_WB = mesh.T_WC;
   for (std::size_t i = 0; i < mesh.vertex_ids.size(); ++i) {
     LandmarkEstimate landmark;
     landmark.id = mesh.vertex_ids[i];
-    landmark.p_W = mesh.mesh.vertices[i];
+    landmark.p_W = mesh.vertices[i];
     landmark.num_observations = 10;
     landmark.sigma_depth_m = mesh.sigma_depth_m[i];
     const auto list = memberships.find(landmark.id);

@@ -9,7 +9,7 @@
 #include "facet/base/random.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/plane_assignments.h"
-#include "facet/mesh/mesh_snapshot.h"
+#include "facet/mesh/search_mesh.h"
 #include "facet/regularities/member_count.h"
 #include "facet/regularities/surface_face.h"
 
@@ -47,7 +47,7 @@ struct TestView {
 
 /// The patches as jittered grids of triangles that face the camera, with the same ids in every
 /// view. Ids must ascend.
-MeshSnapshot MakeMesh(const std::vector<Patch>& patches, const TestView& view);
+SearchMesh MakeMesh(const std::vector<Patch>& patches, const TestView& view);
 
 SurfaceFaces MakeFaces(const std::vector<Patch>& patches, const TestView& view);
 
@@ -63,7 +63,7 @@ class BelievingEstimator {
   void Apply(const PlaneAssignments& assignments);
 
   /// The landmarks are the vertices of the mesh; the newest pose is its camera's.
-  MapSnapshot Snapshot(const MeshSnapshot& mesh) const;
+  MapSnapshot Snapshot(const SearchMesh& mesh) const;
 
   /// 1-sigma of the newest position [m].
   double sigma_p_m = 0.003;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/mesh/delaunay.h"
+#include "facet/geometry/delaunay.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Chooses where the mesh needs more points than the tracked corners, and what depth to expect
-// there: the front end's tracks of this keyframe span triangles, which predict the depth between
-// them.
+// there: the tracks of this keyframe span triangles, which predict the depth between them.
 #pragma once
 
 #include <span>
@@ -10,16 +9,16 @@
 #include <opencv2/core.hpp>
 
 #include "facet/frontend/depth_query.h"
+#include "facet/frontend/frontend_options.h"
+#include "facet/geometry/delaunay.h"
 #include "facet/map/observation.h"
-#include "facet/mesh/delaunay.h"
-#include "facet/mesh/mesh_options.h"
 
 namespace facet {
 
 /// Not thread-safe; keeps its buffers.
 class SupportPlaces {
  public:
-  explicit SupportPlaces(const SupportOptions& options) : options_(options) {}
+  explicit SupportPlaces(const SupportPointOptions& options) : options_(options) {}
 
   /// At most one place for each cell of the image that holds no feature: the one with the strongest
   /// contrast along the rows, if that is enough. `inverse_depths`: of the features, 0 where not
@@ -44,7 +43,7 @@ class SupportPlaces {
     double inverse_depth = 0;
   };
 
-  SupportOptions options_;
+  SupportPointOptions options_;
   int columns_ = 0, rows_ = 0;
   int turn_ = 0;                   // which cells of the chessboard are next
   std::vector<char> is_occupied_;  // by cell

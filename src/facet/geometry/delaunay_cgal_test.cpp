@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
-#include "facet/mesh/delaunay.h"
+#include "facet/geometry/delaunay.h"
 
 namespace facet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/pipeline/support_points.h"
+#include "facet/frontend/support_places.h"
 
 #include <set>
 
@@ -38,7 +38,7 @@ struct Corners {
 };
 
 TEST(SupportPlaces, PredictsTheDepthOfThePlaneBetweenTheFeatures) {
-  SupportPlaces places{SupportOptions()};
+  SupportPlaces places{SupportPointOptions()};
   const Corners corners;
   const auto& queries = places.Choose(Noise(320, 240), corners.features, corners.inverse_depths);
   ASSERT_GT(queries.size(), 30u);
@@ -51,7 +51,7 @@ TEST(SupportPlaces, PredictsTheDepthOfThePlaneBetweenTheFeatures) {
 }
 
 TEST(SupportPlaces, CellsTakeTurnsAndThoseWithFeaturesHaveNone) {
-  SupportOptions options;
+  SupportPointOptions options;
   options.cell_px = 20;
   SupportPlaces places(options);
   const Corners corners;
@@ -69,7 +69,7 @@ TEST(SupportPlaces, CellsTakeTurnsAndThoseWithFeaturesHaveNone) {
 }
 
 TEST(SupportPlaces, OutsideTheHullTheNearestFeaturesSayHowFar) {
-  SupportPlaces places{SupportOptions()};
+  SupportPlaces places{SupportPointOptions()};
   Corners corners;  // a square in the middle of the image, near on its left side
   for (FeatureObservation& feature : corners.features)
     feature.px_left = Vector2d(160, 120) + 0.3 * (feature.px_left - Vector2d(160, 120));
@@ -85,7 +85,7 @@ TEST(SupportPlaces, OutsideTheHullTheNearestFeaturesSayHowFar) {
 }
 
 TEST(SupportPlaces, NothingWithoutContrastOrDepth) {
-  SupportPlaces places{SupportOptions()};
+  SupportPlaces places{SupportPointOptions()};
   const Corners corners;
   const cv::Mat grey(240, 320, CV_8UC1, cv::Scalar(90));
   EXPECT_TRUE(places.Choose(grey, corners.features, corners.inverse_depths).empty());

@@ -39,96 +39,102 @@ MeshOptions TooLarge() {
   return options;
 }
 
-class HorizonMeshStandingTest : public ::testing::Test {
+class HorizonMeshPlanesTest : public ::testing::Test {
  protected:
   static void Update(HorizonMesh& mesh, std::int64_t frame = 0) {
     const MeshView view = WallView(frame);
     mesh.Update(view, SnapshotOf(view), SE3());
   }
-  static std::size_t NumSearched(const HorizonMesh& mesh) {
-    return MakeMeshSnapshot(WallView(0), mesh).mesh.faces.size();
+  static SearchMesh Searched(const HorizonMesh& mesh) {
+    SearchMesh searched;
+    mesh.FillSearchMesh(WallView(0), searched);
+    return searched;
   }
-  static MeshSnapshot Shown(const HorizonMesh& mesh) {
-    return MakeShownSnapshot(WallView(0), mesh);
+  static std::size_t NumTriangles(const HorizonMesh& mesh) {
+    return Searched(mesh).triangles.size();
+  }
+  static MeshSnapshot Shown(const HorizonMesh& mesh) { return MakeMeshSnapshot(WallView(0), mesh); }
+  // Planes that know no face say this of the triangles.
+  static void Judge(HorizonMesh& mesh, const std::vector<TriangleVerdict>& verdicts) {
+    mesh.Take({std::vector<int>(Searched(mesh).faces.size(), -1), {}, verdicts});
   }
   // The first `count` of all triangles.
-  static std::vector<FaceStanding> First(std::size_t count, FaceStanding standing) {
-    std::vector<FaceStanding> out(kNumTriangles);
-    std::fill_n(out.begin(), count, standing);
+  static std::vector<TriangleVerdict> First(std::size_t count, TriangleVerdict verdict) {
+    std::vector<TriangleVerdict> out(kNumTriangles);
+    std::fill_n(out.begin(), count, verdict);
     return out;
   }
 };
 
-TEST_F(HorizonMeshStandingTest, RejectedTrianglesOnAPlaneAreShown) {
+TEST_F(HorizonMeshPlanesTest, RejectedTrianglesOnAPlaneAreShown) {
   HorizonMesh mesh(TooLarge(), true);
   Update(mesh);
   EXPECT_TRUE(mesh.faces().empty());
-  ASSERT_EQ(mesh.Triangles().size(), kNumTriangles);
+  ASSERT_EQ(NumTriangles(mesh), kNumTriangles);
   EXPECT_TRUE(Shown(mesh).vertex_ids.empty()) << "a vertex without a face is not shown";
-  mesh.SetStandings(First(1, {5, false}));
+  Judge(mesh, First(1, {5, false}));
   const MeshSnapshot shown = Shown(mesh);
   EXPECT_EQ(shown.mesh.plane_ids, std::vector<int>{5});
   EXPECT_EQ(shown.mesh.vertices.size(), 3u);
   EXPECT_EQ(shown.vertex_ids.size(), 3u);
   EXPECT_EQ(shown.mesh.normals.size(), 3u);
   EXPECT_EQ(shown.in_view, std::vector<char>{1});
-  EXPECT_EQ(NumSearched(mesh), 0u) << "no plane confirms itself";
+  EXPECT_EQ(Searched(mesh).faces.size(), 0u) << "no plane confirms itself";
 }
 
-TEST_F(HorizonMeshStandingTest, TheyStayAsLongAsTheyAreOnIt) {
+TEST_F(HorizonMeshPlanesTest, TheyStayAsLongAsTheyAreOnIt) {
   HorizonMesh mesh(TooLarge(), true);
   Update(mesh);
-  mesh.SetStandings(First(kNumTriangles, {5, false}));
-  mesh.SetFacePlanes({});  // of the faces that were searched
+  Judge(mesh, First(kNumTriangles, {5, false}));
   Update(mesh, 1);
   EXPECT_EQ(mesh.faces().size(), kNumTriangles);
   // They are judged again, and so are the same triangles of the new view.
-  ASSERT_EQ(mesh.Triangles().size(), 2 * kNumTriangles);
-  std::vector<FaceStanding> standings(2 * kNumTriangles);
-  standings[3] = standings[kNumTriangles + 3] = {6, false};
-  standings[kNumTriangles + 4] = {7, false};
-  mesh.SetStandings(standings);
+  ASSERT_EQ(NumTriangles(mesh), 2 * kNumTriangles);
+  std::vector<TriangleVerdict> verdicts(2 * kNumTriangles);
+  verdicts[3] = verdicts[kNumTriangles + 3] = {6, false};
+  verdicts[kNumTriangles + 4] = {7, false};
+  Judge(mesh, verdicts);
   EXPECT_EQ(Shown(mesh).mesh.plane_ids, (std::vector<int>{6, 7}));
   mesh.Clear();
   ASSERT_EQ(mesh.lost().size(), 2u) << "the map gets them";
   EXPECT_EQ(mesh.lost()[0].plane_id, 6);
 }
 
-TEST_F(HorizonMeshStandingTest, BridgesAreHiddenAndNothingElse) {
+TEST_F(HorizonMeshPlanesTest, BridgesAreHiddenAndNothingElse) {
   HorizonMesh mesh(MeshOptions(), true);
   Update(mesh);
   ASSERT_EQ(mesh.faces().size(), kNumTriangles);
-  mesh.SetStandings(First(3, {-1, true}));
+  Judge(mesh, First(3, {-1, true}));
   EXPECT_EQ(Shown(mesh).mesh.faces.size(), kNumTriangles - 3);
-  EXPECT_EQ(NumSearched(mesh), kNumTriangles);
+  EXPECT_EQ(Searched(mesh).faces.size(), kNumTriangles);
   EXPECT_EQ(mesh.faces().size(), kNumTriangles);
-  mesh.SetStandings(First(0, {}));
+  Judge(mesh, First(0, {}));
   EXPECT_EQ(Shown(mesh).mesh.faces.size(), kNumTriangles);
 }
 
 // Half of a bridge's area is near some surface: without bridges the map misses a point of it.
-TEST_F(HorizonMeshStandingTest, TheMapGetsWhatIsHidden) {
+TEST_F(HorizonMeshPlanesTest, TheMapGetsWhatIsHidden) {
   HorizonMesh mesh(MeshOptions(), true);
   Update(mesh);
-  mesh.SetStandings(First(3, {-1, true}));
+  Judge(mesh, First(3, {-1, true}));
   mesh.Clear();
   EXPECT_EQ(mesh.lost().size(), kNumTriangles);
 }
 
-TEST_F(HorizonMeshStandingTest, NothingIsKeptForPlanesThatDoNotJudge) {
+TEST_F(HorizonMeshPlanesTest, NothingIsKeptForPlanesThatDoNotJudge) {
   HorizonMesh mesh(TooLarge());
   Update(mesh);
-  EXPECT_TRUE(mesh.Triangles().empty());
+  EXPECT_EQ(NumTriangles(mesh), 0u);
   EXPECT_TRUE(mesh.vertices().empty());
 }
 
 // A triangle that is too narrow would be taken away again at once.
-TEST_F(HorizonMeshStandingTest, TheShapeOfATriangleIsJudgedByNoPlane) {
+TEST_F(HorizonMeshPlanesTest, TheShapeOfATriangleIsJudgedByNoPlane) {
   MeshOptions options = TooLarge();
   options.faces.max_side_m = 0.4;
   HorizonMesh mesh(options, true);
   Update(mesh);
-  EXPECT_TRUE(mesh.Triangles().empty());
+  EXPECT_EQ(NumTriangles(mesh), 0u);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/pipeline/support_points.h"
+#include "facet/frontend/support_places.h"
 
 #include <algorithm>
 #include <cmath>

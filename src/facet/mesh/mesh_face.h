@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The faces of the horizon mesh, and what is left of one when it leaves the horizon.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "facet/base/types.h"
+
+namespace facet {
+
+struct MeshFace {
+  /// Vertex indices, ascending.
+  std::array<int, 3> corners{};
+  /// Whether the corners must be read backwards to go counter-clockwise seen by the camera.
+  bool is_flipped = false;
+  bool may_vote = false;  ///< passed the strict limits: may vote for planes
+  bool in_view = false;   ///< one of the newest keyframe's own faces
+  int votes_against = 0;  ///< sightings through it
+  int plane_id = -1;
+  bool by_plane = false;   ///< rejected by the tests, shown because a known plane says so
+  bool is_hidden = false;  ///< known planes say that there is no surface
+  /// Of the sides opposite to the corners: whether the newest view that has it shows nothing
+  /// beyond.
+  std::array<bool, 3> is_rim{};
+  /// The camera of the newest keyframe whose triangulation has it.
+  Eigen::Vector3f eye_W = Eigen::Vector3f::Zero();
+
+  /// Corners counter-clockwise as the camera saw them; the normal points to the camera.
+  std::array<int, 3> CounterClockwise() const {
+    if (is_flipped) return {corners[0], corners[2], corners[1]};
+    return corners;
+  }
+};
+
+/// The order in which the horizon mesh keeps its faces.
+inline bool ComesBefore(const MeshFace& a, const MeshFace& b) {
+  return a.corners < b.corners;
+}
+
+/// A face that left the horizon, with its last estimate, without having been proven wrong.
+struct LostFace {
+  std::array<Vector3d, 3> p_W;  ///< counter-clockwise seen by the camera
+  std::array<std::uint8_t, 3> intensity{};
+  double sigma_depth_m = 0;  ///< mean of the vertices
+  int plane_id = -1;
+  std::optional<Vector3d> eye_W;  ///< the camera that saw it last, if known
+  /// Of the sides opposite to p_W: no surface was seen beyond. Faces that newer ones cover have no
+  /// rim, as it is for these to say what lies beyond.
+  std::array<bool, 3> is_rim{};
+};
+
+}  // namespace facet

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/mesh/view_triangulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace facet {
+namespace {
+
+constexpr double kGridPerPixel = 16;
+constexpr double kMaxSlope = 10;  // |x/z| or |y/z| of a point that can be triangulated
+
+bool IsUsable(const MeshPoint& point) {
+  return point.id.IsValid() && point.xy.allFinite() && point.p_C.allFinite() &&
+         std::isfinite(point.sigma_depth_m) && point.xy.cwiseAbs().maxCoeff() <= kMaxSlope;
+}
+
+FaceLimits RescueLimits(const MeshOptions& options) {
+  FaceLimits limits = options.faces;
+  limits.min_elongation = options.plane_rescue.min_elongation;
+  limits.max_grazing_deg = options.plane_rescue.max_grazing_deg;
+  limits.max_side_per_depth = options.plane_rescue.max_side_per_depth;
+  return limits;
+}
+
+}  // namespace
+
+bool IsUsable(const MeshView& view) {
+  constexpr double kMaxFocal_px = 1e5;  // of the grid of the triangulation
+  return view.T_WC.p.allFinite() && view.T_WC.q.coeffs().allFinite() && view.focal_px > 0 &&
+         view.focal_px <= kMaxFocal_px;
+}
+
+ViewTriangulation::ViewTriangulation(const MeshOptions& options)
+    : rescue_(options.plane_rescue),
+      accepted_(options.faces),
+      voting_(options.voting),
+      rescued_(RescueLimits(options)) {}
+
+void ViewTriangulation::Build(const MeshView& view) {
+  ListPoints(view);
+  JudgeTriangles(view);
+  stars_.Build(
+      points_.size(), triangles_.size(), [this](std::size_t t) -> const auto& {
+        return triangles_[t].points;
+      });
+  if (rescue_.enabled) RescuePlanes(view);
+  verdicts_.fill(0);
+  for (const Triangle& triangle : triangles_)
+    ++verdicts_[static_cast<std::size_t>(triangle.verdict)];
+}
+
+void ViewTriangulation::ListPoints(const MeshView& view) {
+  points_.clear();
+  for (int i = 0; i < static_cast<int>(view.points.size()); ++i) {
+    if (IsUsable(view.points[i])) points_.push_back(i);
+  }
+  const auto id_of = [&](int i) { return view.points[i].id; };
+  std::sort(points_.begin(), points_.end(), [&](int i, int j) { return id_of(i) < id_of(j); });
+  const auto same = [&](int i, int j) { return id_of(i) == id_of(j); };
+  points_.erase(std::unique(points_.begin(), points_.end(), same), points_.end());
+  grid_.clear();
+  for (const int i : points_) {
+    const Vector2d place = view.points[i].xy * (view.focal_px * kGridPerPixel);
+    grid_.push_back({static_cast<std::int32_t>(std::lround(place.x())),
+                     static_cast<std::int32_t>(std::lround(place.y()))});
+  }
+}
+
+void ViewTriangulation::JudgeTriangles(const MeshView& view) {
+  triangles_.clear();
+  for (const std::array<int, 3>& corners : delaunay_.Triangulate(grid_)) {
+    Triangle& triangle = triangles_.emplace_back();
+    triangle.points = corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const MeshPoint& point = view.points[points_[corners[i]]];
+      triangle.seen.p_C[i] = point.p_C;
+      triangle.seen.sigma_depth_m[i] = point.sigma_depth_m;
+    }
+    triangle.verdict = accepted_.Judge(triangle.seen);
+  }
+}
+
+void ViewTriangulation::RescuePlanes(const MeshView& view) {
+  for (Triangle& triangle : triangles_) {
+    if (triangle.IsAccepted() || triangle.verdict == FaceVerdict::kNotFinite) continue;
+    if (rescued_.Judge(triangle.seen) == FaceVerdict::kAccepted && HasPlaneCorner(view, triangle)) {
+      triangle.verdict = FaceVerdict::kAccepted;
+    }
+  }
+}
+
+// Whether all points around one of the corners lie in the triangle's plane.
+bool ViewTriangulation::HasPlaneCorner(const MeshView& view, const Triangle& triangle) const {
+  constexpr std::size_t kMinStar = 4;  // fewer triangles around a corner say little
+  const auto& [a, b, c] = triangle.seen.p_C;
+  const Vector3d n_C = (b - a).cross(c - a).normalized();
+  const double slope = std::tan(rescue_.max_deviation_deg * std::numbers::pi / 180);
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const int centre = triangle.points[corner];
+    const std::span<const int> star = stars_.Around(centre);
+    if (star.size() < kMinStar) continue;
+    const auto lies_in_plane = [&](int other) {
+      const MeshPoint& point = view.points[points_[other]];
+      const Vector3d d = point.p_C - triangle.seen.p_C[corner];
+      const double noise = std::abs(n_C.dot(point.p_C)) / point.p_C.z() * point.sigma_depth_m;
+      return std::abs(n_C.dot(d)) <= slope * d.norm() + noise;
+    };
+    const bool is_plane = std::all_of(star.begin(), star.end(), [&](int t) {
+      const auto& points = triangles_[t].points;
+      return std::all_of(points.begin(), points.end(), lies_in_plane);
+    });
+    if (is_plane) return true;
+  }
+  return false;
+}
+
+bool ViewTriangulation::IsRim(const Triangle& triangle, std::size_t corner) const {
+  const int from = triangle.points[(corner + 1) % 3], to = triangle.points[(corner + 2) % 3];
+  const std::span<const int> star = stars_.Around(from);
+  return std::none_of(star.begin(), star.end(), [&](int t) {
+    const Triangle& other = triangles_[t];
+    return other.IsAccepted() && other.points != triangle.points &&
+           std::find(other.points.begin(), other.points.end(), to) != other.points.end();
+  });
+}
+
+}  // namespace facet

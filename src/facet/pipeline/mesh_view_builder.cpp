@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/pipeline/mesh_view_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace facet {
+
+namespace {
+
+constexpr double kBorderStep_px = 60;
+
+std::vector<Vector2d> PlacesOnBorder(const CameraModel& camera) {
+  const double right = camera.width() - 1, bottom = camera.height() - 1;
+  std::vector<Vector2d> places;
+  const auto add = [&](double x, double y) {
+    if (const auto point = camera.Undistort({x, y})) places.push_back(point->xy);
+  };
+  const int columns = std::max(1, static_cast<int>(std::lround(right / kBorderStep_px)));
+  const int rows = std::max(1, static_cast<int>(std::lround(bottom / kBorderStep_px)));
+  for (int i = 0; i <= columns; ++i) {
+    add(i * right / columns, 0);
+    add(i * right / columns, bottom);
+  }
+  for (int i = 1; i < rows; ++i) {
+    add(0, i * bottom / rows);
+    add(right, i * bottom / rows);
+  }
+  return places;
+}
+
+}  // namespace
+
+MeshViewBuilder::MeshViewBuilder(const StereoRig& rig, const MeshOptions& options)
+    : options_(options),
+      camera_(rig.cameras[0]),
+      T_BC_(rig.T_BC[0]),
+      baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()),
+      border_(options.border) {
+  if (options.border.enabled) border_xy_ = PlacesOnBorder(camera_);
+}
+
+const MeshView& MeshViewBuilder::Build(const FrontendResult& keyframe,
+                                       const MapSnapshot& snapshot) {
+  view_.frame = keyframe.observations.frame;
+  view_.t = keyframe.observations.t;
+  view_.T_WC = snapshot.latest.T_WB * T_BC_;
+  view_.focal_px = camera_.mean_focal_px();
+  view_.points.clear();
+  AddObservations(keyframe, snapshot);
+  AddSupport(keyframe.depths.support);
+  AddBorder();
+  return view_;
+}
+
+// Both lists are sorted by landmark.
+void MeshViewBuilder::AddObservations(const FrontendResult& keyframe, const MapSnapshot& snapshot) {
+  const SE3 T_CW = view_.T_WC.Inverse();
+  auto known = snapshot.landmarks.begin();
+  for (std::size_t i = 0; i < keyframe.observations.features.size(); ++i) {
+    const FeatureObservation& feature = keyframe.observations.features[i];
+    const std::uint8_t intensity = keyframe.depths.intensities[i];
+    while (known != snapshot.landmarks.end() && known->id < feature.landmark)
+      ++known;
+    const bool is_known = known != snapshot.landmarks.end() && known->id == feature.landmark &&
+                          known->num_observations >= options_.min_observations;
+    if (!is_known) {
+      if (options_.unknown_corners && feature.px_right)
+        AddUnknownCorner(feature, keyframe.depths.inverse_depths[i], intensity);
+      continue;
+    }
+    const auto undistorted = camera_.Undistort(feature.px_left);
+    if (!undistorted) continue;
+    view_.points.push_back(
+        {feature.landmark, undistorted->xy, T_CW * known->p_W, known->sigma_depth_m, intensity});
+  }
+}
+
+void MeshViewBuilder::AddUnknownCorner(const FeatureObservation& feature,
+                                       double inverse_depth,
+                                       std::uint8_t intensity) {
+  const auto undistorted = camera_.Undistort(feature.px_left);
+  if (!undistorted || !(inverse_depth > 0)) return;
+  const Vector2d& xy = undistorted->xy;
+  const double z = 1 / inverse_depth;
+  const double sigma_m = z * z * feature.sigma_right_px / baseline_focal_px_;
+  view_.points.push_back(
+      {NextSupportId(), xy, z * Vector3d(xy.x(), xy.y(), 1), sigma_m, intensity});
+}
+
+void MeshViewBuilder::AddSupport(const std::vector<SupportPoint>& support) {
+  view_.first_match = LandmarkId{next_support_id_};
+  for (const SupportPoint& point : support) {
+    const double z = 1 / point.inverse_depth;
+    const double sigma_m = z * z * point.sigma_inverse_depth;
+    if (!(sigma_m <= options_.support.max_depth_sigma * z)) continue;
+    view_.points.push_back({NextSupportId(),
+                            point.xy,
+                            z * Vector3d(point.xy.x(), point.xy.y(), 1),
+                            sigma_m,
+                            point.intensity});
+  }
+  view_.end_match = LandmarkId{next_support_id_};
+}
+
+void MeshViewBuilder::AddBorder() {
+  found_.clear();
+  for (const Vector2d& xy : border_xy_) {
+    if (const auto point = border_.Continue(view_, xy)) found_.push_back(*point);
+  }
+  for (MeshPoint& point : found_) {
+    point.id = NextSupportId();
+    view_.points.push_back(point);
+  }
+}
+
+}  // namespace facet

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Joins what the front end saw in a keyframe with what the estimator knows, for the mesh.
+#pragma once
+
+#include <vector>
+
+#include "facet/camera/stereo_rig.h"
+#include "facet/frontend/stereo_frontend.h"
+#include "facet/map/map_snapshot.h"
+#include "facet/mesh/border_points.h"
+#include "facet/mesh/mesh_options.h"
+#include "facet/mesh/mesh_view.h"
+
+namespace facet {
+
+/// Keeps its buffers; not thread-safe. Never throws for any content of the observations.
+class MeshViewBuilder {
+ public:
+  MeshViewBuilder(const StereoRig& rig, const MeshOptions& options);
+
+  /// The points of a keyframe with a pose.
+  const MeshView& Build(const FrontendResult& keyframe, const MapSnapshot& snapshot);
+
+  /// What Build made last.
+  const MeshView& view() const { return view_; }
+
+ private:
+  void AddObservations(const FrontendResult& keyframe, const MapSnapshot& snapshot);
+  void AddUnknownCorner(const FeatureObservation& feature,
+                        double inverse_depth,
+                        std::uint8_t intensity);
+  void AddSupport(const std::vector<SupportPoint>& support);
+  void AddBorder();
+  LandmarkId NextSupportId() { return LandmarkId{next_support_id_++}; }
+
+  MeshOptions options_;
+  CameraModel camera_;
+  SE3 T_BC_;
+  double baseline_focal_px_;
+  std::vector<Vector2d> border_xy_;  // places on the image's border, undistorted; empty: not used
+  BorderPoints border_;
+  std::vector<MeshPoint> found_;  // buffer of AddBorder
+  MeshView view_;
+  std::int64_t next_support_id_ = kFirstSupportId;
+};
+
+}  // namespace facet

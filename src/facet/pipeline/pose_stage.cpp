@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/pipeline/pose_stage.h"
+
+#include <memory>
+#include <utility>
+
+namespace facet {
+
+PoseStage::PoseStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
+    : time_offset_(rig.time_offset), estimator_(rig, noise, options.estimator) {}
+
+VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
+  VioOutput out;
+  out.times = frame.times;
+  EstimatorResult result = estimator_.AddFrame(frame.frontend.observations, frame.imu, out.times);
+  const ScopedStage stage(out.times, Stage::kOutput);
+  out.warning = JudgeCalibration(frame.frontend, result.imu_error_sigma);
+  FillPose(frame, std::move(result), out);
+  HandBack(out);
+  return out;
+}
+
+void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioOutput& out) const {
+  const FrameObservations& observations = frame.frontend.observations;
+  out.frame = observations.frame;
+  out.t = observations.t;
+  out.is_keyframe = observations.is_keyframe;
+  out.status = result.status;
+  out.reason = result.reason;
+  out.has_pose = result.has_state;
+  out.state = result.state;
+  const Vector<15> sigma = result.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  out.sigma_theta = sigma.segment<3>(0);
+  out.sigma_p = sigma.segment<3>(3);
+  out.sigma_v = sigma.segment<3>(6);
+  out.sigma_b_g = sigma.segment<3>(9);
+  out.sigma_b_a = sigma.segment<3>(12);
+  out.num_tracks = static_cast<int>(observations.features.size());
+  out.num_landmarks = static_cast<int>(estimator_.window().landmarks().size());
+  out.num_planes = static_cast<int>(estimator_.window().planes.size());
+  out.num_constraints = estimator_.NumPlaneConstraints();
+  out.imu_gaps = frame.imu.gaps;
+  out.was_reset = result.was_reset;
+  out.finished_keyframes = std::move(result.finished_keyframes);
+}
+
+std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
+                                        const std::optional<double>& imu_error_sigma) {
+  const FrameObservations& observations = frontend.observations;
+  if (!observations.is_keyframe) return {};
+  CalibrationEvidence evidence;
+  evidence.t = observations.t;
+  evidence.num_features = static_cast<int>(observations.features.size());
+  if (frontend.right_ok) evidence.num_stereo = frontend.num_stereo;
+  evidence.imu_error_sigma = imu_error_sigma;
+  return calibration_.Add(evidence);
+}
+
+void PoseStage::HandBack(VioOutput& out) {
+  feedback_.reset();
+  if (out.is_keyframe && out.has_pose && !out.was_reset) {
+    auto snapshot = std::make_shared<MapSnapshot>(estimator_.Snapshot());
+    feedback_ = Feedback{out.frame, false, snapshot->latest, snapshot->landmarks};
+    feedback_->state.t = out.t + time_offset_;
+    out.snapshot = std::move(snapshot);
+  } else if (out.was_reset) {
+    feedback_ = Feedback{out.frame, true, {}, {}};
+  }
+}
+
+}  // namespace facet

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Second part of a stereo frame: from tracked features and IMU samples to the pose.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "facet/estimator/vio_estimator.h"
+#include "facet/pipeline/calibration_watch.h"
+#include "facet/pipeline/tracked_frame.h"
+#include "facet/pipeline/vio_options.h"
+#include "facet/pipeline/vio_output.h"
+
+namespace facet {
+
+/// Not thread-safe. Never throws for any content of the frame.
+class PoseStage {
+ public:
+  PoseStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options);
+
+  /// Everything in the output but the mesh.
+  VioOutput Estimate(const TrackedFrame& frame);
+
+  /// What was found in the mesh; comes into force with the next keyframe.
+  void Assign(const PlaneAssignments& assignments) { estimator_.Assign(assignments); }
+
+  /// After a keyframe or a reset: what the front stage may use from now on; otherwise empty. Once.
+  std::optional<Feedback> TakeFeedback() { return std::exchange(feedback_, std::nullopt); }
+
+  /// The keyframes that are still in the window, oldest first.
+  std::vector<KeyframePose> WindowKeyframes() const { return estimator_.Snapshot().keyframes; }
+
+ private:
+  void FillPose(const TrackedFrame& frame, EstimatorResult result, VioOutput& out) const;
+  std::string JudgeCalibration(const FrontendResult& frontend,
+                               const std::optional<double>& imu_error_sigma);
+  void HandBack(VioOutput& out);
+
+  Duration time_offset_;
+  VioEstimator estimator_;
+  CalibrationWatch calibration_;
+  std::optional<Feedback> feedback_;
+};
+
+}  // namespace facet

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is left of a run besides the outputs of its frames.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "facet/map/map_snapshot.h"
+#include "facet/map/plane_record.h"
+#include "facet/mesh/surface_map.h"
+#include "facet/mesh/triangle_mesh.h"
+
+namespace facet {
+
+struct RunResult {
+  /// The keyframes that are still in the window, oldest first.
+  std::vector<KeyframePose> window_keyframes;
+  /// The mesh of the whole run so far, the horizon included; empty when the map is switched off.
+  std::optional<TriangleMesh> map;
+  MapMemory map_memory;  ///< what `map` takes up inside
+  /// Every plane that was ever a variable, in the order of their ids; empty but in pipeline SPR.
+  std::optional<std::vector<PlaneRecord>> planes;
+  int num_refused_imu = 0;  ///< samples that were not finite or not in order
+};
+
+}  // namespace facet

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/pipeline/scene_stage.h"
+
+#include <memory>
+
+#include "facet/mesh/mesh_snapshot.h"
+#include "facet/regularities/plane_names.h"
+
+namespace facet {
+
+namespace {
+
+bool PlanesJudgeFaces(const VioOptions& options) {
+  return options.pipeline == "SPR" && options.regularities.faces.enabled;
+}
+
+}  // namespace
+
+SceneStage::SceneStage(const StereoRig& rig, const VioOptions& options)
+    : options_(options.frontend.support.enabled ? WithSupportPoints(options.mesh) : options.mesh),
+      T_BC_(rig.T_BC[0]),
+      view_builder_(rig, options_),
+      horizon_(options_, PlanesJudgeFaces(options)),
+      map_(options_.map) {
+  if (options.pipeline == "SPR") planes_.emplace(options.regularities);
+  if (options.pipeline == "SP") projections_.emplace(options.regularities.detection);
+}
+
+void SceneStage::UpdateMesh(const TrackedFrame& frame, VioOutput& out) {
+  if (out.was_reset) Reset();
+  if (!IsWorked(out)) return;
+  const ScopedStage stage(out.times, Stage::kMesh);
+  horizon_.Update(view_builder_.Build(frame.frontend, *out.snapshot), *out.snapshot, T_BC_);
+  KeepLostFaces();
+}
+
+RegularityResult SceneStage::FindPlanes(VioOutput& out) {
+  if (!IsWorked(out) || (!planes_ && !projections_)) return {};
+  const ScopedStage stage(out.times, Stage::kRegularities);
+  horizon_.FillSearchMesh(view_builder_.view(), search_mesh_);
+  if (planes_) return planes_->Process(search_mesh_, *out.snapshot);
+  return {projections_->Process(search_mesh_, *out.snapshot), {}};
+}
+
+void SceneStage::ShowPlanes(const MeshRegularities& regularities, VioOutput& out) {
+  if (!IsWorked(out)) return;
+  const ScopedStage stage(out.times, Stage::kMesh);
+  if (planes_) horizon_.Take(regularities);
+  out.mesh = std::make_shared<MeshSnapshot>(MakeMeshSnapshot(view_builder_.view(), horizon_));
+}
+
+// What was in the horizon stays in the map as it is.
+void SceneStage::Reset() {
+  horizon_.Clear();
+  KeepLostFaces();
+  if (planes_) planes_->Reset();
+  if (projections_) projections_->Reset();
+}
+
+void SceneStage::KeepLostFaces() {
+  if (!options_.map.enabled) return;
+  for (const LostFace& face : horizon_.lost())
+    map_.Add(face);
+}
+
+std::optional<TriangleMesh> SceneStage::Map(MapMemory& memory) const {
+  const SurfaceMap map = WithHorizon(map_, horizon_);
+  memory = map.memory();
+  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
+  TriangleMesh mesh = ExtractSurface(map);
+  if (planes_) UseCurrentPlanes(planes_->Records(), mesh.plane_ids);
+  return mesh;
+}
+
+std::optional<std::vector<PlaneRecord>> SceneStage::Planes() const {
+  if (!planes_) return std::nullopt;
+  return planes_->Records();
+}
+
+}  // namespace facet

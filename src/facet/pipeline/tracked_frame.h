@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the two halves of a stereo frame tell each other.
+#pragma once
+
+#include <vector>
+
+#include "facet/base/stage_timer.h"
+#include "facet/frontend/stereo_frontend.h"
+#include "facet/imu/imu_buffer.h"
+#include "facet/map/map_snapshot.h"
+
+namespace facet {
+
+/// What the IMU and the last feedback say about a frame before its images are looked at.
+struct MotionPrediction {
+  ImuInterval imu;    ///< from the previous frame to this one
+  FrontendHint hint;  ///< valid until the front stage predicts again
+  StageTimes times;
+};
+
+/// A frame whose features are tracked; the back half needs nothing else of it.
+struct TrackedFrame {
+  FrontendResult frontend;
+  ImuInterval imu;             ///< from the previous frame to this one
+  bool used_feedback = false;  ///< the tracks were predicted with more than the gyroscope
+  StageTimes times;
+};
+
+/// What the estimator knew after a keyframe; helps to predict where tracked points will be.
+struct Feedback {
+  FrameId frame;
+  bool is_reset = false;  ///< the estimator started over: nothing is known any more
+  NavState state;         ///< at the keyframe, IMU clock
+  std::vector<LandmarkEstimate> landmarks;
+};
+
+}  // namespace facet

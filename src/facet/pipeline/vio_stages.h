@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What both versions of the pipeline, on one thread and on two, consist of.
+#pragma once
+
+#include "facet/pipeline/front_stage.h"
+#include "facet/pipeline/pose_stage.h"
+#include "facet/pipeline/run_result.h"
+#include "facet/pipeline/scene_stage.h"
+
+namespace facet {
+
+struct VioStages {
+  VioStages(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
+      : front(rig, options), pose(rig, noise, options), scene(rig, options) {}
+
+  FrontStage front;
+  PoseStage pose;
+  SceneStage scene;
+
+  RunResult Result() const {
+    RunResult result;
+    result.window_keyframes = pose.WindowKeyframes();
+    result.map = scene.Map(result.map_memory);
+    result.planes = scene.Planes();
+    result.num_refused_imu = front.num_refused_imu();
+    return result;
+  }
+};
+
+}  // namespace facet
