@@ -38,9 +38,8 @@ void RunStages(TrueSequence& sequence,
                const VioOptions& options,
                const VisitFrame& visit,
                const std::function<void(const VioOutput&)>& take_output) {
-  const auto visit_packet = [&](std::size_t i, const StereoFrame& frame, FrontPacket& packet) {
-    FrameObservations& observations = packet.frontend.observations;
-    visit(static_cast<int>(i), sequence.PoseAt(frame.t), frame.left, observations);
+  const auto visit_packet = [&](std::size_t, const StereoFrame& frame, FrontPacket& packet) {
+    visit(sequence.PoseAt(frame.t), packet.frontend.observations);
     return true;
   };
   RunStages(sequence.dataset, options, visit_packet, take_output);

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "consistency_run.h"
+#include "bench/consistency_run.h"
 
 #include "facet/pipeline/mesh_stage.h"
 #include "facet/regularities/plane_tracker.h"
