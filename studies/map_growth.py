@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Question: how much does the map grow with each lap of a sequence that goes around more than once?
 Command: studies/map_growth.py SEQUENCE --from S [--facet build/facet] [-- ARGUMENTS OF facet run]
   A lap is over when the true path is back at the place of second S, in the same direction. One run up to the end of
