@@ -20,7 +20,7 @@ if(CMAKE_BUILD_TYPE STREQUAL "Debug")
 endif()
 
 # facet_add_module(NAME imu SRCS a.cpp ... DEPS geometry ... LIBS PNG::PNG ...)
-# A static library facet_imu with alias facet::imu; DEPS are other modules, LIBS are foreign targets.
+# A static library facet_<name> with alias facet::<name>; DEPS are other modules, LIBS are foreign targets.
 function(facet_add_module)
   cmake_parse_arguments(ARG "" "NAME" "SRCS;DEPS;LIBS" ${ARGN})
   set(target facet_${ARG_NAME})
@@ -42,7 +42,7 @@ function(facet_add_module)
   target_link_libraries(${target} ${scope} ${ARG_LIBS})
 endfunction()
 
-# facet_add_test(NAME so3_test SRCS so3_test.cpp DEPS geometry testing LIBS ... LABEL unit|sim|dataset)
+# facet_add_test(NAME geometry_test SRCS geometry_test.cpp DEPS geometry testing LIBS ... LABEL unit|sim|dataset)
 function(facet_add_test)
   if(NOT FACET_BUILD_TESTS)
     return()

@@ -29,6 +29,7 @@ RANK = {
     "viewer": 7,
     "apps": 8,
     "bench": 8,
+    "studies": 9,
 }
 # Siblings that may meet: the evaluation judges what the readers read.
 SIDEWAYS = {("eval", "io")}
@@ -48,7 +49,7 @@ def included_folder(header):
     parts = header.split("/")
     if parts[0] == "facet" and len(parts) > 2:
         return parts[1]
-    return parts[0] if parts[0] in ("apps", "bench") else None
+    return parts[0] if parts[0] in ("apps", "bench", "studies") else None
 
 
 def is_allowed(folder, other, is_test):
@@ -69,7 +70,7 @@ def complaints(root, path):
     if folder.removeprefix("testing/") not in {*RANK, "testing"}:
         yield f"{relative}: folder '{folder}' has no rank in scripts/check_layers.py"
         return
-    is_test = path.stem.endswith("_test") or folder == "bench"
+    is_test = path.stem.endswith("_test") or folder in ("bench", "studies")
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         match = INCLUDE.match(line)
         other = included_folder(match.group(1)) if match else None
@@ -79,7 +80,7 @@ def complaints(root, path):
 
 def main():
     root = Path(__file__).resolve().parent.parent
-    files = [p for top in ("src", "apps", "bench") for p in sorted((root / top).rglob("*"))
+    files = [p for top in ("src", "apps", "bench", "studies") for p in sorted((root / top).rglob("*"))
              if p.suffix in (".h", ".cpp")]
     found = [text for path in files for text in complaints(root, path)]
     for text in found:

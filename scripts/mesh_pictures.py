@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The pictures of docs/mesh.md, from runs of pipeline S.
 
 scripts/mesh_pictures.py [--facet build/facet] [--sequence ../shared/data/rendered_room]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Each plane of a result beside the true plane it belongs to.
 
     scripts/plane_list.py RESULT SEQUENCE

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Draws the planes of a result from above and from the side, with the trajectory.
 
     scripts/plot_planes.py RESULT PICTURE.png

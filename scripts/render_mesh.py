@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Draws a mesh (PLY) as a PNG, from outside or through a camera of the run.
 
 scripts/render_mesh.py mesh.ply out.png --from X Y Z --to X Y Z [--by grey|normal|plane|error --truth SEQUENCE]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The part of VioEstimator that begins a run: collect frames until gravity and velocity are known,
-// put them into the world, and keep them until they have said all they can (docs/window.md).
+// put them into the world, and keep them until they have said all they can (docs/math.md, section
+// 6).
 #include <algorithm>
 #include <cmath>
 

@@ -88,7 +88,7 @@ double NoiseScale(const WindowLandmark& landmark,
                   const RobustOptions& robust);
 
 /// Fills `block` (reusing its storage): reprojections and distances to planes (docs/math.md,
-/// section 6; paper, equation (9)).
+/// sections 3 and 7; paper, equation (9)).
 void LinearizeLandmark(const FrameGeometry& geometry,
                        const std::vector<WindowPlane>& planes,
                        const WindowLandmark& landmark,

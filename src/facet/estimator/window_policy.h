@@ -8,7 +8,7 @@
 
 namespace facet {
 
-/// Plan for a window whose newest frame is a keyframe (or, with keep_every_frame, any frame).
+/// Plan for a window whose newest frame is a keyframe.
 MarginalizationPlan PlanMarginalization(const SlidingWindow& window, const WindowOptions& options);
 
 /// The frame whose removal loses least, among frames [first, last]; both inclusive.

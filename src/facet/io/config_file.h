@@ -19,7 +19,7 @@ namespace facet {
 
 /// One parameter of an options struct. Points into the struct it was listed from.
 struct ConfigField {
-  std::string key;  ///< full path, for example "frontend.klt.levels"
+  std::string key;  ///< full path, for example "frontend.klt.num_levels"
   std::variant<bool*, int*, double*, std::string*> value;
   Range range;
   std::vector<std::string> choices;  ///< allowed texts; empty: any

@@ -11,7 +11,7 @@ namespace facet {
 
 /// 1-sigma of each number. The rotations of the cameras make up for the errors of the intrinsics as
 /// far as they can, because a calibration finds them together. The defaults leave what
-/// scripts/calibration_error.py finds in EuRoC's own calibration recording: residuals common to an
+/// studies/calibration_error.py finds in EuRoC's own calibration recording: residuals common to an
 /// image region of 0.13 px per axis.
 struct CalibrationErrorOptions {
   bool enabled = false;                ///< false: the written calibration is exact

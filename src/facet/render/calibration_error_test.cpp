@@ -47,7 +47,7 @@ TEST(CalibrationErrorTest, AsLargeAsInARealCalibration) {
     for (std::size_t c = 0; c < 2; ++c)
       squares += std::pow(UnexplainedRms(rig.cameras[c], measured.cameras[c]), 2) / (2 * kSeeds);
   }
-  EXPECT_NEAR(std::sqrt(squares), 0.13, 0.02) << "px, as scripts/calibration_error.py prints";
+  EXPECT_NEAR(std::sqrt(squares), 0.13, 0.02) << "px, as studies/calibration_error.py prints";
 }
 
 TEST(CalibrationErrorTest, BothCamerasAgreeOnTheWhole) {

@@ -17,7 +17,7 @@ constexpr std::array<Band, kNumBands> kBands = {
     {{10, 20}, {20, 40}, {40, 60}, {60, 80}, {80, 100}}};
 
 /// 1-sigma by axis (gyro x y z, accelerometer x y z) and band; printed for a recording by
-/// scripts/imu_spectra.py.
+/// studies/imu_spectra.py.
 using Strengths = std::array<std::array<double, kNumBands>, 6>;
 constexpr Strengths kRotors = {{{0.0099, 0.0170, 0.0027, 0.0029, 0.0074},
                                 {0.0281, 0.0102, 0.0059, 0.0108, 0.0360},

@@ -1,9 +1,12 @@
 #!/usr/bin/python3
-"""scripts/calibration_error.py [DATA]
-
-How far EuRoC's calibration is from its cameras: the calibration board of euroc_april_corners is placed into each stereo
-pair as well as it goes, and what is left is averaged by image region (8 x 5). Noise of the corners averages out, errors of
-the calibration stay. DATA holds euroc_april_corners and euroc_mh01_handheld (default: $FACET_DATA_DIR, ../shared/data).
+"""Question: how far is EuRoC's calibration from its cameras? The calibration board of euroc_april_corners is placed into
+  each stereo pair as well as it goes, and what is left is averaged by image region (8 x 5). Noise of the corners
+  averages out, errors of the calibration stay.
+Command: studies/calibration_error.py [DATA]
+  DATA holds euroc_april_corners and euroc_mh01_handheld (default: $FACET_DATA_DIR, ../shared/data).
+Answer: 0.139 px (left) and 0.124 px (right) rms per axis, which sets the sizes in src/facet/render/calibration_error.h
+  (docs/notebook/calibration_errors.md).
+Date: 2026-11-21.
 """
 
 import os

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "consistency_run.h"
+#include "bench/consistency_run.h"
 #include "ladder_planes.h"
 
 namespace facet {

@@ -1,9 +1,10 @@
-#!/usr/bin/env python3
-"""How much the map grows with each lap of a sequence that goes around more than once.
-
-scripts/map_growth.py SEQUENCE --from S [--facet build/facet] [-- ARGUMENTS OF facet run]
-A lap is over when the true path is back at the place of second S, in the same direction. One run up to the end of
-each lap, with the map that is written there.
+#!/usr/bin/python3
+"""Question: how much does the map grow with each lap of a sequence that goes around more than once?
+Command: studies/map_growth.py SEQUENCE --from S [--facet build/facet] [-- ARGUMENTS OF facet run]
+  A lap is over when the true path is back at the place of second S, in the same direction. One run up to the end of
+  each lap, with the map that is written there.
+Answer: the second lap of a ring of 72 m adds 4.5 % of memory and 4.4 % of area (docs/notebook/map_growth.md).
+Date: 2026-11-21 and 2026-11-22.
 """
 
 import argparse
@@ -15,7 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-import render_mesh
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "scripts"))
+import render_mesh  # noqa: E402
 
 NEAR_M, SAME_DIRECTION, LEAST_LAP_S = 0.6, 0.7, 5
 

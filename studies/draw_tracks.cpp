@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// draw_tracks SEQUENCE --out DIR [--from S] [--duration S] [--every N] [--set key=value]...
-// Draws what the front end tracks, one PNG per frame, left image beside right image.
+// Question: what does the front end track, and where does it lose it? One PNG per frame, the left
+//   image beside the right one.
+// Command: draw_tracks SEQUENCE --out DIR [--from S] [--duration S] [--every N] [--set
+//   key=value]...
+// Answer: MH_01 loses its tracks where a net half a metre away fills half of the image; along the
+//   same motion without near things tracks live five times as long
+//   (docs/notebook/simulator_realism.md).
+// Date: 2026-11-23.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "program.h"
+#include "bench/program.h"
 #include "stage_run.h"
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>

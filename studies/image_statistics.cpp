@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// image_statistics SEQUENCE...: what the images offer to a tracker, one line of key=value pairs per
-// sequence. scripts/realism.py compares them.
+// Question: what do the images of a sequence offer to a tracker? One line of key=value pairs per
+//   sequence, which studies/realism.py compares.
+// Command: image_statistics SEQUENCE...
+// Answer: with studies/realism.py.
+// Date: 2026-11-21.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -7,7 +7,6 @@
 
 #include "stage_run.h"
 #include "true_scene.h"
-#include <opencv2/core.hpp>
 
 #include "facet/io/asl_dataset.h"
 #include "facet/io/trajectory_file.h"
@@ -28,10 +27,8 @@ struct TrueSequence {
   TrueScene scene;
 };
 
-/// A frame between front and back stage: its place in the sequence, the true pose, the left image,
-/// and the observations, which may be changed.
-using VisitFrame =
-    std::function<void(int index, const SE3& T_WB, const cv::Mat& left, FrameObservations&)>;
+/// A frame between front and back stage: the true pose, and the observations, which may be changed.
+using VisitFrame = std::function<void(const SE3& T_WB, FrameObservations&)>;
 
 /// Calls `visit` and then, after the back stage, `take_output`, once for each frame. Throws
 /// InputError.

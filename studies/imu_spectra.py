@@ -1,9 +1,11 @@
 #!/usr/bin/python3
-"""scripts/imu_spectra.py IMU[:from:to]...
-
-Strength of what the IMU measured (1-sigma, rad/s and m/s^2) by axis and band of frequency. Each argument is an
-imu0/data.csv, or a sequence; :from:to cuts out seconds after the first sample. Below about 5 Hz it is the motion itself,
-above it vibration and noise.
+"""Question: how strong is what an IMU measured (1-sigma, rad/s and m/s^2), by axis and band of frequency? Below about 5 Hz
+  it is the motion itself, above it vibration and noise.
+Command: studies/imu_spectra.py IMU[:from:to]...
+  Each argument is an imu0/data.csv, or a sequence; :from:to cuts out seconds after the first sample.
+Answer: the sizes in src/facet/sim/vibration.cpp, within 0.9 to 2.0 times the recorded ones
+  (docs/notebook/simulator_figures.md, "IMU").
+Date: 2026-11-21.
 """
 
 import sys

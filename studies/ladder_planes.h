@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "consistency_run.h"
+#include "bench/consistency_run.h"
 
 #include "facet/mesh/horizon_mesh.h"
 #include "facet/pipeline/mesh_view_builder.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "consistency_study.h"
+#include "bench/consistency_study.h"
 
 #include "facet/base/stage_timer.h"
 #include "facet/eval/trajectory_error.h"

@@ -38,9 +38,8 @@ void RunStages(TrueSequence& sequence,
                const VioOptions& options,
                const VisitFrame& visit,
                const std::function<void(const VioOutput&)>& take_output) {
-  const auto visit_tracked = [&](std::size_t i, const StereoFrame& frame, TrackedFrame& tracked) {
-    FrameObservations& observations = tracked.frontend.observations;
-    visit(static_cast<int>(i), sequence.PoseAt(frame.t), frame.left, observations);
+  const auto visit_tracked = [&](std::size_t, const StereoFrame& frame, TrackedFrame& tracked) {
+    visit(sequence.PoseAt(frame.t), tracked.frontend.observations);
     return true;
   };
   RunStages(sequence.dataset, options, visit_tracked, take_output);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// long_run [--duration S] [--seeds N] [--pipelines S,planes,relations] [--roughness M]
-//          [--set key=value]...
-// Does the covariance still describe the error after ten minutes with planes that stay? Made-up
-// flights in one room, simulated features, true planes and relations; points stand out from their
-// walls by what the estimator expects, or by M. Prints the normalised errors minute by minute, and
-// over all runs.
+// Question: does the covariance still describe the error after ten minutes with planes that stay?
+//   Made-up flights in one room, simulated features, true planes and relations; points stand out
+//   from their walls by what the estimator expects, or by M. Prints the normalised errors minute by
+//   minute, and over all runs.
+// Command: long_run [--duration S] [--seeds N] [--pipelines S,planes,relations] [--roughness M]
+//   [--set key=value]...
+// Answer: the yaw NEES is 0.84 where points stand out by 2 cm as expected, 0.62 on exactly flat
+//   walls, 1.05 without planes (docs/notebook/planes_figures.md, "Harm, cost, consistency").
+// Date: 2026-11-21 to 2026-11-23.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,9 +17,9 @@
 #include <string>
 #include <vector>
 
-#include "consistency_study.h"
+#include "bench/consistency_study.h"
+#include "bench/program.h"
 #include "ladder_planes.h"
-#include "program.h"
 #include <CLI/CLI.hpp>
 
 #include "facet/io/config_file.h"
