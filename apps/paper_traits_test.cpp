@@ -12,11 +12,11 @@
 #include "facet/estimator/plane_membership.h"
 #include "facet/estimator/test_landmark.h"
 #include "facet/regularities/plane_tracker.h"
-#include "facet/regularities/test_scene.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
 #include "facet/testing/folders.h"
 #include "facet/testing/pipeline/simulated_front.h"
+#include "facet/testing/regularities/test_scene.h"
 
 namespace facet {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "facet/regularities/plane_names.h"
+#include "facet/regularities/report/plane_ids.h"
 
 namespace facet {
 
@@ -69,7 +69,7 @@ void RunRecorder::MoveInto(RunRecord& record) {
   record.num_imu_gaps = num_imu_gaps_;
   if (last_mesh_) {
     record.mesh = last_mesh_->mesh;
-    if (record.planes) UseCurrentPlanes(*record.planes, record.mesh->plane_ids);
+    if (record.planes) UseCurrentPlaneIds(*record.planes, record.mesh->plane_ids);
   }
   record.mesh_areas_m2 = std::move(mesh_areas_m2_);
   record.view_areas_m2 = std::move(view_areas_m2_);

@@ -6,7 +6,7 @@
 #include <benchmark/benchmark.h>
 
 #include "facet/regularities/plane_tracker.h"
-#include "facet/regularities/test_scene.h"
+#include "facet/testing/regularities/test_scene.h"
 
 namespace facet {
 namespace {

@@ -62,7 +62,7 @@ class KeyframeSmoother {
       if (!landmark.has_depth) InitializeDepth(geometry_, landmark);
     }
     if (planes_ != Planes::kNone) TieToSurfaces();
-    if (planes_ == Planes::kSighted) SightPlanes(rng);
+    if (planes_ == Planes::kSighted) MeasurePlanes(rng);
     if (planes_ == Planes::kRelated) {
       RelatePlanes();
       num_moved_anchors_ += FollowSupport(kAnchorDistance, window_);
@@ -165,7 +165,7 @@ class KeyframeSmoother {
   }
 
   // The newest frame measures the planes whose landmarks it sees.
-  void SightPlanes(Rng& rng) {
+  void MeasurePlanes(Rng& rng) {
     const int newest = static_cast<int>(window_.frames.size()) - 1;
     std::set<int> seen;
     for (const WindowLandmark& landmark : window_.landmarks()) {

@@ -128,8 +128,8 @@ std::string PlanesCsv(const std::vector<PlaneRecord>& planes) {
       text += corner;
     }
     text += ',';
-    for (std::size_t k = 0; k < plane.absorbed.size(); ++k)
-      text += (k == 0 ? "" : " ") + std::to_string(plane.absorbed[k].value);
+    for (std::size_t k = 0; k < plane.merged_ids.size(); ++k)
+      text += (k == 0 ? "" : " ") + std::to_string(plane.merged_ids[k].value);
     text += '\n';
   }
   return text;

@@ -79,7 +79,7 @@ TEST(ResultWriterTest, PlanesTellTheirOutlineAndWhatTheyHaveAbsorbed) {
   run.planes.emplace(2);
   (*run.planes)[0].id = PlaneId{4};
   (*run.planes)[0].outline_W = {{0, 0, 1}, {1, 0.5, 1}};
-  (*run.planes)[0].absorbed = {PlaneId{7}, PlaneId{9}};
+  (*run.planes)[0].merged_ids = {PlaneId{7}, PlaneId{9}};
   (*run.planes)[1].id = PlaneId{5};
   WriteResult(folder.path(), run);
   const auto planes = Lines(ReadText(folder / "planes.csv"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the outside world is told about a plane.
+// What users are told about a plane.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ struct PlaneRecord {
   int num_landmarks = 0;  ///< that ever lay on it
   double area_m2 = 0;     ///< of the surface seen
   double sigma_normal_rad = 0, sigma_d_m = 0;
-  std::vector<PlaneId> absorbed;    ///< planes that turned out to be this one
+  std::vector<PlaneId> merged_ids;  ///< planes that turned out to be the same surface
   std::vector<Vector3d> outline_W;  ///< convex, counter-clockwise seen from where the normal points
 };
 

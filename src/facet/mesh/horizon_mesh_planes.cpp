@@ -51,7 +51,7 @@ void HorizonMesh::FillSearchMesh(const MeshView& view, SearchMesh& out) const {
 }
 
 void HorizonMesh::Take(const MeshRegularities& regularities) {
-  SetFacePlanes(regularities.face_planes);
+  SetFacePlanes(regularities.face_plane_ids);
   if (!regularities.depth_scales.empty()) SetDepthScales(regularities.depth_scales);
   if (keeps_rejected_) SetVerdicts(regularities.verdicts);
 }

@@ -15,7 +15,7 @@ struct TriangleVerdict {
 
 /// Belongs to one SearchMesh.
 struct MeshRegularities {
-  std::vector<int> face_planes;           ///< the plane of each of its faces, -1: none
+  std::vector<int> face_plane_ids;        ///< the plane of each of its faces, -1: none
   std::vector<double> depth_scales;       ///< one per vertex, or empty: see SearchMesh::ShownWith
   std::vector<TriangleVerdict> verdicts;  ///< one for each of its triangles
 };

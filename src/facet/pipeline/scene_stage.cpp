@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "facet/mesh/mesh_snapshot.h"
-#include "facet/regularities/plane_names.h"
+#include "facet/regularities/report/plane_ids.h"
 
 namespace facet {
 
@@ -68,7 +68,7 @@ std::optional<TriangleMesh> SceneStage::Map(MapMemory& memory) const {
   memory = map.memory();
   if (!options_.enabled || !options_.map.enabled) return std::nullopt;
   TriangleMesh mesh = ExtractSurface(map);
-  if (planes_) UseCurrentPlanes(planes_->Records(), mesh.plane_ids);
+  if (planes_) UseCurrentPlaneIds(planes_->Records(), mesh.plane_ids);
   return mesh;
 }
 

@@ -12,8 +12,8 @@
 #include "facet/pipeline/tracked_frame.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/pipeline/vio_output.h"
+#include "facet/regularities/constrain/projection_landmarks.h"
 #include "facet/regularities/plane_tracker.h"
-#include "facet/regularities/projection_landmarks.h"
 
 namespace facet {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The regularities of the scene over the whole run (paper II-A.3 and II-A.4): planes are found in
-// the mesh, recognised when they are seen again, and given their landmarks. What this finds goes to
-// the estimator as data, before its next keyframe.
+// The regularities of the scene over the whole run (paper II-A.3 and II-A.4): planes are detected
+// in the mesh, associated with planes that are known already, and given their landmarks. The result
+// goes to the estimator as data, before its next keyframe. Pipeline SPR.
 #pragma once
 
 #include <functional>
@@ -9,17 +9,17 @@
 #include <vector>
 
 #include "facet/map/plane_record.h"
-#include "facet/regularities/former_planes.h"
-#include "facet/regularities/known_plane.h"
-#include "facet/regularities/plane_detector.h"
-#include "facet/regularities/plane_relations.h"
+#include "facet/regularities/constrain/plane_relations.h"
+#include "facet/regularities/detect/plane_detector.h"
 #include "facet/regularities/regularity_options.h"
 #include "facet/regularities/regularity_result.h"
+#include "facet/regularities/track/retired_planes.h"
+#include "facet/regularities/track/tracked_plane.h"
 
 namespace facet {
 
-/// Finds planes among the faces that are not `taken` (one flag per face); faces of one are in no
-/// other.
+/// Finds planes among the faces that are not `taken` (one flag per face); the faces of one
+/// candidate are in no other.
 using FindPlanes = std::function<std::vector<PlaneCandidate>(const SurfaceFaces& faces,
                                                              const std::vector<char>& taken)>;
 
@@ -37,44 +37,48 @@ class PlaneTracker {
   RegularityResult Process(const SearchMesh& mesh, const MapSnapshot& map);
 
   /// Every plane that the estimator has ever solved for, in the order of their ids, but for those
-  /// that became part of another and those that turned out to be none.
+  /// that were merged into another and those that turned out to be none.
   std::vector<PlaneRecord> Records() const;
 
   /// The estimator started over: its planes are gone.
   void Reset();
 
  private:
-  void Refresh(const MapSnapshot& map, PlaneAssignments& out);
-  void Recognise(const MapSnapshot& map, const PlaneCandidate& candidate);
-  int FindKnown(const MapSnapshot& map, const PlaneCandidate& candidate) const;
-  int FindTentative(const PlaneCandidate& candidate) const;
-  bool IsNearKnown(const PlaneCandidate& candidate) const;
-  void Promote(PlaneAssignments& out);
-  void AddOldFaces(int plane);
-  void GiveUpOldFaces(int plane);
-  bool HasEnoughLandmarks(int plane) const;
-  /// Planes that have had their time are not the same when they come back.
-  bool MayRecall() const { return options_.tracking.max_age_s == 0; }
+  // The steps of Process.
+  void TakeEstimates(const MapSnapshot& map, PlaneAssignments& out);
+  void Revise(const MapSnapshot& map, PlaneAssignments& out);
+  void Detect(const MapSnapshot& map);
+  void Confirm(PlaneAssignments& out);
   void Relate(PlaneAssignments& out);
   MeshRegularities JudgeMesh(const SearchMesh& mesh, const SE3& T_WB) const;
-  std::vector<int> FacePlanes() const;
-  std::vector<TriangleVerdict> JudgeTriangles(const SearchMesh& mesh,
-                                              const std::vector<double>& depth_scales,
-                                              const SE3& T_WB) const;
-  void Forget(std::size_t plane);
+
+  void Associate(const MapSnapshot& map, const PlaneCandidate& candidate);
+  int FindConfirmed(const MapSnapshot& map, const PlaneCandidate& candidate) const;
+  int FindTentative(const PlaneCandidate& candidate) const;
+  bool IsNearConfirmed(const PlaneCandidate& candidate) const;
+  void AddFacesOfEarlierViews(int plane);
+  void ReleaseFacesOfEarlierViews(int plane);
+  bool HasEnoughLandmarks(int plane) const;
+  std::vector<int> FacePlaneIds() const;
+  std::vector<TriangleVerdict> JudgeShownTriangles(const SearchMesh& mesh,
+                                                   const std::vector<double>& depth_scales,
+                                                   const SE3& T_WB) const;
+  /// Planes that leave the estimator because of their age get a new id when they come back.
+  bool MayReidentify() const { return options_.tracking.max_age_s == 0; }
+  void Retire(std::size_t plane);
 
   RegularityOptions options_;
   PlaneDetector detector_;
   FindPlanes find_;  // empty: the detector's
   PlaneRelations relations_;
-  std::vector<KnownPlane> planes_;
-  FormerPlanes former_;
+  std::vector<TrackedPlane> planes_;
+  RetiredPlanes retired_;
   std::int64_t next_id_ = 0;
   Timestamp now_;
-  // Of the last keyframe
+  // Of the newest keyframe
   SurfaceFaces faces_;
-  std::vector<int> landmark_of_point_;  // into MapSnapshot::landmarks, -1: none
-  std::vector<int> plane_of_face_;      // into planes_, -1: none
+  std::vector<int> landmark_of_point_;    // into MapSnapshot::landmarks, -1: none
+  std::vector<int> plane_index_of_face_;  // into planes_, -1: none
 };
 
 }  // namespace facet

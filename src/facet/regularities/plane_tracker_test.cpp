@@ -10,7 +10,7 @@
 
 #include "facet/geometry/angles.h"
 #include "facet/geometry/so3.h"
-#include "facet/regularities/test_scene.h"
+#include "facet/testing/regularities/test_scene.h"
 
 namespace facet {
 namespace {
@@ -37,7 +37,7 @@ class PlaneTrackerTest : public ::testing::Test {
     RegularityResult found = tracker_.Process(mesh_, estimator_.Snapshot(mesh_));
     estimator_.Apply(found.assignments);
     num_created_ += static_cast<int>(found.assignments.created.size());
-    face_planes_ = std::move(found.mesh.face_planes);
+    face_plane_ids_ = std::move(found.mesh.face_plane_ids);
     return found.assignments;
   }
   void Run(const std::vector<Patch>& patches, int num_keyframes) {
@@ -54,7 +54,7 @@ class PlaneTrackerTest : public ::testing::Test {
 
   TestView view_{{0, 0, 1.4}, 0.01, 1, 0, 1};
   SearchMesh mesh_;
-  std::vector<int> face_planes_;  // of mesh_
+  std::vector<int> face_plane_ids_;  // of mesh_
   BelievingEstimator estimator_;
   PlaneTracker tracker_{RegularityOptions()};
   int num_created_ = 0;
@@ -151,7 +151,7 @@ TEST_F(PlaneTrackerTest, TheSamePlaneIsNeverHandedOverTwice) {
 
 TEST_F(PlaneTrackerTest, FacesKnowTheirPlane) {
   Run({wall_, floor_}, 5);
-  const std::vector<int>& planes = face_planes_;
+  const std::vector<int>& planes = face_plane_ids_;
   ASSERT_EQ(planes.size(), mesh_.faces.size());
   int on_wall = 0, on_floor = 0;
   for (std::size_t f = 0; f < planes.size(); ++f) {
@@ -227,7 +227,7 @@ TEST_F(PlaneTrackerTest, AnUnseenPlaneSleepsAndIsRecognised) {
   const PlaneAssignments found = Step({displaced});
   EXPECT_TRUE(found.created.empty());
   EXPECT_EQ(tracker_.Records()[0].last_seen, mesh_.t);
-  EXPECT_GT(std::count(face_planes_.begin(), face_planes_.end(), 0), 100);
+  EXPECT_GT(std::count(face_plane_ids_.begin(), face_plane_ids_.end(), 0), 100);
 }
 
 TEST_F(PlaneTrackerTest, LandmarksOfARecognisedPlaneMayBeAsFarOffAsItWas) {
@@ -431,7 +431,7 @@ TEST_F(PlaneTrackerTest, ATentativePlaneThatIsNotSeenAgainIsForgotten) {
 
 TEST_F(PlaneTrackerTest, WithoutMeshOrLandmarksNothingHappens) {
   EXPECT_TRUE(Step({}).IsEmpty());
-  EXPECT_TRUE(face_planes_.empty());
+  EXPECT_TRUE(face_plane_ids_.empty());
   for (int k = 0; k < 6; ++k) {
     view_.time_s += kKeyframe_s;
     const SearchMesh mesh = MakeMesh({wall_}, view_);
@@ -439,8 +439,8 @@ TEST_F(PlaneTrackerTest, WithoutMeshOrLandmarksNothingHappens) {
     map.landmarks.clear();
     const RegularityResult found = tracker_.Process(mesh, map);
     EXPECT_TRUE(found.assignments.IsEmpty());
-    face_planes_ = found.mesh.face_planes;
-    EXPECT_EQ(std::count(face_planes_.begin(), face_planes_.end(), -1),
+    face_plane_ids_ = found.mesh.face_plane_ids;
+    EXPECT_EQ(std::count(face_plane_ids_.begin(), face_plane_ids_.end(), -1),
               static_cast<std::ptrdiff_t>(mesh.faces.size()));
   }
 }
@@ -458,13 +458,13 @@ TEST_F(PlaneTrackerTest, FacesThatAreNotFiniteBelongToNoPlane) {
   mesh_ = MakeMesh({floor_}, view_);
   mesh_.vertices[0].setConstant(std::nan(""));
   mesh_.vertices[30].setConstant(1e300);
-  face_planes_ = tracker_.Process(mesh_, estimator_.Snapshot(mesh_)).mesh.face_planes;
+  face_plane_ids_ = tracker_.Process(mesh_, estimator_.Snapshot(mesh_)).mesh.face_plane_ids;
   for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
     const auto& corners = mesh_.faces[f];
     const bool is_bad = std::any_of(
         corners.begin(), corners.end(), [](int corner) { return corner == 0 || corner == 30; });
     if (is_bad) {
-      EXPECT_EQ(face_planes_[f], -1);
+      EXPECT_EQ(face_plane_ids_[f], -1);
     }
   }
   EXPECT_TRUE(std::isfinite(tracker_.Records()[0].area_m2));

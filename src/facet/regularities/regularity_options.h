@@ -203,8 +203,8 @@ struct SupportDepthOptions {
   }
 };
 
-/// What the support points of a keyframe tell the estimator of a plane (plane_sightings.h).
-struct SightingOptions {
+/// What the support points of a keyframe tell the estimator of a plane (plane_measurements.h).
+struct PlaneMeasurementOptions {
   bool enabled = true;
   /// Fewer points tell nothing.
   int min_points = 8;
@@ -230,8 +230,8 @@ struct SightingOptions {
   }
 };
 
-/// Which faces of the mesh are shown where planes are known (face_judge.h).
-struct FaceJudgeOptions {
+/// Which faces of the mesh are shown where planes are known (triangle_verdicts.h).
+struct FaceVerdictOptions {
   bool enabled = true;
   /// A face with one or two corners on a plane is no surface when another is farther from the plane
   /// than this [m]. Less: flatter, and less of it. (!)
@@ -252,9 +252,9 @@ struct RegularityOptions {
   DetectionOptions detection;
   PlaneTrackingOptions tracking;
   PlaneRelationOptions relations;
-  SightingOptions sightings;
+  PlaneMeasurementOptions sightings;
   SupportDepthOptions support_depths;
-  FaceJudgeOptions faces;
+  FaceVerdictOptions faces;
 
   template <class Visitor>
   void Visit(Visitor& v) {

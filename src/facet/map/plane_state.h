@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The life of a plane.
+#pragma once
+
+namespace facet {
+
+enum class PlaneState {
+  kTentative,   ///< detected in some keyframes; the estimator does not know it
+  kConfirmed,   ///< a variable of the estimator, which may still drop it
+  kPersistent,  ///< determined well enough to enter the marginalisation prior: stays for the run
+  kRetired      ///< the estimator no longer has it
+};
+
+}  // namespace facet

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/detect/plane_detector.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "facet/geometry/angles.h"
+#include "facet/regularities/detect/region_growing.h"
+
+namespace facet {
+
+std::vector<PlaneCandidate> PlaneDetector::Detect(const SurfaceFaces& faces,
+                                                  const std::vector<char>& taken) {
+  std::vector<PlaneCandidate> out;
+  taken_ = taken;
+  pool_.clear();
+  for (std::size_t f = 0; f < faces.faces.size(); ++f) {
+    const SurfaceFace& face = faces.faces[f];
+    if (face.may_vote && (face.in_view || !options_.only_in_view) && taken_[f] == 0)
+      pool_.push_back(static_cast<int>(f));
+  }
+  FindLevel(faces, out);
+  FindUpright(faces, out);
+  if (options_.oblique) FindOblique(faces, out);
+  return out;
+}
+
+std::vector<int> PlaneDetector::Accept(const SurfaceFaces& faces,
+                                       const Plane& start,
+                                       double min_area_m2,
+                                       std::vector<PlaneCandidate>& out) {
+  const std::vector<int> around = FacesAround(faces, pool_, start);
+  std::vector<int> near = FacesOnPlane(faces, around, start, options_.max_distance_m);
+  if (AreaOf(faces, near) < min_area_m2) return near;  // where a fit would begin
+  for (PlaneCandidate& candidate : FitCandidates(faces, around, start, min_area_m2, options_)) {
+    for (const int f : candidate.faces) {
+      taken_[f] = 1;
+      near.push_back(f);
+    }
+    const bool is_wanted = options_.oblique || candidate.orientation != PlaneOrientation::kOblique;
+    if (is_wanted) out.push_back(std::move(candidate));
+  }
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  std::erase_if(pool_, [this](int f) { return taken_[f] != 0; });
+  return near;
+}
+
+// What is found takes its votes back, so that it does not hide its neighbours.
+template <class Votes, class Vote>
+void PlaneDetector::TakePeaks(const SurfaceFaces& faces,
+                              Votes& histogram,
+                              std::vector<char>& has_voted,
+                              const Vote& vote,
+                              std::vector<PlaneCandidate>& out) {
+  for (const int f : pool_) {
+    if (has_voted[f] != 0) vote(f, 1);
+  }
+  for (int k = 0; k < options_.max_candidates; ++k) {
+    const auto peak = histogram.Highest();
+    if (!peak || peak->area_m2 < options_.min_area_m2) return;
+    for (const int f : Accept(faces, peak->plane_W, options_.min_area_m2, out)) {
+      if (has_voted[f] == 0) continue;
+      vote(f, -1);
+      has_voted[f] = 0;
+    }
+    histogram.Erase(peak->plane_W);
+  }
+}
+
+void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
+  const double min_z = std::cos(options_.max_lean_deg * kDegree);
+  std::vector<char> votes(faces.faces.size(), 0);
+  double lowest = 0, highest = 0;
+  bool any = false;
+  for (const int f : pool_) {
+    const SurfaceFace& face = faces.faces[f];
+    if (std::abs(face.n_W.z()) < min_z) continue;
+    votes[f] = 1;
+    lowest = any ? std::min(lowest, face.centre_W.z()) : face.centre_W.z();
+    highest = any ? std::max(highest, face.centre_W.z()) : face.centre_W.z();
+    any = true;
+  }
+  if (!any) return;
+  heights_.Reset(lowest, highest, options_.vote_sigma_m);
+  const auto vote = [&](int f, double sign) {
+    heights_.Add(faces.faces[f].centre_W.z(), sign * faces.faces[f].area_m2);
+  };
+  TakePeaks(faces, heights_, votes, vote, out);
+}
+
+void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
+  const double max_z = std::sin(options_.max_lean_deg * kDegree);
+  std::vector<char> votes(faces.faces.size(), 0);
+  const Vector3d origin = options_.world_origin ? Vector3d(Vector3d::Zero()) : faces.camera.p_W;
+  double radius = 0;
+  for (const int f : pool_) {
+    const SurfaceFace& face = faces.faces[f];
+    if (std::abs(face.n_W.z()) > max_z) continue;
+    votes[f] = 1;
+    radius = std::max(radius, (face.centre_W - origin).head<2>().norm());
+  }
+  if (radius == 0) return;
+  walls_.Reset(origin, radius, options_.vote_sigma_m, options_.vote_sigma_deg * kDegree);
+  const auto vote = [&](int f, double sign) {
+    const SurfaceFace& face = faces.faces[f];
+    const double weight = sign * face.area_m2;
+    if (options_.world_origin) {
+      walls_.AddOwnDistance(face.centre_W, face.n_W, weight);
+    } else {
+      walls_.Add(face.centre_W, face.n_W, weight);
+    }
+  };
+  TakePeaks(faces, walls_, votes, vote, out);
+}
+
+void PlaneDetector::FindOblique(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
+  int found = 0;
+  for (const Plane& region : GrowRegions(faces, pool_, options_.oblique_min_area_m2)) {
+    if (found++ >= options_.max_candidates) return;
+    Accept(faces, region, options_.oblique_min_area_m2, out);
+  }
+}
+
+}  // namespace facet

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/regularities/track/plane_misfit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Cholesky>
+
+#include "facet/regularities/detect/surface_face.h"
+#include "facet/regularities/track/plane_gate.h"
+#include "facet/regularities/track/surface_curvature.h"
+
+namespace facet {
+
+namespace {
+
+constexpr std::size_t kMinLandmarks = 8;
+constexpr double kFlatness_m = 0.01;
+constexpr double kMaxSigmas = 2.5;  // a landmark that is farther off weighs as if it were here
+// Errors that the poses give to all landmarks of a plane, 1-sigma.
+constexpr double kSigmaOffset_m = 0.003, kSigmaSlope = 0.004;
+// A plane is removed when it exceeds either limit in kMaxMisfits keyframes in a row.
+constexpr double kMaxChiSquare = 12;  // 3 degrees of freedom
+constexpr double kMaxScatterAtOnce = 2;
+constexpr int kMaxMisfits = 3;
+constexpr int kMinJudged = 8;  // keyframes that a mean needs
+
+double Square(double x) {
+  return x * x;
+}
+
+// The landmarks of a plane as vision alone places them: the point-on-plane rows have pulled their
+// estimates towards the plane, and that is undone here.
+struct PlaneLandmarks {
+  std::vector<Vector3d> points_W;
+  std::vector<double> across_m;  // the plane
+  std::vector<double> weights;   // [1/m^2]
+};
+
+PlaneLandmarks LandmarksByVision(const MapSnapshot& map,
+                                 double sigma_direction,
+                                 const TrackedPlane& tracked) {
+  const Plane& plane = tracked.estimate.plane_W;
+  PlaneLandmarks landmarks;
+  for (const LandmarkEstimate& landmark : map.landmarks) {
+    // The pulls of several planes cannot be told apart.
+    if (landmark.planes[0] != tracked.id || landmark.planes[1].IsValid()) continue;
+    const FacePoint point =
+        MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, {map.latest.T_WB.p, sigma_direction});
+    const double variance = point.VarianceAlong(plane.n);
+    const double at_m = plane.SignedDistance(landmark.p_W);
+    const double across_m = (1 + variance / Square(tracked.estimate.row_sigma_m)) * at_m;
+    const double expected = variance + Square(kFlatness_m);
+    const double sigmas = std::abs(across_m) / std::sqrt(expected);
+    landmarks.points_W.emplace_back(landmark.p_W + (across_m - at_m) * plane.n);
+    landmarks.across_m.push_back(across_m);
+    landmarks.weights.push_back(std::min(1.0, Square(kMaxSigmas / sigmas)) / expected);
+  }
+  return landmarks;
+}
+
+// How the landmarks of a plane lie.
+struct LandmarkFit {
+  double chi_square = 0;  // between this plane and the one that fits the landmarks best
+  double scatter = 0;     // mean square about the latter, over what is expected
+  std::optional<SurfaceCurvature> curvature;
+};
+
+std::optional<LandmarkFit> FitLandmarks(const PlaneLandmarks& landmarks,
+                                        const PlaneEstimate& plane,
+                                        const SE3& T_WB) {
+  const std::size_t num = landmarks.points_W.size();
+  if (num < kMinLandmarks) return std::nullopt;
+  PlaneCandidate best;
+  double total = 0;
+  for (std::size_t i = 0; i < num; ++i) {
+    best.centroid_W += landmarks.weights[i] * landmarks.points_W[i];
+    total += landmarks.weights[i];
+  }
+  best.centroid_W /= total;
+  const Vector3d& n = plane.plane_W.n;
+  const Matrix<3, 2> B = TangentBasis(n);
+  Matrix3d information = Matrix3d::Zero();
+  Vector3d b = Vector3d::Zero();
+  double square = 0;
+  for (std::size_t i = 0; i < num; ++i) {
+    const double weight = landmarks.weights[i], across_m = landmarks.across_m[i];
+    const Vector2d along_m = B.transpose() * (landmarks.points_W[i] - best.centroid_W);
+    const Vector3d row(1, along_m.x(), along_m.y());
+    information += weight * row * row.transpose();
+    b += weight * across_m * row;
+    square += weight * Square(across_m);
+  }
+  const Eigen::LLT<Matrix3d> factor(information);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  const Vector3d fit = factor.solve(b);  // offset and slopes against the plane
+  const Matrix3d covariance = factor.solve(Matrix3d::Identity());
+  best.plane_W.n = (n - B * fit.tail<2>()).normalized();
+  best.plane_W.d = best.plane_W.n.dot(best.centroid_W);
+  best.normal_covariance =
+      B * (covariance.bottomRightCorner<2, 2>() + Square(kSigmaSlope) * Matrix2d::Identity()) *
+      B.transpose();
+  best.offset_variance_m2 = covariance(0, 0) + Square(kSigmaOffset_m);
+  const LandmarkFit out{ChiSquare(best, plane, T_WB),
+                        (square - b.dot(fit)) / static_cast<double>(num),
+                        FitCurvature(landmarks.points_W, landmarks.weights, n)};
+  if (!std::isfinite(out.chi_square) || !std::isfinite(out.scatter)) return std::nullopt;
+  return out;
+}
+
+bool IsMisfit(const MapSnapshot& map,
+              double sigma_direction,
+              const PlaneTrackingOptions& options,
+              TrackedPlane& plane) {
+  const std::optional<LandmarkFit> fit =
+      FitLandmarks(LandmarksByVision(map, sigma_direction, plane), plane.estimate, map.latest.T_WB);
+  if (!fit) {
+    plane.num_misfits = 0;
+    return false;
+  }
+  const bool misfits = fit->chi_square > kMaxChiSquare || fit->scatter > kMaxScatterAtOnce;
+  plane.num_misfits = misfits ? plane.num_misfits + 1 : 0;
+  plane.scatter.Add(fit->scatter);
+  if (fit->curvature) plane.curvature.Add(IsCurved(*fit->curvature, options.max_bend));
+  return plane.num_misfits >= kMaxMisfits ||
+         (plane.scatter.num >= kMinJudged && plane.scatter.mean > options.max_scatter);
+}
+
+}  // namespace
+
+void RemoveMisfits(const MapSnapshot& map,
+                   double sigma_direction,
+                   const PlaneTrackingOptions& options,
+                   std::vector<TrackedPlane>& planes,
+                   PlaneAssignments& out) {
+  std::erase_if(planes, [&](TrackedPlane& plane) {
+    if (plane.IsTentative() || !IsMisfit(map, sigma_direction, options, plane)) return false;
+    for (const LandmarkEstimate& landmark : map.landmarks) {
+      if (landmark.IsOn(plane.id)) out.left.emplace_back(landmark.id, plane.id);
+    }
+    out.ended.push_back(plane.id);
+    return true;
+  });
+}
+
+}  // namespace facet
