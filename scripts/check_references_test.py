@@ -157,9 +157,12 @@ class IndexTest(unittest.TestCase):
     def test_anchors_are_those_of_github(self):
         self.assertEqual(slug("2.1 The `x_y` of [A](b.md), again"), "21-the-x_y-of-a-again")
 
-    @unittest.skipUnless(os.path.exists(os.environ.get("FACET_PROGRAM", "")), "no program")
     def test_option_keys_are_those_that_the_program_prints(self):
-        program = os.environ["FACET_PROGRAM"]
+        program = os.environ.get("FACET_PROGRAM", "")
+        if not os.path.exists(program):
+            self.skipTest("no program")
+        if os.path.getmtime(program) < max(path.stat().st_mtime for path in (ROOT / "src").rglob("*.h")):
+            self.skipTest("the program was built before the sources changed")
         texts = [subprocess.run([program, "config"], capture_output=True, text=True, check=True).stdout]
         listed = subprocess.run([program, "simulate", "--list"], capture_output=True, text=True)
         if listed.returncode == 0:
