@@ -172,20 +172,21 @@ TEST_F(BadInputTest, ValueOutOfRange) {
   ExpectFailure(2, "key.path=value is expected", "--set frontend.max_features");
 }
 
-TEST_F(BadInputTest, ValuesThatDoNotFitTogether) {
-  ExpectFailure(2,
-                "mesh.map.truncation_m = 0.02 is below mesh.map.voxel_m = 0.08",
-                "--set mesh.map.truncation_m=0.02");
-  ExpectFailure(2,
-                "regularities.tracking.max_gate_m = 0.01 is below",
-                "--set regularities.tracking.max_gate_m=0.01");
-  ExpectFailure(2,
-                "estimator.planes.min_landmarks = 11 is above 7",
-                "--set estimator.planes.min_landmarks=11");
-  ExpectFailure(2,
-                "estimator.planes.min_landmarks = 11 is above 10",
-                "--set estimator.planes.min_landmarks=11 "
-                "--set regularities.tracking.max_spread_sigma_deg=0");
+TEST_F(BadInputTest, OptionOfAnEarlierVersionThatHasAnotherValueThanItsDefault) {
+  ExpectFailure(
+      2,
+      "--set: frontend.klt.max_iterations = '9': frontend.klt.max_iterations is no option "
+      "any more, it is now fixed at 6; remove it",
+      "--set frontend.klt.max_iterations=9");
+}
+
+TEST_F(BadInputTest, SavedConfigurationOfAnEarlierVersionIsReadWithNotices) {
+  const ProgramRun run =
+      RunFacet("config --all --config " +
+               (testing::SourceFolder() / "testdata" / "saved_config_0.1.yaml").string());
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("facet: note: "));
+  EXPECT_THAT(run.err, HasSubstr("frontend.klt.max_iterations is now fixed at 6"));
 }
 
 TEST_F(BadInputTest, WrongUsage) {
@@ -269,10 +270,10 @@ std::string EurocConfig() {
 }
 
 TEST(ProgramTest, ConfigFileHoldsTheBuiltInValues) {
-  EXPECT_EQ(RunFacet("config").out, ReadText(EurocConfig()))
-      << "write it again: build/facet config > config/euroc.yaml";
+  EXPECT_EQ(RunFacet("config --all").out, ReadText(EurocConfig()))
+      << "write it again: build/facet config --all > config/euroc.yaml";
   const std::string file = EurocConfig();
-  const ProgramRun again = RunFacet("config --config " + file);
+  const ProgramRun again = RunFacet("config --all --config " + file);
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(again.out, ReadText(file));
 }

@@ -1,25 +1,30 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "load_options.h"
 
+#include <algorithm>
+
 #include "facet/io/config_file.h"
-#include "facet/io/errors.h"
 
 namespace facet {
 
-VioOptions LoadOptions(const std::string& file, const std::vector<std::string>& overrides) {
-  VioOptions options;
-  const std::vector<ConfigField> fields = ListFields(options);
-  if (!file.empty()) ApplyConfig(ReadConfigFile(file), fields);
-  ApplyOverrides(overrides, fields);
-  const std::string problem = Contradiction(options);
-  if (!problem.empty()) throw ConfigError(problem);
-  return options;
+LoadedOptions LoadOptions(const std::string& file, const std::vector<std::string>& overrides) {
+  LoadedOptions loaded;
+  const std::vector<ConfigField> fields = ListFields(loaded.options);
+  if (!file.empty()) loaded.notices = ApplyConfig(ReadConfigFile(file), fields, RetiredOptions());
+  for (std::string& notice : ApplyOverrides(overrides, fields, RetiredOptions()))
+    loaded.notices.push_back(std::move(notice));
+  return loaded;
 }
 
-std::string FormatOptions(VioOptions options) {
-  return "# Facet's parameters: value, meaning, [what is allowed]. `facet config` prints the "
-         "defaults.\n" +
-         FormatConfig(ListFields(options));
+std::string FormatOptions(VioOptions options, Audience audience) {
+  const std::vector<ConfigField> fields = ListFields(options);
+  const std::string head = "# Facet's parameters: value, meaning, [what is allowed].";
+  if (audience == Audience::kExperts) return head + "\n" + FormatConfig(fields);
+  const auto num_others = std::count_if(fields.begin(), fields.end(), [](const ConfigField& field) {
+    return field.audience == Audience::kExperts;
+  });
+  return head + " `facet config --all` prints " + std::to_string(num_others) + " more.\n" +
+         FormatConfig(fields, audience);
 }
 
 }  // namespace facet

@@ -8,11 +8,16 @@
 
 namespace facet {
 
+struct LoadedOptions {
+  VioOptions options;
+  std::vector<std::string> notices;  ///< of options of earlier versions, one line each
+};
+
 /// The built-in values, changed by a file (may be empty) and then by `key.path=value` texts. Throws
 /// ConfigError.
-VioOptions LoadOptions(const std::string& file, const std::vector<std::string>& overrides);
+LoadedOptions LoadOptions(const std::string& file, const std::vector<std::string>& overrides);
 
-/// Every parameter as YAML, with its meaning.
-std::string FormatOptions(VioOptions options);
+/// The parameters as YAML, with their meaning: all, or those that users turn.
+std::string FormatOptions(VioOptions options, Audience audience = Audience::kExperts);
 
 }  // namespace facet

@@ -107,7 +107,7 @@ TEST(PalletFlatness, BoardsAreFlatInTheHorizonMesh) {
   ASSERT_EQ(outlines.size(), 3u);
   AslDataset data(*folder);
   VioOptions options;
-  options.pipeline = "S";
+  options.pipeline = Formulation::kS;
   VioPipeline vio(data.rig(), data.imu_noise(), options);
   auto next = outlines.begin();
   std::optional<SE3> T_WC;  // of the outlines' image

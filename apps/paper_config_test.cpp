@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // config/paper.yaml changes what it says and nothing else.
 #include <map>
-#include <sstream>
 #include <string>
 
 #include "load_options.h"
@@ -19,18 +18,14 @@ std::string ConfigFile(const std::string& name) {
 
 std::map<std::string, std::string> ValuesOf(VioOptions options) {
   std::map<std::string, std::string> out;
-  for (const ConfigField& field : ListFields(options)) {
-    std::ostringstream text;
-    text << std::boolalpha;
-    std::visit([&](const auto* value) { text << *value; }, field.value);
-    out[field.key] = text.str();
-  }
+  for (const ConfigField& field : ListFields(options))
+    out[field.key] = FormatValue(field);
   return out;
 }
 
 TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
   const auto defaults = ValuesOf(VioOptions());
-  const auto paper = ValuesOf(LoadOptions(ConfigFile("paper.yaml"), {}));
+  const auto paper = ValuesOf(LoadOptions(ConfigFile("paper.yaml"), {}).options);
   std::map<std::string, std::string> changed, changed_mesh;
   for (const auto& [key, value] : paper) {
     if (value != defaults.at(key)) (key.starts_with("mesh.") ? changed_mesh : changed)[key] = value;
@@ -48,8 +43,8 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
                 {"regularities.detection.only_in_view", "false"},
                 {"regularities.detection.world_origin", "true"},
                 {"regularities.faces.enabled", "false"},
+                {"regularities.measurements.enabled", "false"},
                 {"regularities.relations.enabled", "false"},
-                {"regularities.sightings.enabled", "false"},
                 {"regularities.tracking.max_age_s", "6"},
                 {"regularities.tracking.max_spread_sigma_deg", "0"},
                 {"regularities.tracking.revise", "false"},
@@ -69,12 +64,12 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
 }
 
 TEST(PaperConfigTest, DefaultsAreThoseOfEurocYaml) {
-  EXPECT_EQ(ValuesOf(LoadOptions(ConfigFile("euroc.yaml"), {})), ValuesOf(VioOptions()));
+  EXPECT_EQ(ValuesOf(LoadOptions(ConfigFile("euroc.yaml"), {}).options), ValuesOf(VioOptions()));
 }
 
 // One level of faces: what votes for planes is what the mesh shows.
 TEST(PaperConfigTest, TheSameFacesVoteThatAreShown) {
-  const auto paper = ValuesOf(LoadOptions(ConfigFile("paper.yaml"), {}));
+  const auto paper = ValuesOf(LoadOptions(ConfigFile("paper.yaml"), {}).options);
   int compared = 0;
   for (const auto& [key, value] : paper) {
     if (!key.starts_with("mesh.voting.")) continue;

@@ -29,7 +29,7 @@ using testing::Patch;
 
 const VioOptions& Paper() {
   static const VioOptions options =
-      LoadOptions(testing::SourceFolder() / "config" / "paper.yaml", {});
+      LoadOptions(testing::SourceFolder() / "config" / "paper.yaml", {}).options;
   return options;
 }
 
@@ -232,7 +232,7 @@ TEST(PaperTraitsTest, SupportPointsSayNothingOfPlanes) {
   };
   EXPECT_EQ(num_sighted(Paper().regularities), 0);
   RegularityOptions ours = Paper().regularities;
-  ours.sightings.enabled = true;
+  ours.measurements.enabled = true;
   EXPECT_EQ(num_sighted(ours), 3);
 }
 

@@ -151,7 +151,7 @@ TEST_F(PipelinesTest, TrajectoriesDifferWherePlanesAreSeen) {
 }
 
 TEST_F(PipelinesTest, TrajectoriesAreTheSameWhereNoPlaneIsFound) {
-  const std::string none = "--duration 6 --set regularities.detection.min_vertices=1000";
+  const std::string none = "--duration 6 --set regularities.detection.min_faces=1000";
   const std::string s = TrajectoryOf(Run("S", none));
   EXPECT_GT(std::count(s.begin(), s.end(), '\n'), 100);
   EXPECT_EQ(s, TrajectoryOf(Run("SP", none)));

@@ -62,9 +62,12 @@ std::shared_ptr<spdlog::logger> MakeLog(bool verbose) {
 }
 
 VioOptions ChooseOptions(const RunArguments& arguments) {
-  VioOptions options = LoadOptions(arguments.config, arguments.overrides);
-  if (!arguments.pipeline.empty()) options.pipeline = arguments.pipeline;
-  return options;
+  std::vector<std::string> overrides = arguments.overrides;
+  if (!arguments.pipeline.empty()) overrides.push_back("pipeline=" + arguments.pipeline);
+  const LoadedOptions loaded = LoadOptions(arguments.config, overrides);
+  for (const std::string& notice : loaded.notices)
+    std::fprintf(stderr, "facet: note: %s\n", notice.c_str());
+  return loaded.options;
 }
 
 void LogFrame(spdlog::logger& log, const VioOutput& output) {
@@ -118,10 +121,10 @@ void WarnOfFullMap(double limit_mb, RunRecord& record) {
 }
 
 void WarnOfMissingMesh(const VioOptions& options, RunRecord& record) {
-  if (options.mesh.enabled || options.pipeline == "S") return;
+  if (options.mesh.enabled || options.pipeline == Formulation::kS) return;
   record.warnings.push_back(fmt::format(
       "mesh.enabled=false: planes are found in the mesh, so pipeline {} has none and runs as S",
-      options.pipeline));
+      ToString(options.pipeline)));
 }
 
 /// Runs the sequence with VioPipeline or ThreadedVio.
@@ -191,14 +194,15 @@ void Run(const RunArguments& arguments) {
   const auto log = MakeLog(arguments.verbose);
   AslDataset dataset(arguments.sequence, {arguments.calibration, arguments.imu_calibration});
   log->debug("calibration: {}", dataset.calibration_source());
-  ResultFolder folder(arguments.out.empty() ? "runs/" + dataset.name() + "-" + options.pipeline
-                                            : arguments.out);
+  ResultFolder folder(arguments.out.empty()
+                          ? "runs/" + dataset.name() + "-" + ToString(options.pipeline)
+                          : arguments.out);
 
   MeshFiles mesh_files(
       folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
   SequenceRun run = RunPipeline(dataset, options, arguments, mesh_files, *log);
   run.record.version = FACET_VERSION;
-  run.record.pipeline = options.pipeline;
+  run.record.pipeline = ToString(options.pipeline);
   run.record.threads = arguments.threads;
   run.record.config = FormatOptions(options);
   WriteResult(folder.staging(), run.record);

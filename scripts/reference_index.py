@@ -186,7 +186,7 @@ class Index:
                     if not visit:
                         continue
                     calls = body[visit.end() - 1:closing_brace(body, visit.end() - 1)]
-                    fields = re.findall(visit.group(1) + r"\.Field\(\s*\"(\w+)\"", calls)
+                    fields = re.findall(visit.group(1) + r"\.(?:Field|Choice)\(\s*\"(\w+)\"", calls)
                     groups = {}
                     for name, member in re.findall(visit.group(1) + r"\.Group\(\s*\"(\w+)\"\s*,\s*([\w.]+)", calls):
                         kind = re.search(r"\b([A-Z]\w*)\s+" + re.escape(member) + r"\b\s*(?:[;={])", body)

@@ -53,7 +53,7 @@ std::vector<Rung> MakeRungs(const SearchOptions& search) {
   SearchOptions unrelated = search, short_lived = search, handed_over = search;
   unrelated.regularities.relations.enabled = false;
   short_lived.regularities.tracking.max_age_s = 6;
-  handed_over.regularities.tracking.min_sightings = 1;  // what is true needs no confirmation
+  handed_over.regularities.tracking.min_detections = 1;  // what is true needs no confirmation
   const MakePolicy placebo = [](const SimulatedRun& run, SearchQuality& /*quality*/) {
     return PlanePolicy(PlaceboPlanes(run));
   };

@@ -11,11 +11,9 @@ namespace facet {
 
 VioOptions OptionsOfS(const std::vector<std::string>& overrides) {
   VioOptions options;
-  options.pipeline = "S";
+  options.pipeline = Formulation::kS;
   options.mesh.enabled = false;
   ApplyOverrides(overrides, ListFields(options));
-  const std::string problem = Contradiction(options);
-  if (!problem.empty()) throw ConfigError(problem);
   return options;
 }
 

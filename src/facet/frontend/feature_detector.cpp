@@ -11,11 +11,23 @@ namespace {
 // FAST compares with a circle of radius 3.
 constexpr int kFastRadius = 3;
 
+// The strength of a corner is how well shift, rotation and scale of its patch can be estimated.
+constexpr int kStrengthParameters = 4;
+
+// Empty cells are searched again with this threshold if the image gave too few points.
+constexpr int kWeakFastThreshold = 7;
+
+// Patches need this much room.
+constexpr int kBorder_px = 8;
+
 int NumCells(int side, int border, int cell) {
   return std::max(0, (side - 2 * border) / cell);
 }
 
 }  // namespace
+
+FeatureDetector::FeatureDetector(const DetectorOptions& options, const KltOptions& klt)
+    : options_(options), tracker_(klt, kStrengthParameters) {}
 
 void FeatureDetector::MarkOccupied(const cv::Mat& image, std::span<const Vector2d> occupied) {
   mask_.create(image.size(), CV_8UC1);
@@ -69,7 +81,7 @@ bool FeatureDetector::SearchCell(const cv::Mat& image,
 
 void FeatureDetector::ListEmptyCells(const cv::Mat& image, std::span<const Vector2d> occupied) {
   empty_cells_.clear();
-  const int border = std::max(options_.border_px, kFastRadius);
+  const int border = kBorder_px;
   const int cell = options_.cell_px;
   const int columns = NumCells(image.cols, border, cell), rows = NumCells(image.rows, border, cell);
   // The grid is centred; what does not fill a cell widens the border.
@@ -105,7 +117,7 @@ std::span<const Vector2d> FeatureDetector::Detect(const cv::Mat& image,
   // Weaker corners are only needed where there are not enough strong ones.
   if (static_cast<int>(candidates_.size()) < max_points) {
     for (const cv::Rect& cell : empty_cells_) {
-      SearchCell(image, level, cell, options_.fast_threshold_min);
+      SearchCell(image, level, cell, kWeakFastThreshold);
     }
   }
   // Stable: equal strengths stay in the order of the cells.

@@ -16,8 +16,7 @@ namespace facet {
 class FeatureDetector {
  public:
   /// The strength of a corner is how well a tracker with these options can locate it.
-  FeatureDetector(const DetectorOptions& options, const KltOptions& klt)
-      : options_(options), tracker_(klt, options.num_parameters) {}
+  FeatureDetector(const DetectorOptions& options, const KltOptions& klt);
 
   /// At most max_points corners of the image, each at least min_distance_px from the `occupied`
   /// points and from each other; the result is valid until the next call. `level`: the same image

@@ -9,8 +9,6 @@ const char* ToString(KeyframeReason reason) {
       return "none";
     case KeyframeReason::kFirst:
       return "first";
-    case KeyframeReason::kStart:
-      return "start";
     case KeyframeReason::kInterval:
       return "interval";
     case KeyframeReason::kFewTracks:
@@ -20,13 +18,11 @@ const char* ToString(KeyframeReason reason) {
 }
 
 KeyframeReason KeyframePolicy::Reason(Timestamp t, const SharedPoints& shared) const {
-  if (!first_) return KeyframeReason::kFirst;
+  if (!previous_frame_) return KeyframeReason::kFirst;
   if (t < last_keyframe_) return KeyframeReason::kInterval;  // the clock was set back
-  const Duration since_start = t - *first_;
   const Duration since_keyframe = t - last_keyframe_;
   // Stamps jitter; half a frame more or less must not turn every 4th frame into every 5th.
   const Duration tolerance = {frame_interval_.ns / 2};
-  if (since_start < FromSeconds(options_.every_frame_until_s)) return KeyframeReason::kStart;
   if (since_keyframe + tolerance >= FromSeconds(options_.interval_s)) {
     return KeyframeReason::kInterval;
   }
@@ -46,7 +42,6 @@ KeyframeReason KeyframePolicy::Decide(Timestamp t, const SharedPoints& shared) {
   }
   const KeyframeReason reason = Reason(t, shared);
   previous_frame_ = t;
-  if (!first_) first_ = t;
   if (reason != KeyframeReason::kNone) last_keyframe_ = t;
   return reason;
 }

@@ -9,7 +9,7 @@
 
 namespace facet {
 
-enum class KeyframeReason { kNone, kFirst, kStart, kInterval, kFewTracks };
+enum class KeyframeReason { kNone, kFirst, kInterval, kFewTracks };
 
 const char* ToString(KeyframeReason reason);
 
@@ -35,7 +35,6 @@ class KeyframePolicy {
   KeyframeReason Reason(Timestamp t, const SharedPoints& shared) const;
 
   KeyframeOptions options_;
-  std::optional<Timestamp> first_;
   std::optional<Timestamp> previous_frame_;
   Timestamp last_keyframe_;
   Duration frame_interval_;

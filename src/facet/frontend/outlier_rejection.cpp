@@ -17,6 +17,12 @@ constexpr double kMinSine = 1e-3;
 constexpr double kRotationSigma = 0.05;
 // A model that explains this share of the pairs needs no better one.
 constexpr double kGoodRatio = 0.9;
+// One that explains less is not trusted: nothing is removed.
+constexpr double kMinInlierRatio = 0.7;
+// Two of two pairs are inliers with a probability of 0.49 or more: 60 samples miss in 1 of 10^17.
+constexpr int kMaxIterations = 60;
+// Median motion apart from the rotation, below which directions of translation would be noise.
+constexpr double kMinParallax_px = 1.0;
 
 // Distance of the turned second ray from the epipolar plane [rad].
 double PlaneAngle(const Vector3d& before, const Vector3d& now, const Vector3d& t) {
@@ -75,7 +81,7 @@ OutlierRejection::Model OutlierRejection::SampleTranslation(std::span<const Bear
   const int n = static_cast<int>(pairs.size());
   Model best;
   best.turn = turn;
-  for (int i = 0; i < options_.max_iterations; ++i) {
+  for (int i = 0; i < kMaxIterations; ++i) {
     const BearingPair& a = pairs[static_cast<std::size_t>(rng.Index(n))];
     const BearingPair& b = pairs[static_cast<std::size_t>(rng.Index(n))];
     const Vector3d t = a.before.cross(turn * a.now).cross(b.before.cross(turn * b.now));
@@ -126,7 +132,7 @@ OutlierVerdict OutlierRejection::Find(std::span<const BearingPair> pairs,
   is_outlier.assign(pairs.size(), 0);
   if (pairs.size() < kMinPairs) return OutlierVerdict::kFewPoints;
   const Quaterniond aligned = AlignBearings(pairs);
-  if (MedianParallaxPx(pairs, aligned) < options_.min_parallax_px) {
+  if (MedianParallaxPx(pairs, aligned) < kMinParallax_px) {
     return OutlierVerdict::kLowParallax;
   }
   // The given rotation, and one that takes all common motion for rotation; both are then refined.
@@ -139,7 +145,7 @@ OutlierVerdict OutlierRejection::Find(std::span<const BearingPair> pairs,
     if (model.num_inliers > best.num_inliers) best = model;
     if (best.num_inliers > kGoodRatio * static_cast<double>(pairs.size())) break;
   }
-  if (best.num_inliers < options_.min_inlier_ratio * static_cast<double>(pairs.size())) {
+  if (best.num_inliers < kMinInlierRatio * static_cast<double>(pairs.size())) {
     return OutlierVerdict::kNoModel;
   }
   int front = 0;

@@ -170,8 +170,10 @@ PatchWarp FromLevel(PatchWarp warp, int level) {
   return warp;
 }
 
-PatchTracker::PatchTracker(const KltOptions& options, int num_parameters)
-    : options_(options), num_parameters_(num_parameters), kernels_(FindPatchKernels(options.simd)) {
+PatchTracker::PatchTracker(const KltOptions& options, int num_parameters, double min_update_px)
+    : num_parameters_(num_parameters),
+      min_update2_(static_cast<float>(min_update_px * min_update_px)),
+      kernels_(FindPatchKernels(options.simd)) {
   FACET_CHECK(kernels_ != nullptr) << "simd variant " << options.simd << " cannot run here";
   FACET_CHECK((num_parameters >= 2 && num_parameters <= 4) || num_parameters == 6)
       << num_parameters;
@@ -225,13 +227,14 @@ bool PatchTracker::AlignLevel(const PatchTemplate& patch,
   constexpr float kMaxShift = 0.75F * kPatchSide;
   // Smaller gains amplify noise into steps.
   constexpr float kMinGain = 0.1F;
+  // Most patches need two or three; the few that need more than six rarely converge.
+  constexpr int kMaxIterations = 6;
   const PatchWarp start = warp;
   const bool is_upright = num_parameters_ == 2 && IsUpright(warp);  // and stays so
   PatchRow value;
   std::array<float, 1 + kMaxWarpParameters> product{};
-  const auto min_update2 = static_cast<float>(options_.min_update_px * options_.min_update_px);
   bool converged = false;
-  for (int i = 0; i < options_.max_iterations && !converged; ++i) {
+  for (int i = 0; i < kMaxIterations && !converged; ++i) {
     if (!CanSample(image, warp)) return false;
     if (is_upright) {
       kernels_->sample_upright(image, warp.x, warp.y, value.data());
@@ -248,7 +251,7 @@ bool PatchTracker::AlignLevel(const PatchTemplate& patch,
     Compose(update.data(), num_parameters_, warp);
     const float dx = warp.x - start.x, dy = warp.y - start.y;
     if (!(dx * dx + dy * dy < kMaxShift * kMaxShift)) return false;
-    converged = update[0] * update[0] + update[1] * update[1] < min_update2;
+    converged = update[0] * update[0] + update[1] * update[1] < min_update2_;
   }
   if (!CanSample(image, warp)) return false;
   float sum = 0, squares = 0;

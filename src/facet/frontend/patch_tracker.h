@@ -57,7 +57,8 @@ class PatchTracker {
  public:
   /// Free parameters of the warp besides gain and offset: 2 shift, 3 and rotation, 4 and scale, 6
   /// affine. CHECKs these numbers and that options.simd can run here.
-  PatchTracker(const KltOptions& options, int num_parameters);
+  /// An alignment ends when an update moves the patch by less than `min_update_px`.
+  PatchTracker(const KltOptions& options, int num_parameters, double min_update_px = 0.01);
 
   /// Takes the patch around (x, y) of level 0, on the levels of `range`; the others stay as they
   /// are.
@@ -87,8 +88,8 @@ class PatchTracker {
                   PatchWarp& warp,
                   float* zncc) const;
 
-  KltOptions options_;
   int num_parameters_;
+  float min_update2_;
   const PatchKernels* kernels_;
 };
 

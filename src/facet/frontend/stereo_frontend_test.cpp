@@ -107,7 +107,6 @@ class FrontendTest : public ::testing::Test {
     FrontendOptions options;
     options.max_features = 80;
     options.detector.cell_px = 30;
-    options.keyframe.every_frame_until_s = 0;
     return options;
   }
 
@@ -149,7 +148,7 @@ TEST_F(FrontendTest, TracksAndMatchesStayOnTheWall) {
     for (const FeatureObservation& o : result.observations.features) {
       const auto [entry, is_new] = born.try_emplace(o.landmark, i, o.px_left);
       const auto& [first, px] = entry->second;
-      EXPECT_TRUE(rig_.cameras[0].IsInside(o.px_left, Options().border_px));
+      EXPECT_TRUE(rig_.cameras[0].IsInside(o.px_left, 4));
       const Vector2d left = o.px_left - Truth(first, px, i, 0);
       num_bad += left.norm() > 1 ? 1 : 0;
       if (left.norm() > 1) continue;

@@ -13,13 +13,16 @@ constexpr std::size_t kMaxCandidates = 2;
 // Coarsest level of a match whose depth is known.
 constexpr int kSeededLevel = 1;
 
-// Nobody tracks these points on: the last hundredths of a pixel, far below the noise, are not worth
-// an iteration.
-KltOptions NearKltOptions(KltOptions options) {
-  constexpr double kMinUpdate_px = 0.05;
-  options.min_update_px = std::max(options.min_update_px, kMinUpdate_px);
-  return options;
-}
+// Free parameters of the warp from left to right: shift, rotation and scale. Places whose depth is
+// predicted (support points) need the shift only.
+constexpr int kParameters = 4, kNearParameters = 2;
+// Support points are not tracked on: the last hundredths of a pixel, far below the noise, are not
+// worth an iteration.
+constexpr double kNearMinUpdate_px = 0.05;
+// The search along the epipolar line looks at every pixel of this pyramid level, four of the image.
+constexpr int kSearchLevel = 2;
+// Similarity (ZNCC) that the best place of the search must have to be refined.
+constexpr float kMinSearchZncc = 0.6F;
 
 // What a shape whose entries are within 2.5 % of the upright one changes is at most a quarter of a
 // pixel in the corners of the patch and nothing in the middle, and upright patches are sampled row
@@ -40,8 +43,8 @@ StereoMatcher::StereoMatcher(const StereoRig& rig, const FrontendOptions& option
       T_C1C0_(rig.T_C1C0()),
       baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()),
       options_(options.stereo),
-      tracker_(options.klt, options.stereo.num_parameters),
-      near_tracker_(NearKltOptions(options.klt), options.stereo.near_parameters) {}
+      tracker_(options.klt, kParameters),
+      near_tracker_(options.klt, kNearParameters, kNearMinUpdate_px) {}
 
 bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
                                 const Vector2d& px_right,
@@ -75,7 +78,7 @@ std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
       PredictWarp(track.ray, start.inverse_depth, T_C1C0_, right_camera_);
   if (!warp) return std::nullopt;
   const PatchTracker& tracker = start.tracker;
-  if (&tracker == &near_tracker_ && options_.near_parameters == 2) NeglectSlightShape(*warp);
+  if (&tracker == &near_tracker_) NeglectSlightShape(*warp);
   const Alignment found = tracker.Align(patch_, right, {start.coarsest_level, track.level}, *warp);
   *zncc = found.zncc;
   if (!found.ok || found.zncc < static_cast<float>(options_.min_zncc)) return std::nullopt;
@@ -101,7 +104,7 @@ void StereoMatcher::Search(const Track& track,
                            const ImagePyramid& right) {
   samples_.clear();
   candidates_.clear();
-  int level = std::min(options_.search_level, right.num_levels() - 1);
+  int level = std::min(kSearchLevel, right.num_levels() - 1);
   const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
   tracker_.Extract(left, x, y, {level, kSeededLevel + 1}, patch_);
   while (level > 0 && !patch_.IsValid(level))
@@ -131,7 +134,7 @@ void StereoMatcher::Search(const Track& track,
     const float here = samples_[i].zncc;
     const float before = i > 0 ? samples_[i - 1].zncc : -2;
     const float after = i + 1 < samples_.size() ? samples_[i + 1].zncc : -2;
-    if (here < static_cast<float>(options_.min_search_zncc)) continue;
+    if (here < kMinSearchZncc) continue;
     if (here >= before && here > after) candidates_.push_back(samples_[i]);
   }
   std::stable_sort(candidates_.begin(),
@@ -156,7 +159,7 @@ std::optional<StereoMatch> StereoMatcher::Match(const Track& track,
   std::optional<StereoMatch> best;
   float best_zncc = -1;
   for (const Candidate& candidate : candidates_) {
-    const int level = std::max(options_.search_level, track.level);
+    const int level = std::max(kSearchLevel, track.level);
     std::optional<StereoMatch> match =
         Refine(track, {candidate.inverse_depth, level, tracker_}, left, right, &zncc);
     if (!match || zncc <= best_zncc) continue;

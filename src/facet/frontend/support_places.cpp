@@ -19,6 +19,10 @@ constexpr int kWindow = 2 * kReach_px / kSampling_px + 1;  // samples along its 
 static_assert(kStep_px == 2 * kSampling_px);
 constexpr int kNumDifferences = kWindow * kWindow;
 
+// [1/m]. A triangle whose corners differ by more is also searched around the nearest and the
+// farthest of them: it may span a gap between surfaces.
+constexpr double kMinDepthStep = 0.12;
+
 }  // namespace
 
 void SupportPlaces::MarkOccupied(std::span<const FeatureObservation> features) {
@@ -124,7 +128,7 @@ void SupportPlaces::PredictInside(const std::array<Vector2d, 3>& px,
           depths[0] + b1 * (depths[1] - depths[0]) + b2 * (depths[2] - depths[0]),
           *farthest,
           *nearest};
-      query.num_depths = *farthest - *nearest > options_.min_depth_step ? 3 : 1;
+      query.num_depths = *farthest - *nearest > kMinDepthStep ? 3 : 1;
     }
   }
 }
@@ -143,7 +147,7 @@ void SupportPlaces::PredictOutside() {
     const auto& [a, b, c] = nearest;
     query.inverse_depths = {a.inverse_depth, b.inverse_depth, c.inverse_depth};
     const auto [low, high] = std::minmax({a.inverse_depth, b.inverse_depth, c.inverse_depth});
-    query.num_depths = high - low > options_.min_depth_step ? 3 : 1;
+    query.num_depths = high - low > kMinDepthStep ? 3 : 1;
   }
 }
 

@@ -12,13 +12,31 @@ namespace {
 // Finest and second finest level: what the reference patch is aligned on.
 constexpr LevelRange kReferenceLevels = {1, 0};
 
+// Free parameters of the warp from frame to frame (a shift; the prediction supplies the rest, and
+// more parameters are noisier) and to the reference patch (shift, rotation and scale).
+constexpr int kFrameParameters = 2, kReferenceParameters = 4;
+
+// Coarsest pyramid level for points whose motion is predicted; others begin at the top.
+constexpr int kStartLevel = 1;
+
+// A reference patch is taken anew when the point has come nearer or gone farther by this factor, or
+// when aligning with it would move the point by more than this.
+constexpr float kMaxReferenceScale = 1.6F, kMaxReferenceShift_px = 1.5F;
+
+// With more lost tracks than this per tracked one the prediction may be wrong: the lost ones are
+// sought again as if nothing had moved.
+constexpr double kRetryLostRatio = 0.5;
+
+// Points this near to the border of the image are lost.
+constexpr int kBorder_px = 4;
+
 }  // namespace
 
 TemporalTracker::TemporalTracker(const CameraModel& camera, const FrontendOptions& options)
     : camera_(camera),
       options_(options),
-      frame_tracker_(options.klt, options.tracking.num_parameters),
-      reference_tracker_(options.klt, options.tracking.reference_parameters) {}
+      frame_tracker_(options.klt, kFrameParameters),
+      reference_tracker_(options.klt, kReferenceParameters) {}
 
 bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& track) const {
   const std::optional<UndistortedPoint> ray = camera_.Undistort(px);
@@ -26,7 +44,7 @@ bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& 
   const auto x = static_cast<float>(px.x()), y = static_cast<float>(px.y());
   track.patch->Invalidate();
   track.reference->Invalidate();
-  frame_tracker_.Extract(now, x, y, {options_.tracking.start_level, 0}, *track.patch);
+  frame_tracker_.Extract(now, x, y, {kStartLevel, 0}, *track.patch);
   reference_tracker_.Extract(now, x, y, kReferenceLevels, *track.reference);
   if (!track.patch->IsValid(0) || !track.reference->IsValid(0)) return false;
   track.reference_warp = PatchWarp{};
@@ -67,15 +85,14 @@ bool TemporalTracker::AlignWithReference(const ImagePyramid& now,
                                          PatchWarp& warp,
                                          Alignment& found) {
   PatchWarp aligned = ComposeLinear(warp, track.reference_warp);
-  const auto max_scale = static_cast<float>(options_.tracking.max_reference_scale);
   const float scale = Scale(aligned);
-  if (!(scale < max_scale && scale * max_scale > 1)) return false;
+  if (!(scale < kMaxReferenceScale && scale * kMaxReferenceScale > 1)) return false;
   const auto min_zncc = static_cast<float>(options_.tracking.min_reference_zncc);
   const LevelRange range = {found.level, found.level};
   const Alignment result = reference_tracker_.Align(*track.reference, now, range, aligned);
   if (!result.ok || result.zncc < min_zncc) return false;
   const float shift = std::hypot(aligned.x - warp.x, aligned.y - warp.y);
-  if (shift > static_cast<float>(options_.tracking.max_reference_shift_px)) return false;
+  if (shift > kMaxReferenceShift_px) return false;
   warp.x = aligned.x;
   warp.y = aligned.y;
   new_reference_warp_ = aligned;
@@ -131,9 +148,9 @@ TemporalTracker::Outcome TemporalTracker::FollowInRange(const Images& images,
   }
   const bool has_reference = AlignWithReference(images.now, track, warp, found);
   const Vector2d px(warp.x, warp.y);
-  if (!camera_.IsInside(px, options_.border_px)) return Outcome::kOutOfView;
+  if (!camera_.IsInside(px, kBorder_px)) return Outcome::kOutOfView;
   scratch_->Invalidate();
-  frame_tracker_.Extract(images.now, warp.x, warp.y, {options_.tracking.start_level, 0}, *scratch_);
+  frame_tracker_.Extract(images.now, warp.x, warp.y, {kStartLevel, 0}, *scratch_);
   if (!ReturnsToStart(images.previous, track, found.level, warp)) return Outcome::kNotReturned;
   const std::optional<UndistortedPoint> ray = camera_.Undistort(px);
   if (!ray) return Outcome::kOutOfView;
@@ -144,7 +161,7 @@ TemporalTracker::Outcome TemporalTracker::FollowInRange(const Images& images,
 TemporalTracker::Outcome TemporalTracker::Follow(const Images& images,
                                                  const Prediction& prediction,
                                                  Track& track) {
-  const int start = options_.tracking.start_level;
+  const int start = kStartLevel;
   const int top = images.now.num_levels() - 1;
   Outcome outcome = Outcome::kNotFound;
   if (prediction.is_close) {
@@ -202,7 +219,7 @@ TrackingSummary TemporalTracker::Advance(const ImagePyramid& previous,
     else if (outcome != Outcome::kTracked)
       track.id = LandmarkId{};
   }
-  const auto limit = options_.tracking.retry_lost_ratio * summary.num_tracked;
+  const auto limit = kRetryLostRatio * summary.num_tracked;
   if (static_cast<double>(lost_.size()) > limit) RetryInPlace(images, tracks, summary);
   for (const std::size_t slot : lost_)
     tracks[slot].id = LandmarkId{};

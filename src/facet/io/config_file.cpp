@@ -37,6 +37,11 @@ std::string FormatText(const std::string& value) {
 }
 
 struct Formatter {
+  const ConfigField& field;
+
+  std::string operator()(const EnumValue& v) const {
+    return FormatText(field.choices[static_cast<std::size_t>(v.get(v.value))]);
+  }
   std::string operator()(const bool* v) const { return *v ? "true" : "false"; }
   std::string operator()(const int* v) const { return std::to_string(*v); }
   std::string operator()(const double* v) const { return FormatDouble(*v); }
@@ -98,11 +103,21 @@ struct Setter {
     return "";
   }
   std::string operator()(std::string* v) const {
-    const auto& choices = field.choices;
-    const bool is_known = std::find(choices.begin(), choices.end(), text) != choices.end();
-    if (!choices.empty() && !is_known) return "is not one of these" + Allowed();
+    if (!field.choices.empty() && PlaceOfChoice() < 0) return "is not one of these" + Allowed();
     *v = text;
     return "";
+  }
+  std::string operator()(const EnumValue& v) const {
+    const int place = PlaceOfChoice();
+    if (place < 0) return "is not one of these" + Allowed();
+    v.set(v.value, place);
+    return "";
+  }
+
+  int PlaceOfChoice() const {
+    const auto& choices = field.choices;
+    const auto found = std::find(choices.begin(), choices.end(), text);
+    return found == choices.end() ? -1 : static_cast<int>(found - choices.begin());
   }
 
   bool IsInside(double value) const { return value >= field.range.min && value <= field.range.max; }
@@ -207,25 +222,67 @@ ConfigEntry ParseOverride(const std::string& text) {
       std::string(Trim(all.substr(0, equals))), std::string(Trim(all.substr(equals + 1))), "--set"};
 }
 
-void ApplyConfig(std::span<const ConfigEntry> entries, std::span<const ConfigField> fields) {
+namespace {
+
+/// Sets the field with this key; false if there is none.
+bool Set(const std::string& key, const ConfigEntry& entry, std::span<const ConfigField> fields) {
+  const auto field = std::find_if(
+      fields.begin(), fields.end(), [&](const ConfigField& f) { return f.key == key; });
+  if (field == fields.end()) return false;
+  const std::string problem = std::visit(Setter{entry.text, *field}, field->value);
+  if (!problem.empty())
+    throw ConfigError(entry.origin + ": " + entry.key + " = '" + entry.text + "' " + problem);
+  return true;
+}
+
+bool SameValue(const std::string& a, const std::string& b) {
+  const auto x = ParseYamlDouble(a), y = ParseYamlDouble(b);
+  return x && y ? *x == *y : a == b;
+}
+
+/// What to tell the user about an option of earlier versions.
+std::string ApplyRetired(const ConfigEntry& entry,
+                         const RetiredOption& option,
+                         std::span<const ConfigField> fields) {
+  const std::string new_key = option.new_key;
+  if (!new_key.empty() && Set(new_key, entry, fields))
+    return entry.origin + ": " + entry.key + " is now called " + new_key;
+  const std::string fixed = std::string("is now fixed at ") + option.default_text;
+  if (!SameValue(entry.text, option.default_text)) {
+    throw ConfigError(entry.origin + ": " + entry.key + " = '" + entry.text + "': " + entry.key +
+                      " is no option any more, it " + fixed + "; remove it");
+  }
+  return entry.origin + ": " + entry.key + " " + fixed + " and can be removed";
+}
+
+}  // namespace
+
+std::vector<std::string> ApplyConfig(std::span<const ConfigEntry> entries,
+                                     std::span<const ConfigField> fields,
+                                     std::span<const RetiredOption> retired) {
+  std::vector<std::string> notices;
   for (const ConfigEntry& entry : entries) {
-    const auto field = std::find_if(
-        fields.begin(), fields.end(), [&](const ConfigField& f) { return f.key == entry.key; });
-    if (field == fields.end()) {
+    if (Set(entry.key, entry, fields)) continue;
+    const auto option = std::find_if(
+        retired.begin(), retired.end(), [&](const RetiredOption& r) { return r.key == entry.key; });
+    if (option == retired.end()) {
       throw ConfigError(entry.origin + ": unknown key '" + entry.key + "'; " +
                         Suggest(entry.key, fields));
     }
-    const std::string problem = std::visit(Setter{entry.text, *field}, field->value);
-    if (!problem.empty()) {
-      throw ConfigError(entry.origin + ": " + entry.key + " = '" + entry.text + "' " + problem);
-    }
+    notices.push_back(ApplyRetired(entry, *option, fields));
   }
+  return notices;
 }
 
-std::string FormatConfig(std::span<const ConfigField> fields) {
+std::string FormatValue(const ConfigField& field) {
+  return std::visit(Formatter{field}, field.value);
+}
+
+std::string FormatConfig(std::span<const ConfigField> fields, Audience audience) {
   std::string text;
   std::vector<std::string> open;  // groups that the last line was in
   for (const ConfigField& field : fields) {
+    if (audience == Audience::kUsers && field.audience != Audience::kUsers) continue;
     std::vector<std::string> groups;
     std::size_t begin = 0;
     for (std::size_t dot; (dot = field.key.find('.', begin)) != std::string::npos;
@@ -240,18 +297,19 @@ std::string FormatConfig(std::span<const ConfigField> fields) {
     }
     open = groups;
     const std::string allowed = DescribeAllowed(field);
-    text += std::string(2 * groups.size(), ' ') + LastPart(field.key) + ": " +
-            std::visit(Formatter(), field.value) + "  # " + field.doc +
-            (allowed.empty() ? "" : " [" + allowed + "]") + "\n";
+    text += std::string(2 * groups.size(), ' ') + LastPart(field.key) + ": " + FormatValue(field) +
+            "  # " + field.doc + (allowed.empty() ? "" : " [" + allowed + "]") + "\n";
   }
   return text;
 }
 
-void ApplyOverrides(std::span<const std::string> overrides, std::span<const ConfigField> fields) {
-  for (const std::string& text : overrides) {
-    const ConfigEntry entry = ParseOverride(text);
-    ApplyConfig({&entry, 1}, fields);
-  }
+std::vector<std::string> ApplyOverrides(std::span<const std::string> overrides,
+                                        std::span<const ConfigField> fields,
+                                        std::span<const RetiredOption> retired) {
+  std::vector<ConfigEntry> entries;
+  for (const std::string& text : overrides)
+    entries.push_back(ParseOverride(text));
+  return ApplyConfig(entries, fields, retired);
 }
 
 }  // namespace facet

@@ -23,8 +23,8 @@ double SigmaOfInverse(const MeshPoint& point) {
 // False where there are too few, or one that makes another point superfluous.
 bool BorderPoints::FindNearest(const MeshView& view, const Vector2d& xy) {
   nearest_.clear();
-  const double reach = options_.max_distance_px / view.focal_px;
-  const double gap = options_.min_distance_px / view.focal_px;
+  const double reach = limits_.max_distance_px / view.focal_px;
+  const double gap = limits_.min_distance_px / view.focal_px;
   for (std::size_t i = 0; i < view.points.size(); ++i) {
     const MeshPoint& point = view.points[i];
     const double distance2 = (point.xy - xy).squaredNorm();
@@ -35,7 +35,7 @@ bool BorderPoints::FindNearest(const MeshView& view, const Vector2d& xy) {
     if (distance2 < gap * gap) return false;
     nearest_.push_back({distance2, static_cast<int>(i)});
   }
-  const auto count = static_cast<std::size_t>(options_.num_neighbours);
+  const auto count = static_cast<std::size_t>(limits_.num_neighbours);
   if (nearest_.size() <= count) return nearest_.size() == count;
   std::nth_element(nearest_.begin(),
                    nearest_.begin() + static_cast<std::ptrdiff_t>(count),
@@ -67,11 +67,11 @@ std::optional<MeshPoint> BorderPoints::Continue(const MeshView& view, const Vect
     const MeshPoint& point = view.points[neighbour.point];
     const Vector3d row(1, point.xy.x() - xy.x(), point.xy.y() - xy.y());
     const double residual = std::abs(row.dot(plane) - 1 / point.p_C.z());
-    if (!(residual <= options_.max_sigmas * SigmaOfInverse(point))) return std::nullopt;
+    if (!(residual <= limits_.max_sigmas * SigmaOfInverse(point))) return std::nullopt;
   }
   const double variance = llt.solve(Vector3d::UnitX()).x();
   const double sigma = std::sqrt(variance);  // of the inverse depth at xy
-  if (!(plane[0] > 0) || !(sigma <= options_.max_depth_sigma * plane[0])) return std::nullopt;
+  if (!(plane[0] > 0) || !(sigma <= limits_.max_depth_sigma * plane[0])) return std::nullopt;
   MeshPoint point;
   const double z = 1 / plane[0];
   point.xy = xy;

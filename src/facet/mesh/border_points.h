@@ -12,10 +12,21 @@
 
 namespace facet {
 
+/// When a plane may be continued to a place on the border.
+struct BorderLimits {
+  /// Nearest points that must lie on one plane. With eight, two surfaces rarely look like one.
+  int num_neighbours = 8;
+  /// No point of the border where another point is nearer, or where fewer than the neighbours are
+  /// within reach.
+  double min_distance_px = 25, max_distance_px = 250;
+  double max_sigmas = 2;          ///< deviation of each neighbour from the plane
+  double max_depth_sigma = 0.03;  ///< 1-sigma of the continued depth over the depth
+};
+
 /// Not thread-safe; keeps its buffers.
 class BorderPoints {
  public:
-  explicit BorderPoints(const BorderOptions& options) : options_(options) {}
+  explicit BorderPoints(const BorderLimits& limits = {}) : limits_(limits) {}
 
   /// Depth at a place of the view (on the plane z = 1), continued from the points nearest to it;
   /// the point has no id. Empty where these are too few, too far away or on no
@@ -29,7 +40,7 @@ class BorderPoints {
   };
   bool FindNearest(const MeshView& view, const Vector2d& xy);
 
-  BorderOptions options_;
+  BorderLimits limits_;
   std::vector<Neighbour> nearest_;
 };
 

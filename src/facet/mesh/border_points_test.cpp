@@ -26,7 +26,7 @@ MeshView SlantedPlane(double sigma_m) {
 }
 
 TEST(BorderPoints, ContinueAPlane) {
-  BorderPoints border{BorderOptions()};
+  BorderPoints border;
   for (double y : {-0.1, 0.0, 0.05}) {
     const auto point = border.Continue(SlantedPlane(0.01), {0.08, y});
     ASSERT_TRUE(point);
@@ -38,10 +38,10 @@ TEST(BorderPoints, ContinueAPlane) {
 
 TEST(BorderPoints, SayHowUncertainTheyAre) {
   Rng rng(1);
-  BorderOptions options;
-  options.max_depth_sigma = 1;
-  options.max_sigmas = 100;
-  BorderPoints border(options);
+  BorderLimits limits;
+  limits.max_depth_sigma = 1;
+  limits.max_sigmas = 100;
+  BorderPoints border(limits);
   double sum = 0, stated = 0;
   constexpr int kTrials = 2000;
   for (int trial = 0; trial < kTrials; ++trial) {
@@ -59,7 +59,7 @@ TEST(BorderPoints, SayHowUncertainTheyAre) {
 }
 
 TEST(BorderPoints, NoneWhereThePlaneEndsOrIsFarOrBadlyKnown) {
-  BorderPoints border{BorderOptions()};
+  BorderPoints border;
   MeshView step = SlantedPlane(0.01);
   for (MeshPoint& point : step.points) {
     if (point.xy.y() > 0.01) point.p_C *= 1.3;
@@ -77,15 +77,15 @@ TEST(BorderPoints, IgnoreWhatIsNoPoint) {
   view.points.push_back({LandmarkId{51}, {0.08, 0}, {0, 0, -1}, 0.01, 0});
   view.points.push_back({LandmarkId{52}, {kNan, 0}, {0, 0, 1}, 0.01, 0});
   view.points.push_back({LandmarkId{53}, {0.08, 0}, {0, 0, 1}, kNan, 0});
-  const auto point = BorderPoints(BorderOptions()).Continue(view, {0.08, 0});
+  const auto point = BorderPoints(BorderLimits()).Continue(view, {0.08, 0});
   ASSERT_TRUE(point);
   EXPECT_NEAR(kNormal_C.dot(point->p_C), kOffset_m, 1e-9);
   // All points in one place or on one line say nothing about a plane.
-  EXPECT_FALSE(BorderPoints(BorderOptions()).Continue(view, {0.02, 0})) << "there is one already";
+  EXPECT_FALSE(BorderPoints(BorderLimits()).Continue(view, {0.02, 0})) << "there is one already";
   MeshView line = SlantedPlane(0.01);
   for (MeshPoint& p : line.points)
     p = line.points[0];
-  const auto from_one_place = BorderPoints(BorderOptions()).Continue(line, {0.08, -0.2});
+  const auto from_one_place = BorderPoints(BorderLimits()).Continue(line, {0.08, -0.2});
   EXPECT_FALSE(from_one_place);
 }
 

@@ -8,6 +8,9 @@
 namespace facet {
 namespace {
 
+// A face is wrong when this much was seen behind it: single mismatches do not tear holes.
+constexpr int kMaxSeenThrough = 3;
+
 /// Corners in ascending order; `is_flipped` tells whether that reverses the direction.
 void SortCorners(MeshFace& face) {
   auto& c = face.corners;
@@ -25,10 +28,7 @@ void SortCorners(MeshFace& face) {
 }  // namespace
 
 HorizonMesh::HorizonMesh(const MeshOptions& options, bool keeps_rejected)
-    : options_(options),
-      keeps_rejected_(keeps_rejected),
-      triangulation_(options),
-      check_(options.contradictions) {}
+    : options_(options), keeps_rejected_(keeps_rejected), triangulation_(options) {}
 
 void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC) {
   lost_.clear();
@@ -154,14 +154,14 @@ void HorizonMesh::DropContradicted(const MeshView& view) {
       ++same;
     if (same != view_faces_.end() && same->face.corners == face.corners) return false;
     const auto [a, b, c] = face.corners;
-    const FaceSighting sighting =
+    const FaceVisibility visibility =
         check_.Judge(projection(face), {vertices_[a].id, vertices_[b].id, vertices_[c].id});
-    face.votes_against += sighting.votes_against;
-    if (sighting.is_replaced) {
+    face.num_seen_through += visibility.num_seen_through;
+    if (visibility.is_covered) {
       lost_.push_back(MakeLost(face));
       lost_.back().is_rim.fill(false);
     }
-    return sighting.is_replaced || face.votes_against >= options_.contradictions.min_votes;
+    return visibility.is_covered || face.num_seen_through >= kMaxSeenThrough;
   });
 }
 

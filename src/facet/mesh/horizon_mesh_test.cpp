@@ -212,7 +212,6 @@ TEST(HorizonMesh, FacesThatTheNewTriangulationLacksAreReplaced) {
 
 TEST(HorizonMesh, AFaceThatLandmarksAreSeenThroughGoesAfterSeveralVotes) {
   MeshOptions options;
-  options.contradictions.min_votes = 3;
   HorizonMesh mesh(options);
   const std::vector<MeshPoint> ghost = {
       PointAt(0, {-0.3, -0.3, 2}), PointAt(1, {0.4, -0.3, 2}), PointAt(2, {0, 0.5, 2})};

@@ -15,9 +15,9 @@ struct MeshFace {
   std::array<int, 3> corners{};
   /// Whether the corners must be read backwards to go counter-clockwise seen by the camera.
   bool is_flipped = false;
-  bool may_vote = false;  ///< passed the strict limits: may vote for planes
-  bool in_view = false;   ///< one of the newest keyframe's own faces
-  int votes_against = 0;  ///< sightings through it
+  bool may_vote = false;     ///< passed the strict limits: may vote for planes
+  bool in_view = false;      ///< one of the newest keyframe's own faces
+  int num_seen_through = 0;  ///< what keyframes have seen behind it
   int plane_id = -1;
   bool by_plane = false;   ///< rejected by the tests, shown because a known plane says so
   bool is_hidden = false;  ///< known planes say that there is no surface

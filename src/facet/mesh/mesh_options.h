@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Every knob of the mesh. (!) marks the ones worth tuning.
+// Every option of the mesh. (!) marks the ones worth tuning.
 #pragma once
 
 #include <algorithm>
@@ -72,20 +72,10 @@ inline FaceLimits StrictFaceLimits() {
 /// plane. A corner of a gap always has other surfaces around it.
 struct PlaneRescueOptions {
   bool enabled = true;
-  /// Deviation of the surrounding points from the face's plane, seen from the corner [deg].
-  double max_deviation_deg = 6;
-  /// The same limits as for other faces, but wider.
-  double min_elongation = 0.08;
-  double max_grazing_deg = 86;
-  double max_side_per_depth = 0.8;
 
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Field("enabled", enabled, Range{}, "keep steep faces whose surroundings are plane");
-    v.Field("max_deviation_deg", max_deviation_deg, Range{0, 45}, "deviation from the plane [deg]");
-    v.Field("min_elongation", min_elongation, Range{0, 100}, "extent across over extent in depth");
-    v.Field("max_grazing_deg", max_grazing_deg, Range{0, 90}, "normal against line of sight [deg]");
-    v.Field("max_side_per_depth", max_side_per_depth, Range{0.01, 1e3}, "longest side over depth");
   }
 };
 
@@ -95,14 +85,6 @@ struct ContradictionOptions {
   bool by_triangulation = true;
   /// Faces that lie on the newest keyframe's faces, or before what it sees, are removed.
   bool by_view = true;
-  /// Sightings through a face that prove it wrong. More: wrong faces stay longer.
-  int min_votes = 3;
-  /// Share of a face that must be seen again for the newer faces to replace it.
-  double min_covered = 0.7;
-  /// Relative difference in inverse depth that counts as another surface.
-  double depth_tolerance = 0.06;
-  /// Cells of the view, in pixels. Larger is faster and coarser.
-  double cell_px = 8;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -111,13 +93,6 @@ struct ContradictionOptions {
             Range{},
             "faces of seen vertices that the triangulation lacks go");
     v.Field("by_view", by_view, Range{}, "faces that newer ones cover or sight proves wrong go");
-    v.Field("min_votes", min_votes, Range{1, 100}, "sightings that prove a face wrong");
-    v.Field("min_covered", min_covered, Range{0.01, 1}, "share that is seen again");
-    v.Field("depth_tolerance",
-            depth_tolerance,
-            Range{0, 1},
-            "relative difference in inverse depth of another surface");
-    v.Field("cell_px", cell_px, Range{1, 64}, "cells of the view [px]");
   }
 };
 
@@ -126,11 +101,6 @@ struct SurfaceMapOptions {
   bool enabled = true;
   /// Side of a voxel [m]. Smaller: finer, and memory grows with its inverse square. (!)
   double voxel_m = 0.08;
-  /// Distance up to which surfaces are merged [m].
-  double truncation_m = 0.16;
-  /// Weight below which a voxel is not part of the surface; a face whose depth is known to 2 cm
-  /// adds 1, to 14 cm 0.02.
-  double min_weight = 0.02;
   /// Beyond a side where nothing was seen a surface is expected to go on this far [m]: the corners
   /// between which faces hang are rarely at the rim of things. More: more complete, less exact. (!)
   double rim_m = 0.2;
@@ -147,32 +117,32 @@ struct SurfaceMapOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("enabled", enabled, Range{}, "keep the surfaces that leave the horizon");
-    v.Field("voxel_m", voxel_m, Range{0.01, 1}, "side of a voxel [m]");
-    v.Field("truncation_m", truncation_m, Range{0.01, 5}, "surfaces nearer than this merge [m]");
-    v.Field("min_weight", min_weight, Range{0, 1e6}, "weight of a voxel that counts");
+    v.Field(
+        "enabled", enabled, Range{}, "keep the surfaces that leave the horizon", Audience::kUsers);
+    v.Field("voxel_m", voxel_m, Range{0.01, 1}, "side of a voxel [m]", Audience::kUsers);
     v.Field("rim_m", rim_m, Range{0, 5}, "surfaces go on beyond what was seen [m]");
     v.Field("rim_weight", rim_weight, Range{0, 1}, "weight of that part over the face's");
     v.Field("carving_weight",
             carving_weight,
             Range{0, 1e6},
             "taken from surfaces by each sight line through them");
-    v.Field("max_memory_mb", max_memory_mb, Range{1, 1e6}, "the map grows no more [MB]");
+    v.Field("max_memory_mb",
+            max_memory_mb,
+            Range{1, 1e6},
+            "the map grows no more [MB]",
+            Audience::kUsers);
     v.Field("max_hole_m", max_hole_m, Range{0, 100}, "perimeter of plane holes that close [m]");
   }
 };
 
 /// Points besides the tracked corners that the front end matched left to right in each keyframe.
 struct SupportOptions {
-  /// Largest 1-sigma of the depth over the depth.
-  double max_depth_sigma = 0.05;
   /// Takes the place of the faces' limit: where points are dense, a large face is a gap in which
   /// none could be matched.
   double max_side_per_depth = 0.3;
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("max_depth_sigma", max_depth_sigma, Range{1e-4, 1}, "1-sigma of depth over depth");
     v.Field("max_side_per_depth",
             max_side_per_depth,
             Range{0.01, 1e3},
@@ -184,24 +154,10 @@ struct SupportOptions {
 /// without support points, which reach the border themselves.
 struct BorderOptions {
   bool enabled = true;
-  /// Points that must lie on one plane. More: fewer places pass, and those more surely.
-  int num_neighbours = 8;
-  /// How far from the place they may be, and how far the nearest must be.
-  double max_distance_px = 250;
-  double min_distance_px = 25;
-  /// Largest deviation of each from the plane, in its 1-sigmas.
-  double max_sigmas = 2;
-  /// Largest 1-sigma of the continued depth over the depth. (!)
-  double max_depth_sigma = 0.03;
 
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Field("enabled", enabled, Range{}, "continue planes to the border of the image");
-    v.Field("num_neighbours", num_neighbours, Range{4, 100}, "points that must lie on the plane");
-    v.Field("max_distance_px", max_distance_px, Range{1, 1e4}, "how far away they may be [px]");
-    v.Field("min_distance_px", min_distance_px, Range{0, 1e4}, "no point where another is [px]");
-    v.Field("max_sigmas", max_sigmas, Range{0.1, 100}, "deviation from the plane over its sigma");
-    v.Field("max_depth_sigma", max_depth_sigma, Range{1e-4, 1}, "1-sigma of depth over depth");
   }
 };
 
@@ -225,8 +181,12 @@ struct MeshOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("enabled", enabled, Range{}, "build the mesh");
-    v.Field("horizon_s", horizon_s, Range{0, 1e3}, "faces stay after the estimator forgot them");
+    v.Field("enabled", enabled, Range{}, "build the mesh", Audience::kUsers);
+    v.Field("horizon_s",
+            horizon_s,
+            Range{0, 1e3},
+            "faces stay after the estimator forgot them [s]",
+            Audience::kUsers);
     v.Field("min_observations", min_observations, Range{1, 100}, "frames that saw a vertex");
     v.Field("unknown_corners",
             unknown_corners,

@@ -10,6 +10,9 @@
 namespace facet {
 namespace {
 
+// Surfaces nearer than this merge: with less than one voxel corners of the grid would know nothing.
+constexpr double kTruncationVoxels = 2;
+
 constexpr float kMaxWeight = 50;
 // The weight of a face is 1 where the depth is this uncertain [m].
 constexpr double kUnitSigma_m = 0.02;
@@ -222,12 +225,13 @@ void SurfaceMap::FollowSights(const Vector3d& eye_W,
                               const Vector3d& n_W) {
   const Vector3d &a = p_W[0], u = p_W[1] - a, v = p_W[2] - a;
   const int count = RowsOfSights(0.5 * u.cross(v).norm());
+  const double reach_m = (kTruncationVoxels + 1) * options_.voxel_m;
   for (int i = 0; i < count; ++i) {
     for (int j = 0; i + j < count; ++j) {
       const Vector3d place = a + (i + 1.0 / 3) / count * u + (j + 1.0 / 3) / count * v;
       const Vector3d sight = eye_W - place;
       const double slope = std::abs(n_W.dot(sight)) / sight.norm();
-      FollowSight(place, eye_W, (options_.truncation_m + options_.voxel_m) / std::max(slope, 1e-3));
+      FollowSight(place, eye_W, reach_m / std::max(slope, 1e-3));
     }
   }
 }
@@ -247,7 +251,7 @@ void SurfaceMap::FollowColumns(const LostFace& face,
       std::minmax_element(face.intensity.begin(), face.intensity.end());
   const ColumnFunction intensity = flat.Interpolate(face.intensity);
   const auto [u, v, w] = std::array{flat.u, flat.v, flat.w};
-  const double reach = options_.truncation_m / options_.voxel_m / std::abs(flat.n[w]);
+  const double reach = kTruncationVoxels / std::abs(flat.n[w]);
   const double step = flat.n[w] * options_.voxel_m;
   Column column;
   for (int y = footprint.rows().first; y <= footprint.rows().last; ++y) {

@@ -11,9 +11,15 @@ namespace facet {
 namespace {
 
 constexpr double kMinDepth_m = 0.05;
+constexpr double kCell_px = 8;   // side of a cell of the view: larger is faster and coarser
 constexpr int kMaxSide = 400;    // cells
 constexpr int kCellsPerBin = 4;  // along the side of a bin of points
 constexpr double kFlat = 1e-12;  // twice the area below which a face is seen from its edge
+// Relative difference in inverse depth that counts as another surface: 1-sigma of a vertex's depth
+// may be as large (FaceLimits::max_depth_sigma).
+constexpr double kDepthTolerance = 0.06;
+// Share of a face that newer faces must cover to replace it.
+constexpr double kMinCovered = 0.7;
 // A cell before the view's surface counts this little: the surface itself is only interpolated.
 constexpr double kMinFrontShare = 0.3;
 
@@ -75,12 +81,11 @@ void ViewCheck::Begin(const MeshView& view) {
     if (xy.cwiseAbs().maxCoeff() > 10) continue;
     low = low.cwiseMin(xy);
     high = high.cwiseMax(xy);
-    points_.push_back(
-        {point.id, xy, q, q * options_.depth_tolerance + 2 * point.sigma_depth_m * q * q, 0});
+    points_.push_back({point.id, xy, q, q * kDepthTolerance + 2 * point.sigma_depth_m * q * q, 0});
   }
   columns_ = rows_ = 0;
   if (points_.empty()) return;
-  cell_ = std::max(options_.cell_px / view.focal_px, (high - low).maxCoeff() / kMaxSide);
+  cell_ = std::max(kCell_px / view.focal_px, (high - low).maxCoeff() / kMaxSide);
   corner_ = low;
   columns_ = 1 + static_cast<int>((high.x() - low.x()) / cell_);
   rows_ = 1 + static_cast<int>((high.y() - low.y()) / cell_);
@@ -144,8 +149,8 @@ bool ViewCheck::IsBeside(const ProjectedFace& face) const {
   return low.x() > columns_ || low.y() > rows_ || high.x() < 0 || high.y() < 0;
 }
 
-int ViewCheck::CountSightingsThrough(const ProjectedFace& face,
-                                     const std::array<LandmarkId, 3>& corners) const {
+int ViewCheck::CountPointsBehind(const ProjectedFace& face,
+                                 const std::array<LandmarkId, 3>& corners) const {
   const LinearFace linear(face);
   if (linear.is_flat) return 0;
   const auto is_passed = [&](const SeenPoint& point) {
@@ -156,23 +161,23 @@ int ViewCheck::CountSightingsThrough(const ProjectedFace& face,
   };
   const int first = BinOf(LowOf(face)), last = BinOf(HighOf(face));
   const int width = last % bins_.columns - first % bins_.columns;
-  std::ptrdiff_t votes = 0;
+  std::ptrdiff_t num = 0;
   for (int bin = first; bin <= last; bin += bins_.columns) {
     const auto begin = points_.begin() + first_in_bin_[bin];
     const auto end = points_.begin() + first_in_bin_[bin + width + 1];
-    votes += std::count_if(begin, end, is_passed);
+    num += std::count_if(begin, end, is_passed);
   }
-  return static_cast<int>(votes);
+  return static_cast<int>(num);
 }
 
-FaceSighting ViewCheck::Judge(const ProjectedFace& face,
-                              const std::array<LandmarkId, 3>& corners) const {
-  FaceSighting sighting;
-  if (columns_ == 0 || !IsInFront(face) || IsBeside(face)) return sighting;
+FaceVisibility ViewCheck::Judge(const ProjectedFace& face,
+                                const std::array<LandmarkId, 3>& corners) const {
+  FaceVisibility visibility;
+  if (columns_ == 0 || !IsInFront(face) || IsBeside(face)) return visibility;
   int covered = 0, before = 0, all = 0;
   VisitRows(face, [&](int cell, int count, double q, double step) {
     const auto q_first = static_cast<float>(q), q_step = static_cast<float>(step);
-    const auto tolerance = static_cast<float>(options_.depth_tolerance);
+    const auto tolerance = static_cast<float>(kDepthTolerance);
     all += count;
     for (int k = 0; k < count; ++k) {  // without branches: what is seen cannot be predicted
       const float seen = inverse_depth_[cell + k];
@@ -183,10 +188,10 @@ FaceSighting ViewCheck::Judge(const ProjectedFace& face,
       covered += is_seen & (std::abs(nearer) <= margin ? 1 : 0);
     }
   });
-  sighting.is_replaced = all > 0 && covered >= options_.min_covered * all;
-  sighting.votes_against = CountSightingsThrough(face, corners);
-  if (all > 0 && before >= kMinFrontShare * all) ++sighting.votes_against;
-  return sighting;
+  visibility.is_covered = all > 0 && covered >= kMinCovered * all;
+  visibility.num_seen_through = CountPointsBehind(face, corners);
+  if (all > 0 && before >= kMinFrontShare * all) ++visibility.num_seen_through;
+  return visibility;
 }
 
 }  // namespace facet

@@ -6,7 +6,6 @@
 #include <array>
 #include <vector>
 
-#include "facet/mesh/mesh_options.h"
 #include "facet/mesh/mesh_view.h"
 
 namespace facet {
@@ -20,18 +19,16 @@ ProjectedPoint ProjectPoint(const Vector3d& p_C);
 
 using ProjectedFace = std::array<ProjectedPoint, 3>;
 
-/// What the view says about an old face.
-struct FaceSighting {
-  bool is_replaced = false;  ///< newer faces cover it
-  int votes_against = 0;     ///< sightings through it
+/// What the view says about a face of earlier views.
+struct FaceVisibility {
+  bool is_covered = false;   ///< newer faces lie on it
+  int num_seen_through = 0;  ///< points and surface that the view sees behind it
 };
 
 /// A coarse depth image of the newest keyframe's faces, and its points. Not thread-safe; keeps its
 /// buffers.
 class ViewCheck {
  public:
-  explicit ViewCheck(const ContradictionOptions& options) : options_(options) {}
-
   /// Starts over with the points of a view. Points that are not finite are ignored.
   void Begin(const MeshView& view);
 
@@ -40,7 +37,7 @@ class ViewCheck {
 
   /// `corners`: the face's own vertices, which say nothing against it. Nothing is said about a face
   /// with a corner that is not in front of the camera.
-  FaceSighting Judge(const ProjectedFace& face, const std::array<LandmarkId, 3>& corners) const;
+  FaceVisibility Judge(const ProjectedFace& face, const std::array<LandmarkId, 3>& corners) const;
 
  private:
   struct SeenPoint {
@@ -53,12 +50,10 @@ class ViewCheck {
 
   bool IsBeside(const ProjectedFace& face) const;
   int BinOf(const Vector2d& xy) const;
-  int CountSightingsThrough(const ProjectedFace& face,
-                            const std::array<LandmarkId, 3>& corners) const;
+  int CountPointsBehind(const ProjectedFace& face, const std::array<LandmarkId, 3>& corners) const;
   template <class Visit>
   void VisitRows(const ProjectedFace& face, const Visit& visit) const;
 
-  ContradictionOptions options_;
   double cell_ = 1;  // side, on the plane z = 1
   Vector2d corner_ = Vector2d::Zero();
   int columns_ = 0, rows_ = 0;

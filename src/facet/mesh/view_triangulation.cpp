@@ -10,17 +10,22 @@ namespace {
 
 constexpr double kGridPerPixel = 16;
 constexpr double kMaxSlope = 10;  // |x/z| or |y/z| of a point that can be triangulated
+// Deviation of surrounding points from a face's plane, seen from the corner, up to which they are
+// plane; tracks are some pixels, about a degree, off.
+constexpr double kMaxRescueDeviation_deg = 6;
 
 bool IsUsable(const MeshPoint& point) {
   return point.id.IsValid() && point.xy.allFinite() && point.p_C.allFinite() &&
          std::isfinite(point.sigma_depth_m) && point.xy.cwiseAbs().maxCoeff() <= kMaxSlope;
 }
 
+// Limits of faces whose surroundings are plane: those that tell a gap between two surfaces are
+// wide.
 FaceLimits RescueLimits(const MeshOptions& options) {
   FaceLimits limits = options.faces;
-  limits.min_elongation = options.plane_rescue.min_elongation;
-  limits.max_grazing_deg = options.plane_rescue.max_grazing_deg;
-  limits.max_side_per_depth = options.plane_rescue.max_side_per_depth;
+  limits.min_elongation = 0.08;
+  limits.max_grazing_deg = 86;
+  limits.max_side_per_depth = 0.8;
   return limits;
 }
 
@@ -33,7 +38,7 @@ bool IsUsable(const MeshView& view) {
 }
 
 ViewTriangulation::ViewTriangulation(const MeshOptions& options)
-    : rescue_(options.plane_rescue),
+    : rescues_planes_(options.plane_rescue.enabled),
       accepted_(options.faces),
       voting_(options.voting),
       rescued_(RescueLimits(options)) {}
@@ -45,7 +50,7 @@ void ViewTriangulation::Build(const MeshView& view) {
       points_.size(), triangles_.size(), [this](std::size_t t) -> const auto& {
         return triangles_[t].points;
       });
-  if (rescue_.enabled) RescuePlanes(view);
+  if (rescues_planes_) RescuePlanes(view);
   verdicts_.fill(0);
   for (const Triangle& triangle : triangles_)
     ++verdicts_[static_cast<std::size_t>(triangle.verdict)];
@@ -96,7 +101,7 @@ bool ViewTriangulation::HasPlaneCorner(const MeshView& view, const Triangle& tri
   constexpr std::size_t kMinStar = 4;  // fewer triangles around a corner say little
   const auto& [a, b, c] = triangle.seen.p_C;
   const Vector3d n_C = (b - a).cross(c - a).normalized();
-  const double slope = std::tan(rescue_.max_deviation_deg * std::numbers::pi / 180);
+  const double slope = std::tan(kMaxRescueDeviation_deg * std::numbers::pi / 180);
   for (std::size_t corner = 0; corner < 3; ++corner) {
     const int centre = triangle.points[corner];
     const std::span<const int> star = stars_.Around(centre);

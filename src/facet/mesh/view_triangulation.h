@@ -61,7 +61,7 @@ class ViewTriangulation {
   void RescuePlanes(const MeshView& view);
   bool HasPlaneCorner(const MeshView& view, const Triangle& triangle) const;
 
-  PlaneRescueOptions rescue_;
+  bool rescues_planes_;
   FaceFilter accepted_, voting_, rescued_;  // what a face has to be for each
   Delaunay delaunay_;
   std::vector<int> points_;

@@ -10,6 +10,10 @@ namespace {
 
 constexpr double kBorderStep_px = 60;
 
+// Support points whose depth is known worse than this, 1-sigma over depth, would only roughen the
+// surface between the corners.
+constexpr double kMaxSupportSigma = 0.05;
+
 std::vector<Vector2d> PlacesOnBorder(const CameraModel& camera) {
   const double right = camera.width() - 1, bottom = camera.height() - 1;
   std::vector<Vector2d> places;
@@ -35,8 +39,7 @@ MeshViewBuilder::MeshViewBuilder(const StereoRig& rig, const MeshOptions& option
     : options_(options),
       camera_(rig.cameras[0]),
       T_BC_(rig.T_BC[0]),
-      baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()),
-      border_(options.border) {
+      baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()) {
   if (options.border.enabled) border_xy_ = PlacesOnBorder(camera_);
 }
 
@@ -93,7 +96,7 @@ void MeshViewBuilder::AddSupport(const std::vector<SupportPoint>& support) {
   for (const SupportPoint& point : support) {
     const double z = 1 / point.inverse_depth;
     const double sigma_m = z * z * point.sigma_inverse_depth;
-    if (!(sigma_m <= options_.support.max_depth_sigma * z)) continue;
+    if (!(sigma_m <= kMaxSupportSigma * z)) continue;
     view_.points.push_back({NextSupportId(),
                             point.xy,
                             z * Vector3d(point.xy.x(), point.xy.y(), 1),

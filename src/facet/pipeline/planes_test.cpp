@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <set>
-#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -113,7 +112,7 @@ TEST(PlanesTest, APlaneOutOfViewSleepsInTheEstimatorAndIsRecognised) {
 }
 
 std::vector<NavState> States(const SimulatedRun& run,
-                             const std::string& pipeline,
+                             Formulation pipeline,
                              int* most_planes = nullptr) {
   VioOptions options;
   options.pipeline = pipeline;
@@ -135,7 +134,8 @@ bool SameBits(const std::vector<NavState>& a, const std::vector<NavState>& b) {
 TEST(PlanesTest, ThePipelinesDifferWherePlanesAreSeen) {
   const SimulatedRun run = Simulate(0, 5);
   int num_planes = 0;
-  const auto s = States(run, "S"), sp = States(run, "SP"), spr = States(run, "SPR", &num_planes);
+  const auto s = States(run, Formulation::kS), sp = States(run, Formulation::kSP),
+             spr = States(run, Formulation::kSPR, &num_planes);
   EXPECT_GT(num_planes, 0);
   EXPECT_FALSE(SameBits(s, sp));
   EXPECT_FALSE(SameBits(s, spr));
@@ -145,7 +145,8 @@ TEST(PlanesTest, ThePipelinesDifferWherePlanesAreSeen) {
 TEST(PlanesTest, ThePipelinesAreTheSameWhereNoPlaneIsFound) {
   const SimulatedRun run = Simulate(0.3, 5);  // nothing is flat
   int num_planes = 0;
-  const auto s = States(run, "S"), sp = States(run, "SP"), spr = States(run, "SPR", &num_planes);
+  const auto s = States(run, Formulation::kS), sp = States(run, Formulation::kSP),
+             spr = States(run, Formulation::kSPR, &num_planes);
   EXPECT_EQ(num_planes, 0);
   EXPECT_GT(s.size(), 80u);
   EXPECT_TRUE(SameBits(s, sp));

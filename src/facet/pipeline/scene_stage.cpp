@@ -11,7 +11,7 @@ namespace facet {
 namespace {
 
 bool PlanesJudgeFaces(const VioOptions& options) {
-  return options.pipeline == "SPR" && options.regularities.faces.enabled;
+  return options.pipeline == Formulation::kSPR && options.regularities.faces.enabled;
 }
 
 }  // namespace
@@ -22,8 +22,8 @@ SceneStage::SceneStage(const StereoRig& rig, const VioOptions& options)
       view_builder_(rig, options_),
       horizon_(options_, PlanesJudgeFaces(options)),
       map_(options_.map) {
-  if (options.pipeline == "SPR") planes_.emplace(options.regularities);
-  if (options.pipeline == "SP") projections_.emplace(options.regularities.detection);
+  if (options.pipeline == Formulation::kSPR) planes_.emplace(options.regularities);
+  if (options.pipeline == Formulation::kSP) projections_.emplace(options.regularities.detection);
 }
 
 void SceneStage::UpdateMesh(const TrackedFrame& frame, VioOutput& out) {

@@ -2,8 +2,9 @@
 // Every parameter of the system, composed of the components' own options.
 #pragma once
 
-#include <string>
+#include <span>
 
+#include "facet/base/options.h"
 #include "facet/estimator/estimator_options.h"
 #include "facet/frontend/frontend_options.h"
 #include "facet/mesh/mesh_options.h"
@@ -11,10 +12,17 @@
 
 namespace facet {
 
+/// The paper's formulations.
+enum class Formulation {
+  kS,   ///< landmarks are structureless
+  kSP,  ///< and those on planes are treated as in the paper's projection factors
+  kSPR  ///< planes are variables, with landmarks, gravity and each other related to them
+};
+
+const char* ToString(Formulation formulation);
+
 struct VioOptions {
-  /// The paper's formulations: S (structureless landmarks), SP (landmarks on planes are treated as
-  /// in its projection factors), SPR (and planes are variables).
-  std::string pipeline = "SPR";
+  Formulation pipeline = Formulation::kSPR;
   FrontendOptions frontend;
   EstimatorOptions estimator;
   MeshOptions mesh;
@@ -22,7 +30,11 @@ struct VioOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("pipeline", pipeline, Range{}, "S, SP or SPR");
+    v.Choice("pipeline",
+             pipeline,
+             {"S", "SP", "SPR"},
+             "the paper's formulations: no planes, projection factors, planes as variables",
+             Audience::kUsers);
     v.Group("frontend", frontend);
     v.Group("estimator", estimator);
     v.Group("mesh", mesh);
@@ -30,8 +42,7 @@ struct VioOptions {
   }
 };
 
-/// What no single value tells: an unknown pipeline, or values that do not fit together. Says which
-/// and why, in one line; empty: nothing.
-std::string Contradiction(const VioOptions& options);
+/// The options of earlier versions that are none any more.
+std::span<const RetiredOption> RetiredOptions();
 
 }  // namespace facet

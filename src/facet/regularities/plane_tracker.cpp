@@ -22,9 +22,13 @@ namespace facet {
 
 namespace {
 
-constexpr double kSameAngle = 5 * kDegree;
-constexpr double kTentativeLife_s = 1.5;  // since the last detection
+// Landmarks known worse than this across a new plane do not count.
 constexpr double kMaxLandmarkSigma_m = 0.1;
+// A detection whose normal is known worse (1-sigma, both directions together) could be any plane
+// that crosses there: nothing is associated with it.
+constexpr double kMaxDetectionSigma = 2.5 * kDegree;
+// How far along the plane a detection may be from the plane's extent.
+constexpr double kMaxGap_m = 2.5;
 
 }  // namespace
 
@@ -36,15 +40,15 @@ RegularityResult PlaneTracker::Process(const SearchMesh& mesh, const MapSnapshot
   landmark_of_point_ = LandmarksOfVertices(mesh, map);
   TakeEstimates(map, out);
   if (options_.tracking.revise) Revise(map, out);
-  plane_index_of_face_ = AssignFaces(faces_, planes_, map, options_.tracking);
+  plane_index_of_face_ = AssignFaces(faces_, planes_, map, options_);
   Detect(map);
   Confirm(out);
   AttachLandmarks(map, faces_, landmark_of_point_, plane_index_of_face_, planes_, out);
   ExtendPlanes(faces_, plane_index_of_face_, now_, planes_);
   DetachFromForeignSurface(map, planes_, out);
-  if (options_.sightings.enabled) {
+  if (options_.measurements.enabled) {
     out.sighted =
-        MeasurePlanes(mesh, faces_, plane_index_of_face_, planes_, map, options_.sightings);
+        MeasurePlanes(mesh, faces_, plane_index_of_face_, planes_, map, options_.measurements);
   }
   Relate(out);
   result.mesh = JudgeMesh(mesh, map.latest.T_WB);
@@ -57,7 +61,7 @@ void PlaneTracker::TakeEstimates(const MapSnapshot& map, PlaneAssignments& out) 
     TrackedPlane& plane = planes_[k];
     plane.detection_offset_m = 0;
     if (plane.IsTentative()) {
-      if (ToSeconds(now_ - plane.last_seen) > kTentativeLife_s)
+      if (ToSeconds(now_ - plane.last_seen) > options_.tracking.active_s)
         planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(k));
       continue;
     }
@@ -87,7 +91,7 @@ void PlaneTracker::Retire(std::size_t plane) {
 
 // Planes of the estimator that turned out to be none, or the same as another.
 void PlaneTracker::Revise(const MapSnapshot& map, PlaneAssignments& out) {
-  RemoveMisfits(map, faces_.camera.sigma_direction, options_.tracking, planes_, out);
+  RemoveMisfits(map, faces_.camera.sigma_direction, planes_, out);
   MergeSameSurfaces(map, planes_, out);
   for (const PlaneId plane : out.ended)
     relations_.Forget(plane);
@@ -110,8 +114,7 @@ void PlaneTracker::Detect(const MapSnapshot& map) {
 void PlaneTracker::Associate(const MapSnapshot& map, const PlaneCandidate& candidate) {
   int plane = FindConfirmed(map, candidate);
   if (plane >= 0) {
-    const double max_sigma = options_.tracking.max_sighting_sigma_deg * kDegree;
-    if (candidate.normal_covariance.trace() > max_sigma * max_sigma) return;
+    if (candidate.normal_covariance.trace() > kMaxDetectionSigma * kMaxDetectionSigma) return;
     planes_[plane].detection_offset_m =
         std::abs(planes_[plane].estimate.plane_W.SignedDistance(candidate.centroid_W));
   } else {
@@ -138,8 +141,8 @@ int PlaneTracker::FindConfirmed(const MapSnapshot& map, const PlaneCandidate& ca
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     const TrackedPlane& plane = planes_[k];
     if (plane.IsTentative() || plane.estimate.covariance(9, 9) <= 0 ||
-        AngleBetween(plane.estimate.plane_W.n, candidate.plane_W.n) > 2 * kSameAngle ||
-        !plane.extent.IsNear(candidate.centroid_W, options_.tracking.max_gap_m)) {
+        AngleBetween(plane.estimate.plane_W.n, candidate.plane_W.n) > 2 * kSamePlaneAngle ||
+        !plane.extent.IsNear(candidate.centroid_W, kMaxGap_m)) {
       continue;
     }
     const double chi_square = ChiSquare(candidate, plane.estimate, map.latest.T_WB);
@@ -152,12 +155,12 @@ int PlaneTracker::FindConfirmed(const MapSnapshot& map, const PlaneCandidate& ca
 
 int PlaneTracker::FindTentative(const PlaneCandidate& candidate) const {
   int found = -1;
-  double best = options_.tracking.min_separation_m;
+  double best = options_.detection.max_distance_m;
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     const TrackedPlane& plane = planes_[k];
     if (!plane.IsTentative() ||
-        AngleBetween(plane.estimate.plane_W.n, candidate.plane_W.n) > kSameAngle ||
-        !plane.extent.IsNear(candidate.centroid_W, options_.tracking.max_gap_m)) {
+        AngleBetween(plane.estimate.plane_W.n, candidate.plane_W.n) > kSamePlaneAngle ||
+        !plane.extent.IsNear(candidate.centroid_W, kMaxGap_m)) {
       continue;
     }
     const double distance = std::abs(plane.estimate.plane_W.SignedDistance(candidate.centroid_W));
@@ -172,9 +175,9 @@ int PlaneTracker::FindTentative(const PlaneCandidate& candidate) const {
 bool PlaneTracker::IsNearConfirmed(const PlaneCandidate& candidate) const {
   return std::any_of(planes_.begin(), planes_.end(), [&](const TrackedPlane& tracked) {
     const Plane& plane = tracked.estimate.plane_W;
-    return !tracked.IsTentative() && AngleBetween(plane.n, candidate.plane_W.n) < kSameAngle &&
+    return !tracked.IsTentative() && AngleBetween(plane.n, candidate.plane_W.n) < kSamePlaneAngle &&
            std::abs(plane.SignedDistance(candidate.centroid_W)) <
-               options_.tracking.min_separation_m &&
+               options_.detection.max_distance_m &&
            tracked.extent.IsNear(candidate.centroid_W, kPlaneGrowth_m);
   });
 }
@@ -235,7 +238,7 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   // Few are enough if they are far apart: walls with little texture have no more.
   const bool are_spread = sigma_normal <= limits.max_spread_sigma_deg * kDegree;
   const int needed = are_spread ? fewest : limits.min_landmarks;
-  return num >= needed && extent_m >= limits.min_landmark_extent_m &&
+  return num >= needed && extent_m >= options_.detection.min_extent_m &&
          sigma_normal <= limits.max_normal_sigma_deg * kDegree;
 }
 
@@ -244,7 +247,7 @@ void PlaneTracker::Confirm(PlaneAssignments& out) {
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     TrackedPlane& plane = planes_[k];
     if (!plane.IsTentative() || plane.last_seen < now_ ||
-        plane.num_detections < options_.tracking.min_sightings) {
+        plane.num_detections < options_.tracking.min_detections) {
       continue;
     }
     if (options_.detection.only_in_view) AddFacesOfEarlierViews(static_cast<int>(k));
@@ -254,7 +257,7 @@ void PlaneTracker::Confirm(PlaneAssignments& out) {
     }
     std::optional<PlaneId> id;
     if (MayReidentify())
-      id = retired_.Reidentify(kSameAngle, options_.tracking.min_separation_m, plane);
+      id = retired_.Reidentify(kSamePlaneAngle, options_.detection.max_distance_m, plane);
     plane.Confirm(id ? *id : PlaneId{next_id_++}, now_);
     out.created.push_back(
         {plane.id, plane.estimate.plane_W, plane.extent.Centroid(plane.estimate.plane_W)});
@@ -300,7 +303,7 @@ MeshRegularities PlaneTracker::JudgeMesh(const SearchMesh& mesh, const SE3& T_WB
   MeshRegularities out;
   out.face_plane_ids = FacePlaneIds();
   if (options_.support_depths.enabled)
-    out.depth_scales = SupportDepthScales(mesh, faces_, planes_, T_WB, options_.support_depths);
+    out.depth_scales = SupportDepthScales(mesh, faces_, planes_, T_WB);
   if (options_.faces.enabled && !mesh.triangles.empty())
     out.verdicts = JudgeShownTriangles(mesh, out.depth_scales, T_WB);
   return out;

@@ -63,7 +63,7 @@ class PlaneTrackerTest : public ::testing::Test {
 };
 
 TEST_F(PlaneTrackerTest, APlaneIsHandedOverAfterEnoughSightings) {
-  const int needed = PlaneTrackingOptions().min_sightings;
+  const int needed = PlaneTrackingOptions().min_detections;
   for (int k = 1; k < needed; ++k) {
     EXPECT_TRUE(Step({wall_}).IsEmpty());
     EXPECT_TRUE(tracker_.Records().empty());
@@ -103,7 +103,7 @@ TEST_F(PlaneTrackerTest, FewLandmarksAreEnoughIfTheyAreFarApart) {
   const auto num_created = [&](int num, double radius_m, const RegularityOptions& options) {
     PlaneTracker tracker(options);
     int created = 0;
-    for (int k = 0; k < 2 * PlaneTrackingOptions().min_sightings; ++k) {
+    for (int k = 0; k < 2 * PlaneTrackingOptions().min_detections; ++k) {
       view_.time_s += kKeyframe_s;
       ++view_.seed;
       const SearchMesh mesh = MakeMesh({wall_}, view_);
@@ -391,10 +391,14 @@ TEST_F(PlaneTrackerTest, TheOrientationIsThatOfTheEstimate) {
   EXPECT_EQ(tracker_.Records()[0].orientation, PlaneOrientation::kOblique);
 }
 
-TEST_F(PlaneTrackerTest, NothingIsRecognisedInASightingThatLeansByAnUnknownAmount) {
-  RegularityOptions options;
-  options.tracking.max_sighting_sigma_deg = 0.05;  // less than any sighting's
-  UseOptions(options);
+TEST_F(PlaneTrackerTest, NoPlaneIsAssociatedWithADetectionWhoseNormalIsHardlyKnown) {
+  tracker_ = PlaneTracker(
+      RegularityOptions(), [](const SurfaceFaces& faces, const std::vector<char>& taken) {
+        std::vector<PlaneCandidate> found = PlaneDetector(DetectionOptions()).Detect(faces, taken);
+        for (PlaneCandidate& candidate : found)
+          candidate.normal_covariance = 0.002 * Matrix3d::Identity();  // 4 deg
+        return found;
+      });
   Run({wall_}, 5);
   const Timestamp last_seen = mesh_.t;
   Run({floor_}, 40);
@@ -421,7 +425,7 @@ TEST_F(PlaneTrackerTest, ValuesComeFromTheEstimator) {
 }
 
 TEST_F(PlaneTrackerTest, ATentativePlaneThatIsNotSeenAgainIsForgotten) {
-  const int needed = PlaneTrackingOptions().min_sightings;
+  const int needed = PlaneTrackingOptions().min_detections;
   Run({wall_}, needed - 1);
   Run({}, 10);
   Run({wall_}, needed - 1);
@@ -530,7 +534,7 @@ TEST_F(PlaneTrackerTest, LandmarksOfEarlierViewsCountForANewPlane) {
   const auto num_created = [&](bool with_rest) {
     PlaneTracker tracker{RegularityOptions()};
     int created = 0;
-    for (int k = 0; k < 2 * PlaneTrackingOptions().min_sightings; ++k) {
+    for (int k = 0; k < 2 * PlaneTrackingOptions().min_detections; ++k) {
       view_.time_s += kKeyframe_s;
       ++view_.seed;
       SearchMesh mesh = MakeMesh({wall_}, view_);

@@ -15,6 +15,10 @@ namespace facet {
 namespace {
 
 constexpr double kMaxChiSquare = 2;  // mean over the points; more is not one plane
+constexpr int kMinPoints = 8;        // fewer points do not show whether they lie on one plane
+// Points known worse than this across the plane, and measurements of a slope worse than this, add
+// next to nothing.
+constexpr double kMaxPointSigma_m = 0.05, kMaxSlopeSigma = 5 * kDegree;
 
 // A point farther off than this is not on a plane, however uncertain the plane is.
 constexpr double kMaxDistance_m = 0.15;
@@ -77,7 +81,7 @@ WeightedPoints PointsOn(const TrackedPlane& plane,
     if (!(distance_m <= kMaxDistance_m) || around.AreOthersThan(index, i)) continue;
     const double variance =
         point.VarianceAlong(plane_W.n) + kSurfaceFlatness_m * kSurfaceFlatness_m;
-    if (!(variance <= options.max_point_sigma_m * options.max_point_sigma_m)) continue;
+    if (!(variance <= kMaxPointSigma_m * kMaxPointSigma_m)) continue;
     const double gate = 3 * std::sqrt(variance + uncertainty.VarianceAt(point.p_W));
     if (distance_m > gate || !plane.extent.HasSurface(point.p_W)) continue;
     out.p_W.push_back(point.p_W);
@@ -90,7 +94,7 @@ std::optional<PlaneSighting> Measure(const WeightedPoints& points,
                                      const SE3& T_WB,
                                      const PlaneMeasurementOptions& options) {
   const auto& [p_W, weights] = points;
-  if (static_cast<int>(p_W.size()) < options.min_points) return std::nullopt;
+  if (static_cast<int>(p_W.size()) < kMinPoints) return std::nullopt;
   const PlaneFit fit = FitPlane(p_W, weights);
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   const double chi_square = fit.thickness_m * fit.thickness_m * total;
@@ -107,7 +111,7 @@ std::optional<PlaneSighting> Measure(const WeightedPoints& points,
   measured.along_B = {q_BW * fit.major_W, q_BW * fit.plane.n.cross(fit.major_W)};
   measured.sigma_m = std::hypot(sigma_m, options.min_sigma_m);
   measured.sigma_rad = {slope_sigma(fit.extent_major_m), slope_sigma(fit.extent_minor_m)};
-  if (!(measured.sigma_rad[1] <= options.max_sigma_deg * kDegree)) return std::nullopt;
+  if (!(measured.sigma_rad[1] <= kMaxSlopeSigma)) return std::nullopt;
   return measured;
 }
 
@@ -121,8 +125,7 @@ std::vector<PlaneSighting> MeasurePlanes(const SearchMesh& mesh,
                                          const PlaneMeasurementOptions& options) {
   std::vector<PlaneSighting> measurements;
   const PointRange matched = MatchedPoints(mesh);
-  if (map.keyframes.empty() || matched.end < matched.begin + options.min_points)
-    return measurements;
+  if (map.keyframes.empty() || matched.end < matched.begin + kMinPoints) return measurements;
   const PlanesAround around(faces, plane_index_of_face);
   for (std::size_t k = 0; k < planes.size(); ++k) {
     const TrackedPlane& plane = planes[k];

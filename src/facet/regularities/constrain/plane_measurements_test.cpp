@@ -158,7 +158,7 @@ TEST_F(PlaneMeasurementsTest, APlaneThatIsNotSeenNowIsNotMeasured) {
 }
 
 TEST_F(PlaneMeasurementsTest, PointsThatAreHardlyKnownDoNotCount) {
-  view_.sigma_depth_m = 2 * options_.max_point_sigma_m;
+  view_.sigma_depth_m = 0.1;
   EXPECT_TRUE(Sight({wall_}, Known(wall_, PlaneId{0})).empty());
 }
 
@@ -166,7 +166,6 @@ TEST_F(PlaneMeasurementsTest, TwoSurfacesAreNoPlane) {
   Patch behind = wall_;
   behind.centre_W.x() += 0.08;
   view_.sigma_depth_m = 0.03;  // both are within the gates
-  options_.max_point_sigma_m = 1;
   TrackedPlane between = Known(wall_, PlaneId{0});
   between.estimate.plane_W.d += 0.04;
   ASSERT_EQ(Sight({wall_}, between).size(), 1u);

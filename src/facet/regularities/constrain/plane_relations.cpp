@@ -15,6 +15,13 @@ namespace {
 
 constexpr double kRightAngle = 0.5 * std::numbers::pi;
 
+// Planes that are off by more are not related, but a wall that is off by more than the second has a
+// heading of its own.
+constexpr double kMaxAngle = 3 * kDegree, kNewHeading = 8 * kDegree;
+constexpr double kMaxHeight_m = 0.02;  // the same for heights
+// A relation must have held in so many keyframes in a row.
+constexpr int kMinKeyframes = 5;
+
 // 1-sigma of turns of the normal about the vertical, and of its lean, poses of the window given.
 double SigmaInDirection(const PlaneEstimate& plane, const Vector3d& direction_W) {
   const Matrix3d covariance = plane.covariance.block<3, 3>(6, 6);
@@ -72,7 +79,7 @@ void PlaneRelations::Clear() {
 }
 
 double PlaneRelations::AngleLimit(double sigma) const {
-  return std::min(options_.max_angle_deg * kDegree, 3 * std::hypot(sigma, kDegree));
+  return std::min(kMaxAngle, 3 * std::hypot(sigma, kDegree));
 }
 
 // True when the relation has held often enough and was not proposed before.
@@ -80,7 +87,7 @@ bool PlaneRelations::Weigh(const PlaneRelation& relation, double difference, dou
   const PlaneRelation key = relation.Canonical();
   Evidence& evidence = evidence_[{static_cast<int>(key.kind), {key.a, key.b}}];
   evidence.num_keyframes = std::abs(difference) <= limit ? evidence.num_keyframes + 1 : 0;
-  if (evidence.is_proposed || evidence.num_keyframes < options_.min_keyframes) return false;
+  if (evidence.is_proposed || evidence.num_keyframes < kMinKeyframes) return false;
   evidence.is_proposed = true;
   return true;
 }
@@ -135,7 +142,7 @@ std::optional<PlaneRelations::Difference> PlaneRelations::CompareHeadings(
     const RelatedPlane& a, const RelatedPlane& b) const {
   const Vector3d &n_a = a.estimate->plane_W.n, &n_b = b.estimate->plane_W.n;
   const auto [angle, is_parallel] = HeadingDifference(n_a, n_b);
-  if (std::abs(angle) > options_.new_heading_deg * kDegree) return std::nullopt;
+  if (std::abs(angle) > kNewHeading) return std::nullopt;
   using enum PlaneRelationKind;
   const double sigma = std::hypot(SigmaInDirection(*a.estimate, Sideways(n_a)),
                                   SigmaInDirection(*b.estimate, Sideways(n_b)));
@@ -147,8 +154,8 @@ std::optional<PlaneRelations::Difference> PlaneRelations::CompareHeights(
   const Vector3d &n_a = a.estimate->plane_W.n, &n_b = b.estimate->plane_W.n;
   const double height_m = b.centroid_W.z() - a.centroid_W.z();
   // The underside of a shelf is not parallel to its top.
-  const bool is_parallel = AngleBetween(n_a, n_b) <= options_.max_angle_deg * kDegree;
-  if (!is_parallel || std::abs(height_m) > options_.max_height_m) return std::nullopt;
+  const bool is_parallel = AngleBetween(n_a, n_b) <= kMaxAngle;
+  if (!is_parallel || std::abs(height_m) > kMaxHeight_m) return std::nullopt;
   const double variance = a.estimate->covariance(9, 9) + b.estimate->covariance(9, 9);
   return Difference{PlaneRelationKind::kCoplanar, height_m, 3 * std::sqrt(variance)};
 }
@@ -161,7 +168,7 @@ std::optional<PlaneRelations::Difference> PlaneRelations::CompareSlopes(
   const double from_right_angle = kRightAngle - from_parallel;
   const bool is_parallel = from_parallel < from_right_angle;
   const double off = is_parallel ? from_parallel : from_right_angle;
-  if (off > options_.new_heading_deg * kDegree) return std::nullopt;
+  if (off > kNewHeading) return std::nullopt;
   const auto sigma = [](const PlaneEstimate& plane) {  // mean of both directions
     return std::sqrt(std::max(plane.covariance.block<3, 3>(6, 6).trace() / 2, 0.0));
   };

@@ -11,6 +11,8 @@
 namespace facet {
 namespace {
 
+constexpr int kMinKeyframes = 5;  // in which a relation must hold
+
 /// A handful of planes, all settled and known to 0.3 deg.
 class PlaneRelationsTest : public ::testing::Test {
  protected:
@@ -67,7 +69,7 @@ TEST_F(PlaneRelationsTest, ARoomsWallsAreRelatedToOneOfThem) {
   for (const double azimuth : {20.0, 110.5, 200.2, -70.4})
     AddWall(azimuth, 0.2);
   AddPlane({0.003, 0, 1}, PlaneOrientation::kHorizontal);
-  const auto found = Update(options_.min_keyframes);
+  const auto found = Update(kMinKeyframes);
   using enum PlaneRelationKind;
   EXPECT_TRUE(Contains(found, {kHeadingOrthogonal, PlaneId{0}, PlaneId{1}}));
   EXPECT_TRUE(Contains(found, {kHeadingParallel, PlaneId{0}, PlaneId{2}}));
@@ -82,18 +84,18 @@ TEST_F(PlaneRelationsTest, ARoomsWallsAreRelatedToOneOfThem) {
 TEST_F(PlaneRelationsTest, EachRelationIsProposedOnceAndOnlyWhenItHasHeldForAWhile) {
   AddWall(0);
   AddWall(90);
-  EXPECT_TRUE(Update(options_.min_keyframes - 1).empty());
+  EXPECT_TRUE(Update(kMinKeyframes - 1).empty());
   EXPECT_EQ(Update(1).size(), 3u);
   EXPECT_TRUE(Update(20).empty());
 }
 
 TEST_F(PlaneRelationsTest, AnInterruptionStartsTheCountAnew) {
   AddWall(0);
-  Update(options_.min_keyframes - 1);
+  Update(kMinKeyframes - 1);
   estimates_[0].plane_W.n = Vector3d(std::cos(0.1), 0, std::sin(0.1));
   EXPECT_TRUE(Update(1).empty());
   estimates_[0].plane_W.n = Vector3d::UnitX();
-  EXPECT_TRUE(Update(options_.min_keyframes - 1).empty());
+  EXPECT_TRUE(Update(kMinKeyframes - 1).empty());
   EXPECT_EQ(Update(1).size(), 1u);
 }
 
@@ -101,7 +103,7 @@ TEST_F(PlaneRelationsTest, AWallAtAnotherAngleHasAHeadingOfItsOwn) {
   AddWall(0);
   AddWall(30);
   AddWall(121);
-  const auto found = Update(options_.min_keyframes);
+  const auto found = Update(kMinKeyframes);
   using enum PlaneRelationKind;
   EXPECT_TRUE(Contains(found, {kHeadingOrthogonal, PlaneId{1}, PlaneId{2}}));
   EXPECT_EQ(found.size(), 4u) << "three walls upright, one pair";
@@ -134,7 +136,7 @@ TEST_F(PlaneRelationsTest, TheLargestIsInTheMiddle) {
   AddWall(0, 0, 1.1);
   AddWall(90, 0, 30);
   AddWall(180, 0, 4);
-  const auto found = Update(options_.min_keyframes);
+  const auto found = Update(kMinKeyframes);
   using enum PlaneRelationKind;
   EXPECT_TRUE(Contains(found, {kHeadingOrthogonal, PlaneId{1}, PlaneId{0}}));
   EXPECT_TRUE(Contains(found, {kHeadingOrthogonal, PlaneId{1}, PlaneId{2}}));
@@ -168,10 +170,10 @@ TEST_F(PlaneRelationsTest, LevelPlanesHaveOneHeight) {
 
 TEST_F(PlaneRelationsTest, AMiddleThatTurnsOutToLeanIsNone) {
   AddWall(0, 0, 9);
-  Update(options_.min_keyframes);
+  Update(kMinKeyframes);
   orientations_[0] = PlaneOrientation::kOblique;
   AddWall(90);
-  for (const PlaneRelation& relation : Update(2 * options_.min_keyframes))
+  for (const PlaneRelation& relation : Update(2 * kMinKeyframes))
     EXPECT_FALSE(relation.Involves(PlaneId{0}));
 }
 
@@ -185,7 +187,7 @@ TEST_F(PlaneRelationsTest, SlopesAreRelatedWhenAskedFor) {
   EXPECT_TRUE(Update(50).empty());
   options_.slopes = true;
   relations_ = PlaneRelations(options_);
-  const auto found = Update(options_.min_keyframes);
+  const auto found = Update(kMinKeyframes);
   EXPECT_EQ(found.size(), 2u);
   EXPECT_TRUE(Contains(found, {kOrthogonal, PlaneId{0}, PlaneId{1}}));
   EXPECT_TRUE(Contains(found, {kParallel, PlaneId{0}, PlaneId{2}}));
@@ -203,10 +205,10 @@ TEST_F(PlaneRelationsTest, SwitchedOffNothingIsRelated) {
 TEST_F(PlaneRelationsTest, WhatIsForgottenMayBeProposedAgain) {
   AddWall(20);
   AddWall(110);
-  const auto first = Update(2 * options_.min_keyframes);
-  EXPECT_TRUE(Update(2 * options_.min_keyframes).empty());
+  const auto first = Update(2 * kMinKeyframes);
+  EXPECT_TRUE(Update(2 * kMinKeyframes).empty());
   relations_.Forget(PlaneId{1});
-  const auto again = Update(2 * options_.min_keyframes);
+  const auto again = Update(2 * kMinKeyframes);
   EXPECT_EQ(first.size(), 3u);  // both upright, and at right angles
   EXPECT_EQ(again.size(), 2u);
   EXPECT_TRUE(Contains(again, {PlaneRelationKind::kVertical, PlaneId{1}}));

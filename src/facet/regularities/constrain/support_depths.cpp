@@ -11,6 +11,7 @@ namespace facet {
 namespace {
 
 constexpr double kMinCosine = 0.05;  // between ray and normal
+constexpr double kMaxSigmas = 3;     // a point farther from a plane is not on it
 
 struct FusedDepth {
   double scale = 1;
@@ -42,10 +43,9 @@ void FuseIfNearer(const FacePoint& point,
 // By the plane that explains the depth best.
 double BestScale(const FacePoint& point,
                  const Vector3d& camera_W,
-                 const std::vector<SolvedPlane>& seen,
-                 double max_sigma) {
+                 const std::vector<SolvedPlane>& seen) {
   const double distance_m = (point.p_W - camera_W).norm();
-  FusedDepth best{1, max_sigma * max_sigma};
+  FusedDepth best{1, kMaxSigmas * kMaxSigmas};
   for (const SolvedPlane& plane : seen)
     FuseIfNearer(point, plane, distance_m, best);
   return best.scale;
@@ -56,8 +56,7 @@ double BestScale(const FacePoint& point,
 std::vector<double> SupportDepthScales(const SearchMesh& mesh,
                                        const SurfaceFaces& faces,
                                        const std::vector<TrackedPlane>& planes,
-                                       const SE3& T_WB,
-                                       const SupportDepthOptions& options) {
+                                       const SE3& T_WB) {
   const std::vector<SolvedPlane> seen = SolvedPlanes(planes, T_WB);
   std::vector<char> is_in_view(faces.points.size(), 0);
   for (const SurfaceFace& face : faces.faces) {
@@ -67,7 +66,7 @@ std::vector<double> SupportDepthScales(const SearchMesh& mesh,
   std::vector<double> scales(faces.points.size(), 1.0);
   for (std::size_t i = 0; i < faces.points.size(); ++i) {
     if (is_in_view[i] == 0 || !IsSupport(mesh.vertex_ids[i])) continue;
-    scales[i] = BestScale(faces.points[i], faces.camera.p_W, seen, options.max_sigma);
+    scales[i] = BestScale(faces.points[i], faces.camera.p_W, seen);
   }
   return scales;
 }

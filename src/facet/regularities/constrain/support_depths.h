@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "facet/regularities/detect/surface_face.h"
-#include "facet/regularities/regularity_options.h"
 #include "facet/regularities/track/tracked_plane.h"
 
 namespace facet {
@@ -18,7 +17,6 @@ namespace facet {
 std::vector<double> SupportDepthScales(const SearchMesh& mesh,
                                        const SurfaceFaces& faces,
                                        const std::vector<TrackedPlane>& planes,
-                                       const SE3& T_WB,
-                                       const SupportDepthOptions& options);
+                                       const SE3& T_WB);
 
 }  // namespace facet

@@ -20,6 +20,10 @@ using Triangle = std::array<int, 3>;
 using Planes = std::uint64_t;  // one bit for each of the first 64; the estimator keeps 40
 
 constexpr std::size_t kMaxPlanes = 64;
+// A triangle with one or two corners on a plane is no surface when another corner is farther from
+// the plane than the first, one between several planes when it passes farther than the second from
+// all.
+constexpr double kMinGap_m = 0.06, kMaxCut_m = 0.03;
 
 template <class Function>
 void ForEachPlane(Planes planes, const Function& function) {
@@ -64,14 +68,15 @@ class Judge {
                           [&](std::size_t i) -> const Vector3d& { return points_[i].p_W; });
     for (std::size_t k = 0; k < planes_.size(); ++k) {
       const Plane& plane = planes_[k].plane_W();
-      near.ForEachNear(plane, options_.tracking.max_gate_m, [&](std::size_t i) {
+      near.ForEachNear(plane, options_.detection.max_distance_m, [&](std::size_t i) {
         const FacePoint& point = points_[i];
         if (plane.n.dot(point.ray_W) > 0) return;  // from behind it is another surface
         const double variance = point.VarianceAlong(plane.n) +
                                 kSurfaceFlatness_m * kSurfaceFlatness_m +
                                 planes_[k].uncertainty.VarianceAt(point.p_W);
         const double distance_m = plane.SignedDistance(point.p_W);
-        if (distance_m * distance_m > SquaredGate(variance, options_.tracking)) return;
+        if (distance_m * distance_m > SquaredGate(variance, options_.detection.max_distance_m))
+          return;
         if (planes_[k].tracked->extent.IsNear(point.p_W, kPlaneGrowth_m)) on_[i] |= Planes{1} << k;
       });
     }
@@ -101,7 +106,7 @@ class Judge {
     double gap_m = 0;
     for (const int corner : t)
       gap_m = std::max(gap_m, std::abs(Distance(plane, corner)));
-    return gap_m > options_.faces.min_gap_m && !IsContinued(t, plane);
+    return gap_m > kMinGap_m && !IsContinued(t, plane);
   }
 
   // The plane on which most of the corners lie, -1: none has any.
@@ -130,7 +135,7 @@ class Judge {
       ForEachPlane(planes, [&](int k) {
         least_m = std::min(least_m, std::abs(planes_[k].plane_W().SignedDistance(p)));
       });
-      if (least_m > options_.faces.max_cut_m) return true;
+      if (least_m > kMaxCut_m) return true;
     }
     return false;
   }
@@ -159,7 +164,7 @@ class Judge {
   std::span<const Triangle> triangles_;
   std::vector<SolvedPlane> planes_;
   const RegularityOptions& options_;
-  const double min_cosine_ = std::cos(options_.tracking.max_face_angle_deg * kDegree);
+  const double min_cosine_ = std::cos(kMaxFaceAngle);
   const double same_surface_cosine_ = std::cos(15 * kDegree);
   std::vector<Planes> on_;  // by point: planes that have it within the gate, near their extents
   TriangleStars stars_;

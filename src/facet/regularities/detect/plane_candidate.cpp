@@ -16,7 +16,10 @@ namespace facet {
 namespace {
 
 constexpr double kMinBand_m = 0.01;  // half thickness that every plane is granted
-const double kMinFaceCosine = std::cos(25 * kDegree);
+constexpr int kMinVertices = 10;     // on a plane
+// RMS distance of its points above which a plane is none, or 1.5 times what is expected of them.
+constexpr double kMaxThickness_m = 0.02;
+const double kMinFaceCosine = std::cos(kMaxFaceAngle);
 constexpr double kMaxTurn = 20 * kDegree;  // from the peak to the fit
 // Beyond these a face is on no plane that a fit from the peak can turn to.
 const double kMinAroundCosine = std::cos(45 * kDegree);
@@ -158,8 +161,8 @@ Matrix3d NormalCovariance(const WeightedPlane& plane, double inflation) {
 
 // Large, thin, wide and straight enough.
 bool IsAcceptable(const WeightedPlane& plane, const Plane& start, const DetectionOptions& options) {
-  const double max_thickness = std::max(options.max_thickness_m, 1.5 * plane.expected_thickness_m);
-  return static_cast<int>(plane.points.size()) >= options.min_vertices &&
+  const double max_thickness = std::max(kMaxThickness_m, 1.5 * plane.expected_thickness_m);
+  return static_cast<int>(plane.points.size()) >= kMinVertices &&
          plane.fit.extent_minor_m >= options.min_extent_m &&
          plane.fit.thickness_m <= max_thickness &&
          plane.fit.plane.n.dot(start.n) >= std::cos(kMaxTurn);
@@ -276,7 +279,7 @@ class CandidateSearch {
         part = Without(part, out[k].faces);
       if (AreaOf(faces_, part) < min_area_m2_) continue;
       const WeightedPlane fit = Fit(part, start.n);
-      if (static_cast<int>(fit.points.size()) < options_.min_vertices) continue;
+      if (static_cast<int>(fit.points.size()) < kMinVertices) continue;
       const std::size_t first = out.size();
       Run(pool, fit.fit.plane, num_splits, out);
       for (std::size_t k = first; k < out.size(); ++k)

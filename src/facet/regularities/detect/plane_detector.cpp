@@ -9,6 +9,17 @@
 
 namespace facet {
 
+namespace {
+
+// Faces that lean less vote for level or for upright planes.
+constexpr double kMaxFaceLean = 15 * kDegree;
+// Kernel of a vote, 1-sigma: height or distance, and azimuth.
+constexpr double kVoteSigma_m = 0.03, kVoteSigma = 5 * kDegree;
+// New planes of each kind per keyframe, at most: the next keyframe finds the others.
+constexpr int kMaxCandidates = 6;
+
+}  // namespace
+
 std::vector<PlaneCandidate> PlaneDetector::Detect(const SurfaceFaces& faces,
                                                   const std::vector<char>& taken) {
   std::vector<PlaneCandidate> out;
@@ -56,7 +67,7 @@ void PlaneDetector::TakePeaks(const SurfaceFaces& faces,
   for (const int f : pool_) {
     if (has_voted[f] != 0) vote(f, 1);
   }
-  for (int k = 0; k < options_.max_candidates; ++k) {
+  for (int k = 0; k < kMaxCandidates; ++k) {
     const auto peak = histogram.Highest();
     if (!peak || peak->area_m2 < options_.min_area_m2) return;
     for (const int f : Accept(faces, peak->plane_W, options_.min_area_m2, out)) {
@@ -69,7 +80,7 @@ void PlaneDetector::TakePeaks(const SurfaceFaces& faces,
 }
 
 void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
-  const double min_z = std::cos(options_.max_lean_deg * kDegree);
+  const double min_z = std::cos(kMaxFaceLean);
   std::vector<char> votes(faces.faces.size(), 0);
   double lowest = 0, highest = 0;
   bool any = false;
@@ -82,7 +93,7 @@ void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandid
     any = true;
   }
   if (!any) return;
-  heights_.Reset(lowest, highest, options_.vote_sigma_m);
+  heights_.Reset(lowest, highest, kVoteSigma_m);
   const auto vote = [&](int f, double sign) {
     heights_.Add(faces.faces[f].centre_W.z(), sign * faces.faces[f].area_m2);
   };
@@ -90,7 +101,7 @@ void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandid
 }
 
 void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
-  const double max_z = std::sin(options_.max_lean_deg * kDegree);
+  const double max_z = std::sin(kMaxFaceLean);
   std::vector<char> votes(faces.faces.size(), 0);
   const Vector3d origin = options_.world_origin ? Vector3d(Vector3d::Zero()) : faces.camera.p_W;
   double radius = 0;
@@ -101,7 +112,7 @@ void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCand
     radius = std::max(radius, (face.centre_W - origin).head<2>().norm());
   }
   if (radius == 0) return;
-  walls_.Reset(origin, radius, options_.vote_sigma_m, options_.vote_sigma_deg * kDegree);
+  walls_.Reset(origin, radius, kVoteSigma_m, kVoteSigma);
   const auto vote = [&](int f, double sign) {
     const SurfaceFace& face = faces.faces[f];
     const double weight = sign * face.area_m2;
@@ -117,7 +128,7 @@ void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCand
 void PlaneDetector::FindOblique(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
   int found = 0;
   for (const Plane& region : GrowRegions(faces, pool_, options_.oblique_min_area_m2)) {
-    if (found++ >= options_.max_candidates) return;
+    if (found++ >= kMaxCandidates) return;
     Accept(faces, region, options_.oblique_min_area_m2, out);
   }
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "facet/geometry/angles.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/mesh/search_mesh.h"
 
@@ -12,6 +13,10 @@ namespace facet {
 
 /// How flat real surfaces are, 1-sigma [m].
 inline constexpr double kSurfaceFlatness_m = 0.005;
+
+/// Largest angle between the normals of a face and of the plane that it lies on [rad]: faces of
+/// neighbouring corners with 1 cm of error lean that much.
+inline constexpr double kMaxFaceAngle = 25 * kDegree;
 
 /// A vertex of the mesh with what is known of its distance from the camera.
 struct FacePoint {

@@ -12,7 +12,7 @@ namespace facet {
 
 namespace {
 
-constexpr AgreementLimits kOneSurface = {5 * kDegree, 0.05};
+constexpr AgreementLimits kOneSurface = {kSamePlaneAngle, 0.05};
 constexpr double kLargestFurniture_m2 = 4;
 // Planes smaller than this must be flat, or they are rows of things; walls may have things on them.
 constexpr double kSmall_m2 = 1;

@@ -17,7 +17,7 @@ namespace {
 // for surface.
 constexpr double kCrossing_m = 0.12;
 const double kMaxCrossingCosine = std::cos(3 * kDegree);
-const double kMinCrossingCosine = std::cos(25 * kDegree);
+const double kMinCrossingCosine = std::cos(kMaxFaceAngle);
 // A plane that is farther from a face by this gives up the surface there.
 constexpr double kClearlyFarther_m = 0.01;
 
@@ -46,13 +46,13 @@ double WorstCorner(const SurfaceFaces& faces,
                    const Plane& plane,
                    double plane_variance_m2,
                    double limit,
-                   const PlaneTrackingOptions& options) {
+                   double max_distance_m) {
   double worst = 0;
   for (const int corner : face.corners) {
     const FacePoint& point = faces.points[corner];
     const double variance = point.VarianceAlong(plane.n) + plane_variance_m2;
     const double distance_m = plane.SignedDistance(point.p_W);
-    worst = std::max(worst, distance_m * distance_m / SquaredGate(variance, options));
+    worst = std::max(worst, distance_m * distance_m / SquaredGate(variance, max_distance_m));
     if (worst >= limit) break;
   }
   return worst;
@@ -78,17 +78,18 @@ bool IsForeign(const std::vector<TrackedPlane>& planes,
 std::vector<int> AssignFaces(const SurfaceFaces& faces,
                              const std::vector<TrackedPlane>& planes,
                              const MapSnapshot& map,
-                             const PlaneTrackingOptions& options) {
+                             const RegularityOptions& options) {
   const NearPoints centres(faces.faces.size(), [&](std::size_t f) -> const Vector3d& {
     return faces.faces[f].centre_W;
   });
   const Timestamp now = map.latest.t;
+  const double max_distance_m = options.detection.max_distance_m;
   const auto is_active = [&](const TrackedPlane& plane) {
-    return !plane.IsTentative() && !plane.IsDormant(now, options.active_s);
+    return !plane.IsTentative() && !plane.IsDormant(now, options.tracking.active_s);
   };
   std::vector<int> plane_index_of_face(faces.faces.size(), -1);
   std::vector<double> best(faces.faces.size(), 1.0);  // as from WorstCorner
-  const double min_cosine = std::cos(options.max_face_angle_deg * kDegree);
+  const double min_cosine = std::cos(kMaxFaceAngle);
   for (std::size_t k = 0; k < planes.size(); ++k) {
     const TrackedPlane& tracked = planes[k];
     if (!is_active(tracked)) continue;
@@ -101,12 +102,12 @@ std::vector<int> AssignFaces(const SurfaceFaces& faces,
       return tracked.extent.HasSurface(p_W) || (tracked.extent.IsNear(p_W, kPlaneGrowth_m) &&
                                                 !IsForeign(planes, rivals, tracked, p_W));
     };
-    centres.ForEachNear(plane, options.max_gate_m, [&](std::size_t f) {
+    centres.ForEachNear(plane, max_distance_m, [&](std::size_t f) {
       const SurfaceFace& face = faces.faces[f];
       if (plane.n.dot(face.n_W) < min_cosine) return;
       const double variance =
           uncertainty.VarianceAt(face.centre_W) + kSurfaceFlatness_m * kSurfaceFlatness_m;
-      const double worst = WorstCorner(faces, face, plane, variance, best[f], options);
+      const double worst = WorstCorner(faces, face, plane, variance, best[f], max_distance_m);
       if (worst >= best[f] || !may_have(face.centre_W)) return;
       best[f] = worst;
       plane_index_of_face[f] = static_cast<int>(k);

@@ -20,7 +20,7 @@ namespace facet {
 std::vector<int> AssignFaces(const SurfaceFaces& faces,
                              const std::vector<TrackedPlane>& planes,
                              const MapSnapshot& map,
-                             const PlaneTrackingOptions& options);
+                             const RegularityOptions& options);
 
 /// Adds the faces that the newest keyframe shows to the extents of their planes, and takes them
 /// from the extents of planes that cross there and are farther off. `plane_index_of_face` as from

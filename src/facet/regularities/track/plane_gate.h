@@ -7,16 +7,15 @@
 #include <algorithm>
 
 #include "facet/regularities/detect/plane_candidate.h"
-#include "facet/regularities/regularity_options.h"
 
 namespace facet {
 
 /// Squared distance from a plane up to which a vertex of the mesh is on it [m^2]: three sigmas, but
-/// between the limits of the options. `variance_m2`: of the distance, from vertex and plane.
-inline double SquaredGate(double variance_m2, const PlaneTrackingOptions& options) {
-  const double least = options.min_gate_m * options.min_gate_m;
-  const double largest = options.max_gate_m * options.max_gate_m;
-  return std::min(std::max(9 * variance_m2, least), largest);
+/// at least 2 cm and at most `max_distance_m` (DetectionOptions). `variance_m2`: of the distance,
+/// from vertex and plane.
+inline double SquaredGate(double variance_m2, double max_distance_m) {
+  constexpr double kLeast_m = 0.02;
+  return std::min(std::max(9 * variance_m2, kLeast_m * kLeast_m), max_distance_m * max_distance_m);
 }
 
 /// Variance of the distance between one plane and any points that are fixed to the camera: for many

@@ -16,7 +16,9 @@ namespace facet {
 namespace {
 
 constexpr std::size_t kMinLandmarks = 8;
-constexpr double kFlatness_m = 0.01;
+// Landmarks stand out from their plane more than its surface does: prints, frames and panels are in
+// front of walls.
+constexpr double kLandmarkFlatness_m = 0.01;
 constexpr double kMaxSigmas = 2.5;  // a landmark that is farther off weighs as if it were here
 // Errors that the poses give to all landmarks of a plane, 1-sigma.
 constexpr double kSigmaOffset_m = 0.003, kSigmaSlope = 0.004;
@@ -24,6 +26,9 @@ constexpr double kSigmaOffset_m = 0.003, kSigmaSlope = 0.004;
 constexpr double kMaxChiSquare = 12;  // 3 degrees of freedom
 constexpr double kMaxScatterAtOnce = 2;
 constexpr int kMaxMisfits = 3;
+// Mean square of a plane's landmarks about it, over what is expected, on average over the last
+// keyframes: more is a row of things, or two surfaces.
+constexpr double kMaxScatter = 1.4;
 constexpr int kMinJudged = 8;  // keyframes that a mean needs
 
 double Square(double x) {
@@ -51,7 +56,7 @@ PlaneLandmarks LandmarksByVision(const MapSnapshot& map,
     const double variance = point.VarianceAlong(plane.n);
     const double at_m = plane.SignedDistance(landmark.p_W);
     const double across_m = (1 + variance / Square(tracked.estimate.row_sigma_m)) * at_m;
-    const double expected = variance + Square(kFlatness_m);
+    const double expected = variance + Square(kLandmarkFlatness_m);
     const double sigmas = std::abs(across_m) / std::sqrt(expected);
     landmarks.points_W.emplace_back(landmark.p_W + (across_m - at_m) * plane.n);
     landmarks.across_m.push_back(across_m);
@@ -109,10 +114,7 @@ std::optional<LandmarkFit> FitLandmarks(const PlaneLandmarks& landmarks,
   return out;
 }
 
-bool IsMisfit(const MapSnapshot& map,
-              double sigma_direction,
-              const PlaneTrackingOptions& options,
-              TrackedPlane& plane) {
+bool IsMisfit(const MapSnapshot& map, double sigma_direction, TrackedPlane& plane) {
   const std::optional<LandmarkFit> fit =
       FitLandmarks(LandmarksByVision(map, sigma_direction, plane), plane.estimate, map.latest.T_WB);
   if (!fit) {
@@ -122,20 +124,19 @@ bool IsMisfit(const MapSnapshot& map,
   const bool misfits = fit->chi_square > kMaxChiSquare || fit->scatter > kMaxScatterAtOnce;
   plane.num_misfits = misfits ? plane.num_misfits + 1 : 0;
   plane.scatter.Add(fit->scatter);
-  if (fit->curvature) plane.curvature.Add(IsCurved(*fit->curvature, options.max_bend));
+  if (fit->curvature) plane.curvature.Add(IsCurved(*fit->curvature));
   return plane.num_misfits >= kMaxMisfits ||
-         (plane.scatter.num >= kMinJudged && plane.scatter.mean > options.max_scatter);
+         (plane.scatter.num >= kMinJudged && plane.scatter.mean > kMaxScatter);
 }
 
 }  // namespace
 
 void RemoveMisfits(const MapSnapshot& map,
                    double sigma_direction,
-                   const PlaneTrackingOptions& options,
                    std::vector<TrackedPlane>& planes,
                    PlaneAssignments& out) {
   std::erase_if(planes, [&](TrackedPlane& plane) {
-    if (plane.IsTentative() || !IsMisfit(map, sigma_direction, options, plane)) return false;
+    if (plane.IsTentative() || !IsMisfit(map, sigma_direction, plane)) return false;
     for (const LandmarkEstimate& landmark : map.landmarks) {
       if (landmark.IsOn(plane.id)) out.left.emplace_back(landmark.id, plane.id);
     }

@@ -5,20 +5,18 @@
 #include <vector>
 
 #include "facet/map/plane_assignments.h"
-#include "facet/regularities/regularity_options.h"
 #include "facet/regularities/track/tracked_plane.h"
 
 namespace facet {
 
 /// Removes planes whose landmarks, as vision alone places them, do not fit: in three keyframes in a
 /// row they lie on another plane or on none, or over many keyframes their mean square distance from
-/// the plane that fits them best is larger than the options allow. Their landmarks are detached;
+/// the plane that fits them best is too large. Their landmarks are detached;
 /// the detector may find planes among them anew. Planes whose landmarks lie on a curved surface
 /// stay, because seeing them again still helps the estimator, but it is recorded
 /// (TrackedPlane::curvature). `sigma_direction`: of a landmark, 1-sigma [rad].
 void RemoveMisfits(const MapSnapshot& map,
                    double sigma_direction,
-                   const PlaneTrackingOptions& options,
                    std::vector<TrackedPlane>& planes,
                    PlaneAssignments& out);
 

@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t kMinPoints = 10;
 constexpr double kMinSize_m = 0.006;
+// Right planes have 0.1 to 3.3 squared sigmas (3 degrees of freedom), things on a shelf 5 to 6, two
+// boards in one plane 9.
+constexpr double kMaxChiSquare = 4;
 
 }  // namespace
 
@@ -47,8 +50,8 @@ std::optional<SurfaceCurvature> FitCurvature(std::span<const Vector3d> points_W,
   return SurfaceCurvature{gain, std::sqrt(std::max(gain, 0.0) / total)};
 }
 
-bool IsCurved(const SurfaceCurvature& curvature, double max_chi_square) {
-  return curvature.chi_square > max_chi_square && curvature.size_m > kMinSize_m;
+bool IsCurved(const SurfaceCurvature& curvature) {
+  return curvature.chi_square > kMaxChiSquare && curvature.size_m > kMinSize_m;
 }
 
 }  // namespace facet

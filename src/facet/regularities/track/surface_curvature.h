@@ -22,7 +22,7 @@ std::optional<SurfaceCurvature> FitCurvature(std::span<const Vector3d> points_W,
                                              const Vector3d& n_W);
 
 /// Whether that is more than posters on a wall, a sagging floor or lens distortion may cause: more
-/// than 6 mm, and more than `max_chi_square`.
-bool IsCurved(const SurfaceCurvature& curvature, double max_chi_square);
+/// than 6 mm, and significantly.
+bool IsCurved(const SurfaceCurvature& curvature);
 
 }  // namespace facet

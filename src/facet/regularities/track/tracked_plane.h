@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "facet/geometry/angles.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/plane_state.h"
 #include "facet/regularities/detect/plane_candidate.h"
@@ -16,6 +17,9 @@ namespace facet {
 
 /// How near to the extent of a plane what belongs to it must be [m].
 inline constexpr double kPlaneGrowth_m = 0.5;
+
+/// Planes whose normals differ by more are not the same [rad].
+inline constexpr double kSamePlaneAngle = 5 * kDegree;
 
 /// Mean of about the last ten values.
 struct RecentMean {

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Configurations that users saved with an earlier version are still read, or refused with a reason.
+#include "load_options.h"
+
+#include <algorithm>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "facet/io/config_file.h"
+#include "facet/io/errors.h"
+#include "facet/testing/folders.h"
+
+namespace facet {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string SavedConfig() {
+  return testing::SourceFolder() / "testdata" / "saved_config_0.1.yaml";
+}
+
+std::string MessageOf(const std::string& override) {
+  try {
+    LoadOptions("", {override});
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(LoadOptionsTest, SavedDefaultsOfAnEarlierVersionAreTodaysDefaults) {
+  const LoadedOptions loaded = LoadOptions(SavedConfig(), {});
+  EXPECT_EQ(FormatOptions(loaded.options, Audience::kExperts),
+            FormatOptions(VioOptions(), Audience::kExperts));
+  EXPECT_FALSE(loaded.notices.empty());
+}
+
+TEST(LoadOptionsTest, ThereIsOneNoticeForEachRetiredOption) {
+  const std::size_t num_retired = RetiredOptions().size();
+  const LoadedOptions loaded = LoadOptions(SavedConfig(), {});
+  EXPECT_EQ(loaded.notices.size(), num_retired);
+}
+
+TEST(LoadOptionsTest, NoRetiredOptionIsStillAnOptionAndAllSuccessorsAre) {
+  VioOptions options;
+  const auto fields = ListFields(options);
+  const auto is_option = [&](const std::string& key) {
+    return std::any_of(
+        fields.begin(), fields.end(), [&](const ConfigField& field) { return field.key == key; });
+  };
+  for (const RetiredOption& option : RetiredOptions()) {
+    EXPECT_FALSE(is_option(option.key)) << option.key;
+    EXPECT_TRUE(std::string(option.new_key).empty() || is_option(option.new_key)) << option.new_key;
+  }
+}
+
+TEST(LoadOptionsTest, RetiredOptionWithAnotherValueIsRefusedWithTheValueThatHolds) {
+  for (const RetiredOption& option : RetiredOptions()) {
+    if (option.new_key[0] != 0) continue;
+    EXPECT_THAT(MessageOf(std::string(option.key) + "=0.123"),
+                HasSubstr("is now fixed at " + std::string(option.default_text)));
+  }
+}
+
+TEST(LoadOptionsTest, RenamedOptionSetsItsSuccessor) {
+  const LoadedOptions loaded = LoadOptions("", {"regularities.sightings.enabled=false"});
+  EXPECT_FALSE(loaded.options.regularities.measurements.enabled);
+  EXPECT_EQ(loaded.notices,
+            std::vector<std::string>{"--set: regularities.sightings.enabled is now called "
+                                     "regularities.measurements.enabled"});
+}
+
+// What most users ever turn; the others are for experts.
+TEST(LoadOptionsTest, UsersSeeAFewOptions) {
+  VioOptions options;
+  const auto fields = ListFields(options);
+  const auto num_for_users = std::count_if(fields.begin(), fields.end(), [](const auto& field) {
+    return field.audience == Audience::kUsers;
+  });
+  EXPECT_GE(num_for_users, 10);
+  EXPECT_LE(num_for_users, 20);
+}
+
+}  // namespace
+}  // namespace facet
