@@ -10,12 +10,12 @@
 #include <gtest/gtest.h>
 
 #include "facet/estimator/plane_membership.h"
-#include "facet/estimator/test_landmark.h"
 #include "facet/pipeline/test_back_stage.h"
 #include "facet/regularities/plane_tracker.h"
 #include "facet/regularities/test_scene.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
+#include "facet/testing/estimator/test_landmark.h"
 #include "facet/testing/folders.h"
 
 namespace facet {

@@ -3,8 +3,8 @@
 #include <benchmark/benchmark.h>
 
 #include "facet/estimator/marginalization.h"
-#include "facet/estimator/test_window.h"
 #include "facet/estimator/window_solver.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {

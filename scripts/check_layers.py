@@ -3,6 +3,7 @@
 
 A folder may include folders of a lower rank. Folders of the same rank are siblings that meet only in
 the data of lower folders. Tests may also use the simulator, the file readers, the evaluation and testing/.
+testing/NAME holds what the tests of folder NAME share: it may include what NAME may, NAME itself and testing/.
 """
 
 import re
@@ -36,9 +37,11 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]')
 
 
 def folder_of(path):
-    """The name in RANK of a source file relative to the root of the repository."""
+    """The name in RANK of a source file relative to the root of the repository, or testing/NAME."""
     parts = path.parts
-    return parts[2] if parts[:2] == ("src", "facet") else parts[0]
+    if parts[:2] != ("src", "facet"):
+        return parts[0]
+    return "/".join(parts[2:4]) if parts[2] == "testing" and len(parts) > 4 else parts[2]
 
 
 def included_folder(header):
@@ -53,6 +56,8 @@ def is_allowed(folder, other, is_test):
         return True
     if folder == "testing":
         return RANK.get(other, 99) <= RANK["map"]
+    if folder.startswith("testing/"):
+        return other == "testing" or is_allowed(folder.split("/")[1], other, False)
     if is_test and other in FOR_TESTS:
         return True
     return other in RANK and RANK[other] < RANK[folder]
@@ -61,7 +66,7 @@ def is_allowed(folder, other, is_test):
 def complaints(root, path):
     relative = path.relative_to(root)
     folder = folder_of(relative)
-    if folder not in RANK and folder != "testing":
+    if folder.removeprefix("testing/") not in {*RANK, "testing"}:
         yield f"{relative}: folder '{folder}' has no rank in scripts/check_layers.py"
         return
     is_test = path.stem.endswith("_test") or folder == "bench"

@@ -8,8 +8,8 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "facet/estimator/test_window.h"
 #include "facet/estimator/window_solver.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {

@@ -11,14 +11,14 @@
 
 #include "facet/estimator/landmark_depth.h"
 #include "facet/estimator/plane_anchor.h"
-#include "facet/estimator/test_gauge.h"
-#include "facet/estimator/test_window.h"
 #include "facet/estimator/window_policy.h"
 #include "facet/estimator/window_solver.h"
 #include "facet/geometry/plane_fit.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
+#include "facet/testing/estimator/test_gauge.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {

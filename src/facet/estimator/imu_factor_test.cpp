@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/test_window.h"
+#include "facet/testing/estimator/test_window.h"
 #include "facet/testing/numeric_jacobian.h"
 
 namespace facet {

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "facet/estimator/landmark_depth.h"
-#include "facet/estimator/test_window.h"
 #include "facet/geometry/angles.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {

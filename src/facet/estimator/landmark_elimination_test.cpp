@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "facet/estimator/test_landmark.h"
+#include "facet/testing/estimator/test_landmark.h"
 
 namespace facet {
 namespace {

@@ -8,7 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "facet/estimator/test_window.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {

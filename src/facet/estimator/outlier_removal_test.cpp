@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/test_window.h"
 #include "facet/estimator/usual_error.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {

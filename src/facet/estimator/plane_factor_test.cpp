@@ -2,7 +2,7 @@
 // The row that ties a landmark to a plane, against numeric derivatives and closed forms.
 #include <gtest/gtest.h>
 
-#include "facet/estimator/test_landmark.h"
+#include "facet/testing/estimator/test_landmark.h"
 #include "facet/testing/numeric_jacobian.h"
 
 namespace facet {

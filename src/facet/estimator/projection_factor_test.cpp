@@ -4,7 +4,7 @@
 
 #include "facet/estimator/plane_membership.h"
 #include "facet/estimator/robust_loss.h"
-#include "facet/estimator/test_landmark.h"
+#include "facet/testing/estimator/test_landmark.h"
 
 namespace facet {
 namespace {

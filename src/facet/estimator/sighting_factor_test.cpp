@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/test_gauge.h"
-#include "facet/estimator/test_window.h"
+#include "facet/testing/estimator/test_gauge.h"
+#include "facet/testing/estimator/test_window.h"
 #include "facet/testing/numeric_jacobian.h"
 
 namespace facet {

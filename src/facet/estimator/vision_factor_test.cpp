@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/estimator/robust_loss.h"
-#include "facet/estimator/test_landmark.h"
+#include "facet/testing/estimator/test_landmark.h"
 
 namespace facet {
 namespace {

@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/ceres_window.h"
 #include "facet/estimator/plane_membership.h"
+#include "facet/testing/estimator/ceres_window.h"
 #include "facet/testing/numeric_jacobian.h"
 
 namespace facet {

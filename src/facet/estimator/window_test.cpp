@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/check.h"
-#include "facet/estimator/test_window.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {

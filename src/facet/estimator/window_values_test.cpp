@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/test_window.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {

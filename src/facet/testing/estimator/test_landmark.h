@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "facet/estimator/test_window.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet::testing {
 

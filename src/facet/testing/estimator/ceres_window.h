@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "facet/estimator/test_window.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet::testing {
 

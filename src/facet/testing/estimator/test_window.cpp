@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/estimator/test_window.h"
+#include "facet/testing/estimator/test_window.h"
 
 #include <cmath>
 

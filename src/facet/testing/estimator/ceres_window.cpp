@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/estimator/ceres_window.h"
+#include "facet/testing/estimator/ceres_window.h"
 
 #include <type_traits>
 
