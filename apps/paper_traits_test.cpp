@@ -9,7 +9,7 @@
 #include "load_options.h"
 #include <gtest/gtest.h>
 
-#include "facet/estimator/plane_membership.h"
+#include "facet/estimator/planes/plane_membership.h"
 #include "facet/pipeline/test_back_stage.h"
 #include "facet/regularities/plane_tracker.h"
 #include "facet/regularities/test_scene.h"

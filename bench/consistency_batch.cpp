@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 
-#include "facet/estimator/landmark_depth.h"
+#include "facet/estimator/window/landmark_depth.h"
 
 namespace facet {
 

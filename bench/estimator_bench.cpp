@@ -2,8 +2,8 @@
 // Kernels of the back end on a window of the usual size: 10 poses, 5 full states, 200 landmarks.
 #include <benchmark/benchmark.h>
 
-#include "facet/estimator/marginalization.h"
-#include "facet/estimator/window_solver.h"
+#include "facet/estimator/solver/marginalization.h"
+#include "facet/estimator/solver/window_solver.h"
 #include "facet/testing/estimator/test_window.h"
 
 namespace facet {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "facet/base/options.h"
-#include "facet/estimator/robust_options.h"
+#include "facet/estimator/factors/robust_options.h"
 #include "facet/geometry/angles.h"
 
 namespace facet {

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/landmark_depth.h"
-#include "facet/estimator/plane_anchor.h"
-#include "facet/estimator/window_policy.h"
-#include "facet/estimator/window_solver.h"
+#include "facet/estimator/planes/plane_anchor.h"
+#include "facet/estimator/solver/window_solver.h"
+#include "facet/estimator/window/landmark_depth.h"
+#include "facet/estimator/window/window_policy.h"
 #include "facet/geometry/plane_fit.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/sim/euroc_rig.h"

@@ -7,15 +7,15 @@
 
 #include <Eigen/LU>
 
-#include "facet/estimator/imu_factor.h"
-#include "facet/estimator/landmark_depth.h"
-#include "facet/estimator/outlier_removal.h"
-#include "facet/estimator/plane_anchor.h"
-#include "facet/estimator/plane_budget.h"
-#include "facet/estimator/plane_membership.h"
-#include "facet/estimator/relation_factor.h"
-#include "facet/estimator/window_policy.h"
-#include "facet/estimator/window_snapshot.h"
+#include "facet/estimator/factors/imu_factor.h"
+#include "facet/estimator/factors/relation_factor.h"
+#include "facet/estimator/planes/plane_anchor.h"
+#include "facet/estimator/planes/plane_budget.h"
+#include "facet/estimator/planes/plane_membership.h"
+#include "facet/estimator/solver/outlier_removal.h"
+#include "facet/estimator/window/landmark_depth.h"
+#include "facet/estimator/window/window_policy.h"
+#include "facet/estimator/window/window_snapshot.h"
 #include "facet/geometry/angles.h"
 
 namespace facet {

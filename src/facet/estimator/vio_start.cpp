@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "facet/estimator/initializer.h"
+#include "facet/estimator/start/initializer.h"
 #include "facet/estimator/vio_estimator.h"
-#include "facet/estimator/window_policy.h"
+#include "facet/estimator/window/window_policy.h"
 #include "facet/geometry/angles.h"
 
 namespace facet {

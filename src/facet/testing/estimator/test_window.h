@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "facet/base/random.h"
-#include "facet/estimator/window_system.h"
+#include "facet/estimator/solver/window_system.h"
 
 namespace facet::testing {
 
