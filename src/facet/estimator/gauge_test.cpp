@@ -9,7 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/estimator/factors/prior_factor.h"
 #include "facet/estimator/planes/plane_anchor.h"
+#include "facet/estimator/solver/marginalization.h"
 #include "facet/estimator/solver/window_solver.h"
 #include "facet/estimator/window/landmark_depth.h"
 #include "facet/estimator/window/window_policy.h"
@@ -58,9 +60,7 @@ class KeyframeSmoother {
     AppendFrame(i, rng);
     AppendObservations(run_.frames[i]);
     geometry_.Update(window_.frames);
-    for (WindowLandmark& landmark : window_.landmarks()) {
-      if (!landmark.has_depth) InitializeDepth(geometry_, landmark);
-    }
+    InitializeDepths(geometry_, window_);
     if (planes_ != Planes::kNone) TieToSurfaces();
     if (planes_ == Planes::kSighted) SightPlanes(rng);
     if (planes_ == Planes::kRelated) {
@@ -68,7 +68,7 @@ class KeyframeSmoother {
       num_moved_anchors_ += FollowSupport(kAnchorDistance, window_);
     }
     FollowEstimate();
-    solver_.Solve(window_, i < kStartKeyframes ? 15 : 4);
+    solver_.Solve(window_, FactorNoise(EstimatorOptions{}), i < kStartKeyframes ? 15 : 4);
     FollowEstimate();
     if (i < kStartKeyframes) return;
     while (true) {
@@ -76,7 +76,7 @@ class KeyframeSmoother {
       if (plan.IsEmpty()) return;
       if (planes_ == Planes::kRelated && i % kReplaceEvery == 0) ReplaceAPlane(i, plan);
       num_relations_used_ += static_cast<int>(window_.relations.size());
-      Marginalize(plan, run_.rig, RobustOptions{kWidth}, window_);
+      Marginalize(plan, run_.rig, testing::NoiseOfWidth(kWidth), window_);
       num_relations_used_ -= static_cast<int>(window_.relations.size());
       ++num_marginalizations_;
     }
@@ -97,16 +97,14 @@ class KeyframeSmoother {
       frame.x =
           testing::Retract(run_.truth[0], testing::RandomStep({0.01, 0, 0.05, 0.005, 0.05}, rng));
       frame.x.t = run_.truth[0].t;
-      window_.start_prior = {true, frame.id, frame.x.T_WB};
+      window_.start_prior.emplace(frame.id, frame.x.T_WB, StartOptions{});
     } else {
       const NavState& last = window_.frames.back().x;
-      PreintegrationNoise noise;
-      frame.imu = ImuPreintegration(last.bias, noise);
-      frame.imu.Integrate(
+      ImuPreintegration measured(last.bias, PreintegrationNoise{});
+      measured.Integrate(
           imu_.Between(last.t, run_.truth[i].t, Duration{20'000'000}, Duration{0}).samples);
-      frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, BiasWalk{});
-      frame.has_imu_link = true;
-      frame.x = frame.imu.Predict(last);
+      frame.x = measured.Predict(last);
+      frame.imu_link = ImuLink{measured, ImuSqrtInfo(measured, testing::DefaultBiasWalk())};
     }
     frame.lin = frame.x;
     window_.frames.push_back(std::move(frame));
@@ -157,7 +155,7 @@ class KeyframeSmoother {
         const PlaneFit fit = FitPlane(points_W);
         const std::size_t min_members = planes_ == Planes::kRelated ? 8 : 15;
         if (members.size() < min_members || fit.extent_minor_m < 0.3) continue;
-        window_.planes.emplace_back(plane, fit.plane, fit.centroid);
+        window_.planes.emplace_back(plane, fit.plane, fit.centroid, testing::kPlaneSigma_m);
       }
       for (WindowLandmark* landmark : members)
         landmark->planes.Add(window_.IndexOf(plane));
@@ -170,7 +168,7 @@ class KeyframeSmoother {
     std::set<int> seen;
     for (const WindowLandmark& landmark : window_.landmarks()) {
       if (!landmark.IsOnPlanes() || landmark.observations.back().frame != newest) continue;
-      const int k = landmark.planes.index[0];
+      const int k = landmark.planes[0];
       if (!seen.insert(k).second) continue;
       window_.sightings.push_back(testing::MakeSighting(
           window_.frames.back(), window_.planes[k], window_.PositionOf(landmark), 1, rng));
@@ -250,14 +248,13 @@ class KeyframeSmoother {
 MatrixXd PriorDirections(const SlidingWindow& window, const Vector3d& pivot_W) {
   MatrixXd N(window.prior.dim(), 4);
   for (const MarginalPrior::Block& block : window.prior.blocks) {
-    if (block.IsPlane()) {
-      N.middleRows<3>(block.offset) =
-          GaugeDirections(window.planes[window.IndexOf(block.plane)], pivot_W);
+    const Variable variable = window.VariableOf(block);
+    if (variable.kind == Variable::Kind::kPlane) {
+      N.middleRows<3>(block.offset) = GaugeDirections(window.planes[variable.index], pivot_W);
       continue;
     }
-    const Matrix<15, 4> N_frame =
-        GaugeDirections(window.frames[window.IndexOf(block.frame)].lin, pivot_W);
-    if (block.is_motion) {
+    const Matrix<15, 4> N_frame = GaugeDirections(window.frames[variable.index].lin, pivot_W);
+    if (variable.kind == Variable::Kind::kMotion) {
       N.middleRows<9>(block.offset) = N_frame.bottomRows<9>();
     } else {
       N.middleRows<6>(block.offset) = N_frame.topRows<6>();
@@ -343,7 +340,7 @@ SimulatedRun Simulate() {
 void ExpectNothingGained(const GaugeHistory& fixed, double left) {
   ASSERT_GE(fixed.num_marginalizations, 500);
   EXPECT_LT(fixed.position_error, 0.2);
-  const StartPrior start;
+  const StartOptions start;
   const double position = 1 / (start.sigma_position * start.sigma_position);
   const double yaw = 1 / (start.sigma_yaw * start.sigma_yaw);
   const Vector4d given(position, position, position, yaw);

@@ -3,14 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-
-#include <Eigen/LU>
 
 #include "facet/estimator/factors/imu_factor.h"
-#include "facet/estimator/factors/relation_factor.h"
 #include "facet/estimator/planes/plane_anchor.h"
 #include "facet/estimator/planes/plane_budget.h"
+#include "facet/estimator/planes/plane_judgement.h"
 #include "facet/estimator/planes/plane_membership.h"
 #include "facet/estimator/solver/outlier_removal.h"
 #include "facet/estimator/window/landmark_depth.h"
@@ -65,17 +62,13 @@ VioEstimator::VioEstimator(const StereoRig& rig,
                            const EstimatorOptions& options)
     : rig_(rig),
       options_(options),
-      imu_noise_{noise.gyro_noise * options.imu.gyro_noise_scale,
-                 noise.accel_noise * options.imu.accel_noise_scale,
-                 1e-8},
-      bias_walk_{noise.gyro_walk * options.imu.gyro_walk_scale,
-                 noise.accel_walk * options.imu.accel_walk_scale},
-      robust_(options.robust()),
-      solver_(rig, options.solver, robust_),
-      updater_(rig, options.solver, robust_),
-      geometry_(rig) {
-  window_.T_BC0 = rig.T_BC[0];
-}
+      imu_noise_(InflatedNoise(noise, options.imu)),
+      bias_walk_(noise, options.imu),
+      noise_(options),
+      window_(rig.T_BC[0]),
+      solver_(rig, options.solver),
+      updater_(rig, options.solver),
+      geometry_(rig) {}
 
 EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
                                        const ImuInterval& imu,
@@ -114,19 +107,19 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   EstimatorResult result;
   {
     ScopedStage stage(times, Stage::kOptimize);
-    AppendObservations(observations);
+    AppendObservations(Prepare(observations), window_);
     geometry_.Update(window_.frames);
-    InitializeDepths();
+    InitializeDepths(geometry_, window_);
     RelinearizeImu();
     TakeAssignments();
     if (!window_.planes.empty()) before_solve_.Save(window_);
-    result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
+    result.solve = solver_.Solve(window_, noise_, options_.solver.keyframe_iterations);
     if (DropWrongMembers()) {
       before_solve_.Restore(window_);
-      WeighPlanes(robust_, window_);
-      result.solve = solver_.Solve(window_, kRepairIterations);
+      WeighPlanes(noise_, window_);
+      result.solve = solver_.Solve(window_, noise_, kRepairIterations);
     }
-    newest_covariance_ = solver_.NewestFrameCovariance(window_);
+    newest_covariance_ = solver_.NewestFrameCovariance();
     result.imu_error_sigma = NewestImuError();
     JudgePlanes();
     KeepPlaneCovariances();
@@ -141,13 +134,13 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   }
   last_good_ = result.state;
   ScopedStage stage(times, Stage::kMarginalize);
-  updater_.SetReference(window_, newest_covariance_);
+  updater_.SetReference(window_, newest_covariance_, noise_);
   Shrink(result.finished_keyframes);
   return result;
 }
 
 void VioEstimator::KeepPlaneCovariances() {
-  const std::vector<Matrix<9, 9>> covariances = solver_.system().PlaneCovariances();
+  const std::vector<Matrix<9, 9>> covariances = solver_.PlaneCovariances();
   plane_covariances_.clear();
   for (std::size_t k = 0; k < window_.planes.size(); ++k) {
     Matrix<10, 9> J = Matrix<10, 9>::Zero();
@@ -160,27 +153,20 @@ void VioEstimator::KeepPlaneCovariances() {
 
 void VioEstimator::TakeAssignments() {
   if (window_.planes.empty() && assignments_.IsEmpty()) return;
-  ApplyAssignments(assignments_,
-                   {options_.planes.join_sigma_m, options_.planes.join_distance_m},
-                   robust_,
-                   geometry_,
-                   window_);
+  ApplyAssignments(assignments_, options_.planes, noise_, geometry_, window_);
   ApplyProjections(assignments_, options_.projection.convert_back, window_);
   assignments_ = {};
   RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
   FollowSupport(options_.planes.anchor_distance_m, window_);
-  WeighPlanes(robust_, window_);
+  WeighPlanes(noise_, window_);
 }
 
 void VioEstimator::JudgePlanes() {
   if (window_.planes.empty()) return;
   const PlaneOptions& planes = options_.planes;
-  const std::vector<Matrix3d> information = solver_.system().PlaneInformation();
-  MarkSettledPlanes(
-      information,
-      {planes.settled_normal_deg * kDegree, planes.settled_rim_m, planes.settled_offset_m},
-      window_);
-  DropViolatedRelations(robust_.relations, planes.relations.outlier_sigma, window_);
+  const std::vector<Matrix3d> information = solver_.PlaneInformation();
+  MarkSettledPlanes(information, planes, window_);
+  DropViolatedRelations(noise_.relations, planes.relations.outlier_sigma, window_);
   for (const PlaneId id : ExcessPlanes(window_, information, planes.max_planes))
     ended_planes_.push_back(id);
 }
@@ -189,14 +175,15 @@ EstimatorResult VioEstimator::TrackPassingFrame(const FrameObservations& observa
                                                 StageTimes& times) {
   ScopedStage stage(times, Stage::kOptimize);
   EstimatorResult result;
-  const FrameUpdateResult update = updater_.Update(Prepare(observations), *passing_);
+  const FrameUpdateResult update =
+      updater_.Update(Prepare(observations), passing_->imu_link.value(), noise_, passing_->x);
   if (update.ok) newest_covariance_ = update.covariance;
   FillResult(*passing_, update.num_used, result);
   return result;
 }
 
-void VioEstimator::UpdatePreintegration(WindowFrame& frame) const {
-  frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, bias_walk_);
+void VioEstimator::UpdateSqrtInfo(ImuLink& link) const {
+  link.sqrt_info = ImuSqrtInfo(link.measured, bias_walk_);
 }
 
 void VioEstimator::AppendFirstFrame(WindowFrame frame, const ImuInterval& imu) {
@@ -206,15 +193,7 @@ void VioEstimator::AppendFirstFrame(WindowFrame frame, const ImuInterval& imu) {
   if (mean.norm() > 1.0) frame.x.T_WB.q = RotationBetween(mean, Vector3d::UnitZ());
   frame.lin = frame.x;
   first_t_ = frame.x.t;
-  const StartOptions& start = options_.start;
-  window_.start_prior = {true,
-                         frame.id,
-                         frame.x.T_WB,
-                         start.sigma_position,
-                         start.sigma_yaw,
-                         start.sigma_velocity,
-                         start.sigma_gyro_bias,
-                         start.sigma_accel_bias};
+  window_.start_prior.emplace(frame.id, frame.x.T_WB, options_.start);
   window_.frames.push_back(std::move(frame));
 }
 
@@ -232,31 +211,31 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   const WindowFrame& last = passing_ ? *passing_ : window_.frames.back();
   // Intervals follow each other without a hole, in the clock of the IMU.
   const Timestamp t0 =
-      last.imu.samples().empty() ? last.x.t + rig_.time_offset : last.imu.samples().back().t;
+      last.imu_link ? last.imu_link->measured.samples().back().t : last.x.t + rig_.time_offset;
   const Timestamp t1 = observations.t + rig_.time_offset;
   const bool no_imu = !IsUsable(imu.samples, t0, t1);
   const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(last.x, t0, t1) : imu.samples;
-  frame.has_invented_imu = no_imu;
   const double scale = no_imu ? kNoImuNoiseScale : imu.has_hole ? kGapNoiseScale : 1.0;
   ImuPreintegration step(last.x.bias, Scaled(imu_noise_, scale));
   step.Integrate(samples);
   frame.x = step.Predict(last.x);
   frame.x.t = observations.t;
   frame.lin = frame.x;
+  ImuLink& link = frame.imu_link.emplace();
+  link.is_invented = no_imu;
   if (!passing_) {
-    frame.imu = std::move(step);
+    link.measured = std::move(step);
   } else if (scale == 1.0) {
     // The previous frame was only passing through: its IMU interval goes on to this frame.
-    frame.imu = std::move(passing_->imu);
-    frame.imu.Integrate(samples);
+    link.measured = std::move(passing_->imu_link->measured);
+    link.measured.Integrate(samples);
   } else {
-    std::vector<ImuSample> all = passing_->imu.samples();
+    std::vector<ImuSample> all = passing_->imu_link->measured.samples();
     all.insert(all.end(), samples.begin() + 1, samples.end());
-    frame.imu = ImuPreintegration(last.x.bias, Scaled(imu_noise_, scale));
-    frame.imu.Integrate(all);
+    link.measured = ImuPreintegration(last.x.bias, Scaled(imu_noise_, scale));
+    link.measured.Integrate(all);
   }
-  frame.has_imu_link = true;
-  UpdatePreintegration(frame);
+  UpdateSqrtInfo(link);
   passing_.reset();
   if (frame.is_keyframe) {
     window_.frames.push_back(std::move(frame));
@@ -267,58 +246,20 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
 
 std::vector<PreparedObservation> VioEstimator::Prepare(
     const FrameObservations& observations) const {
-  std::vector<PreparedObservation> prepared;
-  prepared.reserve(observations.features.size());
-  const double scale = options_.solver.pixel_sigma_scale;
-  for (const FeatureObservation& feature : observations.features) {
-    const std::optional<UndistortedPoint> left = rig_.cameras[0].Undistort(feature.px_left);
-    if (!left || !(feature.sigma_left_px > 0)) continue;
-    WindowObservation observation;
-    observation.xy[0] = left->xy;
-    observation.sigma_px[0] = scale * feature.sigma_left_px;
-    observation.sqrt_info[0] = left->J_xy_px.inverse() / observation.sigma_px[0];
-    if (feature.px_right && feature.sigma_right_px > 0) {
-      if (const std::optional<UndistortedPoint> right =
-              rig_.cameras[1].Undistort(*feature.px_right)) {
-        observation.has_right = true;
-        observation.xy[1] = right->xy;
-        observation.sigma_px[1] = scale * feature.sigma_right_px;
-        observation.sqrt_info[1] = right->J_xy_px.inverse() / observation.sigma_px[1];
-      }
-    }
-    prepared.push_back({feature.landmark, observation});
-  }
-  return prepared;
-}
-
-void VioEstimator::AppendObservations(const FrameObservations& observations) {
-  const int newest = static_cast<int>(window_.frames.size()) - 1;
-  for (PreparedObservation& prepared : Prepare(observations)) {
-    WindowLandmark* landmark = window_.Find(prepared.landmark);
-    if (landmark == nullptr) landmark = &window_.AddLandmark(prepared.landmark, newest);
-    if (!landmark->observations.empty() && landmark->observations.back().frame == newest) continue;
-    prepared.observation.frame = newest;
-    landmark->observations.push_back(prepared.observation);
-  }
-}
-
-void VioEstimator::InitializeDepths() {
-  for (WindowLandmark& landmark : window_.landmarks()) {
-    if (!landmark.has_depth) InitializeDepth(geometry_, landmark);
-  }
+  return PrepareObservations(observations, rig_, options_.solver.pixel_sigma_scale);
 }
 
 void VioEstimator::RelinearizeImu() {
   for (std::size_t j = 1; j < window_.frames.size(); ++j) {
-    WindowFrame& frame = window_.frames[j];
-    if (!frame.has_imu_link) continue;
+    std::optional<ImuLink>& link = window_.frames[j].imu_link;
+    if (!link) continue;
     const ImuBias& bias = window_.frames[j - 1].x.bias;
-    if ((bias.b_g - frame.imu.bias().b_g).norm() < kRelinearizeGyro &&
-        (bias.b_a - frame.imu.bias().b_a).norm() < kRelinearizeAccel) {
+    if ((bias.b_g - link->measured.bias().b_g).norm() < kRelinearizeGyro &&
+        (bias.b_a - link->measured.bias().b_a).norm() < kRelinearizeAccel) {
       continue;
     }
-    frame.imu.Reintegrate(bias);
-    UpdatePreintegration(frame);
+    link->measured.Reintegrate(bias);
+    UpdateSqrtInfo(*link);
   }
 }
 
@@ -329,28 +270,22 @@ bool VioEstimator::DropWrongMembers() {
   const int before = NumPlaneConstraints();
   if (before == 0) return false;
   geometry_.Update(window_.frames);
-  const int dropped = DetachOutliers(geometry_, robust_, options_.planes.outlier_sigma, window_);
+  const int dropped = DetachOutliers(geometry_, noise_, options_.planes.outlier_sigma, window_);
   return dropped > std::max(kFewWrongMembers, before / 10);
 }
 
 void VioEstimator::RemoveOutliers() {
   geometry_.Update(window_.frames);
   const OutlierRemoval removal =
-      outlier_remover_.Remove(geometry_, robust_, options_.solver.outlier_sigma, window_);
+      outlier_remover_.Remove(geometry_, noise_, options_.solver.outlier_sigma, window_);
   if (!window_.planes.empty()) {
     // Without those observations vision places some landmarks elsewhere.
-    DetachOutliers(geometry_, robust_, options_.planes.outlier_sigma, window_);
+    DetachOutliers(geometry_, noise_, options_.planes.outlier_sigma, window_);
     RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
   }
   if (!removal.median_sigma) return;
   usual_error_.Add(*removal.median_sigma);
-  UseRobust(options_.robust(usual_error_.sigma()));
-}
-
-void VioEstimator::UseRobust(const RobustOptions& robust) {
-  robust_ = robust;
-  solver_.set_robust(robust);
-  updater_.set_robust(robust);
+  noise_ = FactorNoise(options_, usual_error_);
 }
 
 void VioEstimator::FinishAllKeyframes(std::vector<KeyframePose>& finished) const {
@@ -376,7 +311,7 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
       if (plan.drop_frame[i] && frame.is_reported)
         finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
     }
-    Marginalize(plan, rig_, robust_, window_);
+    Marginalize(plan, rig_, noise_, window_);
   }
 }
 
@@ -408,9 +343,9 @@ int VioEstimator::NumSeenInNewest() const {
 
 std::optional<double> VioEstimator::NewestImuError() const {
   const WindowFrame& newest = window_.frames.back();
-  if (!newest.has_imu_link || newest.has_invented_imu) return std::nullopt;
+  if (!newest.imu_link || newest.imu_link->is_invented) return std::nullopt;
   const WindowFrame& before = window_.frames[window_.frames.size() - 2];
-  return ImuErrorSigma(newest.imu, newest.imu_sqrt_info, before.x, newest.x);
+  return ImuErrorSigma(*newest.imu_link, before.x, newest.x);
 }
 
 void VioEstimator::FillResult(const WindowFrame& frame,
@@ -425,7 +360,7 @@ void VioEstimator::FillResult(const WindowFrame& frame,
   if (num_used < kMinLandmarksOk) {
     result.status = TrackingStatus::kDegraded;
     result.reason = "few landmarks";
-  } else if (frame.has_invented_imu) {
+  } else if (frame.imu_link && frame.imu_link->is_invented) {
     result.status = TrackingStatus::kDegraded;
     result.reason = "no IMU";
   }
@@ -441,7 +376,7 @@ void VioEstimator::FillResult(const WindowFrame& frame,
 }
 
 void VioEstimator::Reset() {
-  window_.Clear();
+  window_ = SlidingWindow(rig_.T_BC[0]);
   assignments_ = {};
   ended_planes_.clear();
   plane_covariances_.clear();
@@ -449,12 +384,11 @@ void VioEstimator::Reset() {
   initialised_ = start_is_over_ = false;
   newest_covariance_.setZero();
   usual_error_ = {};
-  UseRobust(options_.robust());
+  noise_ = FactorNoise(options_);
 }
 
 int VioEstimator::NumPlaneConstraints() const {
-  const std::vector<int> members = CountMembers(window_);
-  return std::accumulate(members.begin(), members.end(), 0);
+  return window_.NumMembers();
 }
 
 MapSnapshot VioEstimator::Snapshot() const {

@@ -13,7 +13,6 @@
 #include "facet/estimator/solver/frame_update.h"
 #include "facet/estimator/solver/marginalization.h"
 #include "facet/estimator/solver/outlier_removal.h"
-#include "facet/estimator/solver/usual_error.h"
 #include "facet/estimator/solver/window_solver.h"
 #include "facet/estimator/window/window_snapshot.h"
 #include "facet/imu/imu_buffer.h"
@@ -79,17 +78,13 @@ class VioEstimator {
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
   void AppendFirstFrame(WindowFrame frame, const ImuInterval& imu);
   std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
-  void AppendObservations(const FrameObservations& observations);
-  void InitializeDepths();
-  void UpdatePreintegration(WindowFrame& frame) const;
+  void UpdateSqrtInfo(ImuLink& link) const;
   void RelinearizeImu();
   /// What Assign left comes into force.
   void TakeAssignments();
   /// After the solve: which planes are settled or too many, which relations do not hold.
   void JudgePlanes();
   void RemoveOutliers();
-  /// The weights of all rows change.
-  void UseRobust(const RobustOptions& robust);
   bool DropWrongMembers();
   void Shrink(std::vector<KeyframePose>& finished);
   /// Of the planes that were ended, those that the prior does not know go at once ...
@@ -116,8 +111,8 @@ class VioEstimator {
   EstimatorOptions options_;
   PreintegrationNoise imu_noise_;
   BiasWalk bias_walk_;
-  RobustOptions robust_;
   UsualError usual_error_;
+  FactorNoise noise_;
   SlidingWindow window_;
   WindowSolver solver_;
   WindowValues before_solve_;

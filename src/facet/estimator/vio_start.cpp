@@ -6,6 +6,7 @@
 
 #include "facet/estimator/start/initializer.h"
 #include "facet/estimator/vio_estimator.h"
+#include "facet/estimator/window/landmark_depth.h"
 #include "facet/estimator/window/window_policy.h"
 #include "facet/geometry/angles.h"
 
@@ -22,24 +23,26 @@ constexpr int kFewestStartFrames = 4;
 constexpr int kMaxInventedIntervals = 1;
 constexpr double kMaxDeadReckoning_s = 1.0;
 
+bool HasInventedImu(const WindowFrame& frame) {
+  return frame.imu_link && frame.imu_link->is_invented;
+}
+
 }  // namespace
 
 EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
   EstimatorResult result;
   ScopedStage stage(times, Stage::kOptimize);
-  const bool has_imu = !window_.frames.back().has_invented_imu;
-  AppendObservations(observations);
+  const bool has_imu = !HasInventedImu(window_.frames.back());
+  AppendObservations(Prepare(observations), window_);
   DropUselessBeginning();
   geometry_.Update(window_.frames);
-  InitializeDepths();
+  InitializeDepths(geometry_, window_);
 
   const auto num_constraining =
       std::count_if(window_.landmarks().begin(), window_.landmarks().end(), IsConstraining);
   const int num_frames = static_cast<int>(window_.frames.size());
   const auto num_invented =
-      std::count_if(window_.frames.begin(), window_.frames.end(), [](const WindowFrame& frame) {
-        return frame.has_invented_imu;
-      });
+      std::count_if(window_.frames.begin(), window_.frames.end(), HasInventedImu);
   result.num_constraining = static_cast<int>(num_constraining);
   result.reason = has_imu ? "collecting frames" : "no IMU";
   if (!HasEnoughFramesToStart()) return result;
@@ -47,24 +50,24 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
     result.reason = "too little IMU";
   } else if (num_constraining < options_.start.min_landmarks) {
     result.reason = "too few stereo landmarks";
-  } else if (const auto start = InitializeFromStereo(rig_, options_.solver, window_); !start.ok) {
+  } else if (const auto start = InitializeFromStereo(rig_, options_, window_); !start.ok) {
     result.reason = start.reason;
   } else {
-    solver_.Solve(window_, kStartIterations);
+    solver_.Solve(window_, noise_, kStartIterations);
     RemoveOutliers();
     RelinearizeImu();
-    result.solve = solver_.Solve(window_, kStartIterations);
-    newest_covariance_ = solver_.NewestFrameCovariance(window_);
+    result.solve = solver_.Solve(window_, noise_, kStartIterations);
+    newest_covariance_ = solver_.NewestFrameCovariance();
     const double waited_s = ToSeconds(observations.t - first_t_);
     if (TiltSigma() < options_.start.max_tilt_deg * kDegree ||
         waited_s >= options_.start.max_wait_s) {
       MoveOriginToNewestFrame();
       // The covariance belongs to the origin and heading that were fixed when it was computed.
-      solver_.Solve(window_, 1);
-      newest_covariance_ = solver_.NewestFrameCovariance(window_);
+      solver_.Solve(window_, noise_, 1);
+      newest_covariance_ = solver_.NewestFrameCovariance();
       initialised_ = true;
       FillResult(window_.frames.back(), NumSeenInNewest(), result);
-      updater_.SetReference(window_, newest_covariance_);
+      updater_.SetReference(window_, newest_covariance_, noise_);
       return result;
     }
     result.reason = "tilt not known well enough";
@@ -92,17 +95,16 @@ void VioEstimator::DropUselessBeginning() {
           });
         });
   };
-  while (window_.frames.size() > 1 && (window_.frames[1].has_invented_imu || is_dark(0)))
+  while (window_.frames.size() > 1 && (HasInventedImu(window_.frames[1]) || is_dark(0)))
     DropFirstFrame();
 }
 
 void VioEstimator::DropFirstFrame() {
   window_.RemoveFrame(0);
-  WindowFrame& first = window_.frames.front();
-  first.has_imu_link = first.has_invented_imu = false;
+  const WindowFrame& first = window_.frames.front();
   first_t_ = first.x.t;
-  window_.start_prior.frame = first.id;
-  window_.start_prior.T_WB = first.x.T_WB;
+  window_.start_prior->frame = first.id;
+  window_.start_prior->T_WB = first.x.T_WB;
 }
 
 bool VioEstimator::EndStart(std::vector<KeyframePose>& finished) {
@@ -110,7 +112,7 @@ bool VioEstimator::EndStart(std::vector<KeyframePose>& finished) {
   if (!UpdateStart(finished)) return false;
   start_is_over_ = true;
   RelinearizeImu();
-  solver_.Solve(window_, kStartIterations);
+  solver_.Solve(window_, noise_, kStartIterations);
   return true;
 }
 
@@ -126,14 +128,15 @@ bool VioEstimator::UpdateStart(std::vector<KeyframePose>& finished) {
   const int victim =
       MostRedundantFrame(window_, 1, num_frames - 3, options_.window.covisible_share);
   if (!IsDuplicate(window_, victim)) return num_frames > options_.window.max_start_keyframes;
-  WindowFrame& next = window_.frames[victim + 1];
-  ImuPreintegration joined = window_.frames[victim].imu;
-  joined.Integrate(next.imu.samples());
-  next.imu = std::move(joined);
-  UpdatePreintegration(next);
   const WindowFrame& gone = window_.frames[victim];
+  ImuLink joined = *window_.frames[victim + 1].imu_link;
+  const std::vector<ImuSample> samples = joined.measured.samples();
+  joined.measured = gone.imu_link->measured;
+  joined.measured.Integrate(samples);
+  UpdateSqrtInfo(joined);
   if (gone.is_reported) finished.push_back({gone.id, gone.x.t, gone.x.T_WB});
   window_.RemoveFrame(victim);
+  window_.frames[victim].imu_link = std::move(joined);
   return false;
 }
 
@@ -159,7 +162,7 @@ void VioEstimator::MoveOriginToNewestFrame() {
     frame.x.v_WB = T_new_old.q * frame.x.v_WB;
     frame.lin = frame.x;
   }
-  window_.start_prior.T_WB = window_.frames.front().x.T_WB;
+  window_.start_prior->T_WB = window_.frames.front().x.T_WB;
 }
 
 double VioEstimator::TiltSigma() const {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-
 namespace facet {
+
+static_assert(Factor<ImuFactor>);
 
 Vector<15> ImuError(const ImuPreintegration& measured, const NavState& i, const NavState& j) {
   const double T = measured.dt();
@@ -67,31 +67,30 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, c
   return out;
 }
 
-double ImuErrorSigma(const ImuPreintegration& measured,
-                     const Matrix<15, 15>& sqrt_info,
-                     const NavState& i,
-                     const NavState& j) {
-  const Vector<15> r = sqrt_info * ImuError(measured, i, j);
+double ImuErrorSigma(const ImuLink& link, const NavState& i, const NavState& j) {
+  const Vector<15> r = link.sqrt_info * ImuError(link.measured, i, j);
   const double sigma =
       std::sqrt(std::max(r.segment<3>(0).squaredNorm() / 3, r.segment<6>(3).squaredNorm() / 6));
   return std::isfinite(r.sum()) ? sigma : std::numeric_limits<double>::infinity();
 }
 
-Matrix<15, 15> ImuSqrtInfo(const ImuPreintegration& measured, const BiasWalk& walk) {
-  // Scaled to unit diagonal first: the variances span ten orders of magnitude.
-  const Vector<9> sigma = measured.Covariance().diagonal().cwiseMax(1e-30).cwiseSqrt();
-  const Vector<9> inv_sigma = sigma.cwiseInverse();
-  const Matrix<9, 9> correlation =
-      inv_sigma.asDiagonal() * measured.Covariance() * inv_sigma.asDiagonal();
-  const Matrix<9, 9> L = (correlation + 1e-12 * Matrix<9, 9>::Identity()).llt().matrixL();
+Vector<15> ImuFactor::Error() const {
+  const ImuLink& link = *frame_j_.imu_link;
+  return link.sqrt_info * ImuError(link.measured, frame_i_.x, frame_j_.x);
+}
 
-  Matrix<15, 15> W = Matrix<15, 15>::Zero();
-  W.block<9, 9>(0, 0) =
-      L.triangularView<Eigen::Lower>().solve(Matrix<9, 9>(inv_sigma.asDiagonal()));
-  const double root_T = std::sqrt(std::max(measured.dt(), 1e-6));
-  W.block<3, 3>(9, 9) = Matrix3d::Identity() / (walk.gyro * root_T);
-  W.block<3, 3>(12, 12) = Matrix3d::Identity() / (walk.accel * root_T);
-  return W;
+double ImuFactor::AddTo(NormalEquations& equations) const {
+  const ImuLink& link = *frame_j_.imu_link;
+  const Vector<15> r = Error();
+  const ImuResidual linear = LinearizeImu(link.measured, frame_i_.lin, frame_j_.lin);
+  Matrix<15, 30> J;
+  J.leftCols<15>() = link.sqrt_info * linear.J_i;
+  J.rightCols<15>() = link.sqrt_info * linear.J_j;
+  equations.AddRows(
+      {Variable::Pose(j_ - 1), Variable::Motion(j_ - 1), Variable::Pose(j_), Variable::Motion(j_)},
+      J,
+      r);
+  return 0.5 * r.squaredNorm();
 }
 
 }  // namespace facet

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The IMU between two full states: preintegrated motion (9 rows) and bias walk (6 rows).
-// Equations (2.x) of docs/math.md; Forster et al., TRO 2017, with additive world position.
+// The IMU between two full states: preintegrated motion (9 rows) and bias walk (6 rows). Equations
+// (2.11) to (2.16) of docs/math.md; Forster et al., TRO 2017, with additive world position.
 #pragma once
 
-#include "facet/imu/preintegration.h"
+#include "facet/estimator/factors/factor.h"
 
 namespace facet {
 
@@ -14,12 +14,6 @@ struct ImuResidual {
   Matrix<15, 15> J_j;
 };
 
-/// Bias walk densities of the link.
-struct BiasWalk {
-  double gyro = 1.9393e-5;  ///< rad/s^2/sqrt(Hz)
-  double accel = 3.0e-3;    ///< m/s^3/sqrt(Hz)
-};
-
 /// Unwhitened residual only, predicted minus measured (rotation: Log(measured^-1 predicted)).
 Vector<15> ImuError(const ImuPreintegration& measured, const NavState& i, const NavState& j);
 
@@ -28,12 +22,36 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, c
 
 /// How far the two states are from the measured motion: RMS of its whitened errors, those of the
 /// rotation or those of position and velocity, whichever is larger. Infinite if not a number.
-double ImuErrorSigma(const ImuPreintegration& measured,
-                     const Matrix<15, 15>& sqrt_info,
-                     const NavState& i,
-                     const NavState& j);
+double ImuErrorSigma(const ImuLink& link, const NavState& i, const NavState& j);
 
-/// Inverse Cholesky factor of the 15x15 covariance: whitened residual = ImuSqrtInfo * r.
-Matrix<15, 15> ImuSqrtInfo(const ImuPreintegration& measured, const BiasWalk& walk);
+/// The link of a frame to the one before it. Its noise is in ImuLink::sqrt_info; no robust loss.
+class ImuFactor {
+ public:
+  /// The frame with index `j` must have a link, and both frames motion.
+  ImuFactor(const SlidingWindow& window, int j)
+      : frame_i_(window.frames[j - 1]), frame_j_(window.frames[j]), j_(j) {}
+
+  double Cost() const { return 0.5 * Error().squaredNorm(); }
+  double AddTo(NormalEquations& equations) const;
+
+  bool IsUsedUp(const MarginalizationPlan& plan) const {
+    return plan.Drops(Variable::Motion(j_ - 1)) || plan.Drops(Variable::Motion(j_));
+  }
+
+  template <class Visitor>
+  void ForEachVariable(const Visitor& visit) const {
+    for (const int frame : {j_ - 1, j_}) {
+      visit(Variable::Pose(frame));
+      visit(Variable::Motion(frame));
+    }
+  }
+
+ private:
+  Vector<15> Error() const;
+
+  const WindowFrame& frame_i_;
+  const WindowFrame& frame_j_;
+  int j_;
+};
 
 }  // namespace facet

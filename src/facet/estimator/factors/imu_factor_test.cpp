@@ -54,23 +54,23 @@ TEST(ImuFactorTest, JacobiansMatchNumericDerivatives) {
 TEST(ImuFactorTest, ErrorSigmaOfOneIsOneSigma) {
   Rng rng(3);
   const ImuPreintegration imu = RandomInterval(0.2, rng);
-  const Matrix<15, 15> sqrt_info = ImuSqrtInfo(imu, {});
+  const ImuLink link{imu, ImuSqrtInfo(imu, testing::DefaultBiasWalk())};
   const NavState i = RandomState(rng);
-  EXPECT_LT(ImuErrorSigma(imu, sqrt_info, i, imu.Predict(i)), 1e-6);
+  EXPECT_LT(ImuErrorSigma(link, i, imu.Predict(i)), 1e-6);
   double sum = 0;
   constexpr int kRuns = 200;
   for (int run = 0; run < kRuns; ++run) {
     Vector<15> noise;
     for (int k = 0; k < 15; ++k)
       noise[k] = rng.Normal();
-    const Vector<15> step = sqrt_info.inverse() * noise;
-    sum += ImuErrorSigma(imu, sqrt_info, i, testing::Retract(imu.Predict(i), step));
+    const Vector<15> step = link.sqrt_info.inverse() * noise;
+    sum += ImuErrorSigma(link, i, testing::Retract(imu.Predict(i), step));
   }
   // The larger one of two RMS of few values is somewhat above 1.
   EXPECT_NEAR(sum / kRuns, 1.1, 0.15);
   NavState broken = imu.Predict(i);
   broken.v_WB.x() = std::nan("");
-  EXPECT_TRUE(std::isinf(ImuErrorSigma(imu, sqrt_info, i, broken)));
+  EXPECT_TRUE(std::isinf(ImuErrorSigma(link, i, broken)));
 }
 
 TEST(ImuFactorTest, ResidualVanishesAtThePrediction) {
@@ -93,26 +93,6 @@ TEST(ImuFactorTest, ResidualIsPredictedMinusMeasured) {
   EXPECT_LT((r.segment<3>(3) - R_BiW * step.segment<3>(3)).norm(), 1e-13);
   EXPECT_LT((r.segment<3>(6) - R_BiW * step.segment<3>(6)).norm(), 1e-13);
   EXPECT_LT((r.tail<6>() - step.tail<6>()).norm(), 1e-13);
-}
-
-TEST(ImuFactorTest, SqrtInfoIsTheInverseOfTheCovariance) {
-  Rng rng(4);
-  const BiasWalk walk;
-  for (const double duration_s : {0.005, 0.01, 0.05, 0.2, 1.0}) {
-    const ImuPreintegration imu = RandomInterval(duration_s, rng);
-    Matrix<15, 15> Sigma = Matrix<15, 15>::Zero();
-    Sigma.topLeftCorner<9, 9>() = imu.Covariance();
-    Sigma.diagonal().segment<3>(9).setConstant(walk.gyro * walk.gyro * imu.dt());
-    Sigma.diagonal().segment<3>(12).setConstant(walk.accel * walk.accel * imu.dt());
-    // W^T W = Sigma^-1 is W Sigma W^T = I, which needs no inverse of an ill-conditioned matrix.
-    const Matrix<15, 15> W = ImuSqrtInfo(imu, walk);
-    const Matrix<15, 15> unit = W * Sigma * W.transpose();
-    EXPECT_LT((unit - Matrix<15, 15>::Identity()).cwiseAbs().maxCoeff(), 1e-6) << duration_s;
-  }
-}
-
-TEST(ImuFactorTest, SqrtInfoOfAnEmptyIntervalIsFinite) {
-  EXPECT_TRUE(ImuSqrtInfo(ImuPreintegration(), BiasWalk{}).allFinite());
 }
 
 }  // namespace

@@ -2,51 +2,31 @@
 // Landmarks of pipeline SP: the paper's projection noise, in pixels, and Tukey's loss.
 #include <gtest/gtest.h>
 
-#include "facet/estimator/factors/robust_loss.h"
-#include "facet/estimator/planes/plane_membership.h"
 #include "facet/testing/estimator/test_landmark.h"
 
 namespace facet {
 namespace {
 
-using testing::Derivative;
 using testing::GeometryOf;
+using testing::Gradient;
 using testing::Measurement;
 using testing::Problem;
 using testing::WorldPoint;
 
 constexpr double kPixelSigma = 0.5;  // of the measurements of MakeProblem
-const RobustOptions kRobust{testing::kWidth};
+const FactorNoise kNoise = testing::NoiseOfWidth(testing::kWidth);
 
 // The paper's cost of the landmark, written once more.
 double Cost(const Problem& problem, const std::vector<SE3>& poses, const WorldPoint& point) {
-  const double c = kRobust.projection.tukey_sigma;
+  const double c = kNoise.projection.tukey_sigma;
   double cost = 0;
   for (const Measurement& m : problem.measurements) {
     const double s = problem.Residual(m, poses[m.frame], point).norm() * kPixelSigma /
-                     kRobust.projection.sigma_px;
+                     kNoise.projection.sigma_px;
     const double inside = 1 - std::min(s / c, 1.0) * std::min(s / c, 1.0);
     cost += c * c / 6 * (1 - inside * inside * inside);
   }
   return cost;
-}
-
-TEST(RobustLossTest, WeightIsTheDerivativeOfTheCost) {
-  for (const double s : {0.1, 0.9, 1.7, 3.0, 4.6}) {
-    const double h = 1e-6;
-    const double tukey = (TukeyLoss(s + h, 4.685).cost - TukeyLoss(s - h, 4.685).cost) / (2 * h);
-    const double huber = (HuberLoss(s + h, 2.0).cost - HuberLoss(s - h, 2.0).cost) / (2 * h);
-    EXPECT_NEAR(std::pow(TukeyLoss(s, 4.685).root_weight, 2) * s, tukey, 1e-8);
-    EXPECT_NEAR(std::pow(HuberLoss(s, 2.0).root_weight, 2) * s, huber, 1e-8);
-    const double geman =
-        (GemanMcClureLoss(s + h, 2.0).cost - GemanMcClureLoss(s - h, 2.0).cost) / (2 * h);
-    EXPECT_NEAR(std::pow(GemanMcClureLoss(s, 2.0).root_weight, 2) * s, geman, 1e-8);
-  }
-  EXPECT_NEAR(GemanMcClureLoss(1e-3, 2.0).cost, 0.5e-6, 1e-12);
-  EXPECT_NEAR(GemanMcClureLoss(1e6, 2.0).cost, 2.0, 1e-6);
-  EXPECT_EQ(TukeyLoss(5.0, 4.685).root_weight, 0);
-  EXPECT_NEAR(TukeyLoss(5.0, 4.685).cost, TukeyLoss(4.685, 4.685).cost, 1e-12);
-  EXPECT_NEAR(TukeyLoss(1e-3, 4.685).cost, 0.5e-6, 1e-12);
 }
 
 // Reweighting keeps the gradient of the robust cost; mono and stereo rows, some beyond the limit.
@@ -58,29 +38,28 @@ TEST(ProjectionFactorTest, GradientIsThatOfThePapersCost) {
       Problem problem = testing::MakeProblem({false, run % 2 == 0, noise}, rng);
       problem.landmark.is_projection = true;
       LandmarkBlock block;
-      LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, kRobust, block);
+      LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, kNoise, block);
       const WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
       EXPECT_NEAR(block.cost, Cost(problem, problem.poses, point), 1e-9 * (1 + block.cost));
-      EXPECT_NEAR(LandmarkCost(GeometryOf(problem), {}, problem.landmark, kRobust),
+      EXPECT_NEAR(LandmarkCost(GeometryOf(problem), {}, problem.landmark, kNoise),
                   block.cost,
                   1e-9 * (1 + block.cost));
-      const MatrixXd gradient = Derivative(
-          [&](const VectorXd& d) -> VectorXd {
-            return VectorXd::Constant(
-                1, Cost(problem, problem.poses, problem.FromHost(problem.host(), 0.1 * d)));
+      const VectorXd gradient = Gradient(
+          [&](const VectorXd& d) {
+            return Cost(problem, problem.poses, problem.FromHost(problem.host(), 0.1 * d));
           },
           3);
-      EXPECT_LT((0.1 * block.b.transpose() - gradient).norm(), 1e-5 * (1 + gradient.norm()));
+      EXPECT_LT((0.1 * block.b - gradient).norm(), 1e-5 * (1 + gradient.norm()));
       for (int v = 0; v < block.num_views; ++v) {
-        const MatrixXd pose_gradient = Derivative(
-            [&](const VectorXd& d) -> VectorXd {
+        const VectorXd pose_gradient = Gradient(
+            [&](const VectorXd& d) {
               std::vector<SE3> moved = problem.poses;
               SE3& T_WB = moved[static_cast<std::size_t>(block.views[v].frame)];
               T_WB = testing::Moved(T_WB, 0.1 * d);
-              return VectorXd::Constant(1, Cost(problem, moved, point));
+              return Cost(problem, moved, point);
             },
             6);
-        EXPECT_LT((0.1 * block.views[v].b.transpose() - pose_gradient).norm(),
+        EXPECT_LT((0.1 * block.views[v].b - pose_gradient).norm(),
                   1e-5 * (1 + pose_gradient.norm()));
       }
       for (const Measurement& m : problem.measurements) {
@@ -96,9 +75,9 @@ TEST(ProjectionFactorTest, InformationIsThatOf1Point8Pixels) {
   Rng rng(2);
   Problem problem = testing::MakeProblem({false, true, 0.0}, rng);
   LandmarkBlock smart, projection;
-  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, kRobust, smart);
+  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, kNoise, smart);
   problem.landmark.is_projection = true;
-  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, kRobust, projection);
+  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, kNoise, projection);
   const double ratio = std::pow(kPixelSigma / 1.8, 2);
   EXPECT_LT((projection.V - ratio * smart.V).norm(), 1e-12 * smart.V.norm());
   EXPECT_LT((projection.views[0].H - ratio * smart.views[0].H).norm(),
@@ -109,24 +88,8 @@ TEST(ProjectionFactorTest, InformationIsThatOf1Point8Pixels) {
     o.sigma_px[1] *= 4;
   }
   LandmarkBlock worse;
-  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, kRobust, worse);
+  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, kNoise, worse);
   EXPECT_LT((projection.V - worse.V).norm(), 1e-12 * projection.V.norm());
-}
-
-TEST(ProjectionFactorTest, LandmarksConvertAndConvertBack) {
-  Rng rng(3);
-  SlidingWindow window = testing::MakeTestWindow({}, rng).window;
-  const LandmarkId id = window.landmarks()[3].id;
-  PlaneAssignments to, back;
-  to.projected = {id, LandmarkId{99999}};
-  back.unprojected = {id, LandmarkId{99999}};
-  ApplyProjections(to, true, window);
-  EXPECT_TRUE(window.Find(id)->is_projection);
-  EXPECT_FALSE(window.landmarks()[0].is_projection);
-  ApplyProjections(back, false, window);  // the paper never converts back
-  EXPECT_TRUE(window.Find(id)->is_projection);
-  ApplyProjections(back, true, window);
-  EXPECT_FALSE(window.Find(id)->is_projection);
 }
 
 }  // namespace

@@ -7,13 +7,10 @@
 // are linearised.
 #pragma once
 
-#include "facet/estimator/factors/robust_options.h"
-#include "facet/estimator/window/sliding_window.h"
+#include "facet/estimator/factors/factor.h"
+#include "facet/estimator/factors/factor_noise.h"
 
 namespace facet {
-
-/// Whether the frame's pose has columns: the residual turns or shifts with the world.
-bool NeedsFrame(PlaneRelationKind kind);
 
 /// Residual and Jacobians of one relation, whitened and weighted. Only the first `num_rows` rows
 /// count.
@@ -27,17 +24,52 @@ struct RelationRows {
   double cost = 0;
 };
 
-/// Whitened residual; the rows that do not exist are zero.
-Vector<RelationRows::kMaxRows> RelationError(const SlidingWindow& window,
-                                             const WindowRelation& relation,
-                                             const RelationNoise& noise);
+class RelationFactor {
+ public:
+  RelationFactor(const SlidingWindow& window,
+                 const WindowRelation& relation,
+                 const RelationNoise& noise);
 
-/// Residual at the estimate, Jacobians at the linearisation points.
-RelationRows LinearizeRelation(const SlidingWindow& window,
-                               const WindowRelation& relation,
-                               const RelationNoise& noise);
+  /// Whitened residual; the rows that do not exist are zero.
+  Vector<RelationRows::kMaxRows> Error() const;
+  RelationRows Linearize() const;
 
-/// Removes the relations that are violated by more than `max_sigma`. Returns how many.
-int DropViolatedRelations(const RelationNoise& noise, double max_sigma, SlidingWindow& window);
+  double Cost() const;
+  double AddTo(NormalEquations& equations) const;
+
+  /// With a plane that leaves. When its frame leaves, the relation goes over to another one.
+  bool IsUsedUp(const MarginalizationPlan& plan) const {
+    return plan.Drops(plane_a_) || plan.Drops(plane_b_);
+  }
+
+  template <class Visitor>
+  void ForEachVariable(const Visitor& visit) const {
+    visit(plane_a_);
+    if (IsBinary()) visit(plane_b_);
+    if (NeedsFrame()) visit(pose_);
+  }
+
+  /// Whether the frame's pose has columns: the residual turns or shifts with the world.
+  bool NeedsFrame() const;
+
+ private:
+  PlaneRelationKind kind() const { return relation_.relation.kind; }
+  bool IsBinary() const { return !relation_.relation.IsUnary(); }
+  int NumRows() const;
+  double Sign() const;
+  double OffsetDifference(const Vector3d& c_W) const;
+  Vector<RelationRows::kMaxRows> WhitenedError() const;
+  void SetJacobians(RelationRows& rows) const;
+  void SetParallelJacobians(RelationRows& rows) const;
+  void SetOffsetJacobians(RelationRows& rows) const;
+  void SetFrameJacobian(const Vector3d& r_W, int num_rows, RelationRows& rows) const;
+
+  const WindowRelation& relation_;
+  const RelationNoise& noise_;
+  Variable plane_a_, plane_b_, pose_;  // of a unary relation plane_b_ is plane_a_
+  const WindowPlane& a_;
+  const WindowPlane& b_;
+  const WindowFrame& frame_;
+};
 
 }  // namespace facet

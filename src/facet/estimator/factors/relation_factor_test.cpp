@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The rows of relations against numeric derivatives; that they know nothing of the gauge; how they
-// come and go.
+// The rows of relations against numeric derivatives; that they know nothing of the gauge.
 #include "facet/estimator/factors/relation_factor.h"
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/solver/window_solver.h"
 #include "facet/testing/estimator/test_gauge.h"
 #include "facet/testing/estimator/test_window.h"
 #include "facet/testing/numeric_jacobian.h"
@@ -23,7 +21,19 @@ constexpr PlaneRelationKind kAllKinds[] = {kParallel,
                                            kVertical,
                                            kHeadingParallel,
                                            kHeadingOrthogonal};
-constexpr RelationNoise kLinear{0.01, 0.02, 0.05, 1e9};  // no loss
+// Without a loss.
+const RelationNoise kLinear = [] {
+  RelationNoise noise{RelationOptions{}};
+  noise.sigma_rad = 0.01;
+  noise.gravity_sigma_rad = 0.02;
+  noise.sigma_m = 0.05;
+  noise.huber_sigma = 1e9;
+  return noise;
+}();
+
+RelationFactor FactorOf(const SlidingWindow& window, const RelationNoise& noise = kLinear) {
+  return {window, window.relations[0], noise};
+}
 
 // Normals that nearly satisfy a relation of this kind, `error` radians off.
 std::pair<Vector3d, Vector3d> Normals(PlaneRelationKind kind, double error, Rng& rng) {
@@ -48,8 +58,10 @@ TestWindow MakeWindow(PlaneRelationKind kind, double error, double moved, Rng& r
   SlidingWindow& window = test.window;
   const auto [n_a, n_b] = Normals(kind, error, rng);
   const Vector3d a_W = 3 * rng.Normal3(), b_W = 3 * rng.Normal3();
-  window.planes.emplace_back(PlaneId{4}, Plane{n_a, n_a.dot(a_W) + 0.1}, a_W);
-  window.planes.emplace_back(PlaneId{7}, Plane{n_b, n_b.dot(b_W) - 0.1}, b_W);
+  window.planes.emplace_back(
+      PlaneId{4}, Plane{n_a, n_a.dot(a_W) + 0.1}, a_W, testing::kPlaneSigma_m);
+  window.planes.emplace_back(
+      PlaneId{7}, Plane{n_b, n_b.dot(b_W) - 0.1}, b_W, testing::kPlaneSigma_m);
   EXPECT_TRUE(window.AddRelation({kind, PlaneId{4}, PlaneId{7}}));
   for (WindowPlane& plane : window.planes) {
     plane.Freeze();
@@ -68,7 +80,7 @@ Vector<4> ErrorAfter(SlidingWindow window, const Vector<12>& step) {
   Vector<15> frame_step = Vector<15>::Zero();
   frame_step.head<6>() = step.tail<6>();
   window.frames[window.IndexOf(window.relations[0].frame)].ApplyStep(frame_step);
-  return RelationError(window, window.relations[0], kLinear);
+  return FactorOf(window).Error();
 }
 
 TEST(RelationFactorTest, JacobiansMatchNumericDerivatives) {
@@ -77,7 +89,7 @@ TEST(RelationFactorTest, JacobiansMatchNumericDerivatives) {
     SCOPED_TRACE(static_cast<int>(kind));
     for (int run = 0; run < 10; ++run) {
       const TestWindow test = MakeWindow(kind, 0.05, 0.0, rng);
-      const RelationRows rows = LinearizeRelation(test.window, test.window.relations[0], kLinear);
+      const RelationRows rows = FactorOf(test.window).Linearize();
       EXPECT_GT(rows.num_rows, 0);
       Matrix<4, 12> J;
       J << rows.J_a, rows.J_b, rows.J_frame;
@@ -86,7 +98,7 @@ TEST(RelationFactorTest, JacobiansMatchNumericDerivatives) {
           J, [&](const Vector<12>& d) { return ErrorAfter(test.window, d); }, 1e-7);
       EXPECT_LT((rows.r - ErrorAfter(test.window, Vector<12>::Zero())).norm(), 1e-12);
       EXPECT_NEAR(rows.cost, 0.5 * rows.r.squaredNorm(), 1e-9 * (1 + rows.cost));
-      EXPECT_EQ(rows.J_frame.norm() > 0, NeedsFrame(kind));
+      EXPECT_EQ(rows.J_frame.norm() > 0, FactorOf(test.window).NeedsFrame());
     }
   }
 }
@@ -100,10 +112,10 @@ TEST(RelationFactorTest, RowsKnowNothingOfPositionAndHeading) {
     for (int run = 0; run < 20; ++run) {
       const TestWindow test = MakeWindow(kind, 0.3, 0.1, rng);
       const SlidingWindow& window = test.window;
-      const StateLayout layout = MakeLayout(window);
-      MatrixXd H = MatrixXd::Zero(layout.dim, layout.dim);
-      VectorXd b = VectorXd::Zero(layout.dim);
-      AddPlaneRelation(window, layout, window.relations[0], kLinear, &H, &b);
+      NormalEquations equations;
+      equations.Clear(window);
+      FactorOf(window).AddTo(equations);
+      const auto& [layout, H, b] = equations;
       const MatrixXd N = testing::WindowDirections(window, 3 * rng.Normal3());
       EXPECT_LT((N.transpose() * b).norm(), 1e-10 * (1 + b.norm())) << static_cast<int>(kind);
       const double energy = (N.transpose() * H * N).diagonal().cwiseAbs().maxCoeff();
@@ -118,7 +130,7 @@ TEST(RelationFactorTest, WithoutTheFrameTheyWouldKnow) {
   Rng rng(10);
   for (const PlaneRelationKind kind : {kParallel, kCoplanar, kHorizontal}) {
     const TestWindow test = MakeWindow(kind, 0.02, 0.0, rng);
-    const RelationRows rows = LinearizeRelation(test.window, test.window.relations[0], kLinear);
+    const RelationRows rows = FactorOf(test.window).Linearize();
     const auto& planes = test.window.planes;
     const Matrix<4, 4> seen = rows.J_a * testing::GaugeDirections(planes[0], Vector3d::Zero()) +
                               rows.J_b * testing::GaugeDirections(planes[1], Vector3d::Zero());
@@ -130,7 +142,7 @@ TEST(RelationFactorTest, TurningAndMovingEverythingChangesNoCost) {
   Rng rng(3);
   for (const PlaneRelationKind kind : kAllKinds) {
     TestWindow test = MakeWindow(kind, 0.1, 0.0, rng);
-    const double before = RelationError(test.window, test.window.relations[0], kLinear).norm();
+    const double before = FactorOf(test.window).Error().norm();
     const SE3 T(ExpSO3({0, 0, 0.7}), Vector3d(3, -2, 1));
     for (WindowPlane& plane : test.window.planes) {
       const Vector3d n = T.q * plane.n;
@@ -140,9 +152,7 @@ TEST(RelationFactorTest, TurningAndMovingEverythingChangesNoCost) {
     }
     for (WindowFrame& frame : test.window.frames)
       frame.x.T_WB = T * frame.x.T_WB;
-    EXPECT_NEAR(RelationError(test.window, test.window.relations[0], kLinear).norm(),
-                before,
-                1e-9 * (1 + before));
+    EXPECT_NEAR(FactorOf(test.window).Error().norm(), before, 1e-9 * (1 + before));
   }
 }
 
@@ -151,8 +161,8 @@ TEST(RelationFactorTest, LossLimitsTheWeight) {
   const TestWindow test = MakeWindow(kOrthogonal, 0.3, 0.0, rng);
   RelationNoise robust = kLinear;
   robust.huber_sigma = 2;
-  const RelationRows linear = LinearizeRelation(test.window, test.window.relations[0], kLinear);
-  const RelationRows rows = LinearizeRelation(test.window, test.window.relations[0], robust);
+  const RelationRows linear = FactorOf(test.window).Linearize();
+  const RelationRows rows = FactorOf(test.window, robust).Linearize();
   const double s = linear.r.norm();
   ASSERT_GT(s, 2);
   EXPECT_NEAR(rows.cost, 2 * (s - 1), 1e-12 * s);
@@ -163,80 +173,23 @@ TEST(RelationFactorTest, LossLimitsTheWeight) {
 TEST(RelationFactorTest, AFloorHasNoHeading) {
   Rng rng(5);
   TestWindow test = MakeWindow(kHeadingParallel, 0.05, 0.0, rng);
-  test.window.planes[1] = WindowPlane(PlaneId{7}, Plane{Vector3d::UnitZ(), 0}, Vector3d::Zero());
-  const RelationRows rows = LinearizeRelation(test.window, test.window.relations[0], kLinear);
+  test.window.planes[1] = WindowPlane(
+      PlaneId{7}, Plane{Vector3d::UnitZ(), 0}, Vector3d::Zero(), testing::kPlaneSigma_m);
+  const RelationRows rows = FactorOf(test.window).Linearize();
   EXPECT_EQ(rows.num_rows, 0);
   EXPECT_EQ(rows.cost, 0);
   EXPECT_EQ(rows.J_a.norm() + rows.J_b.norm(), 0);
-}
-
-TEST(RelationFactorTest, HoldOnceAndBetweenKnownPlanesOnly) {
-  Rng rng(6);
-  TestWindow test = MakeWindow(kParallel, 0.05, 0.0, rng);
-  SlidingWindow& window = test.window;
-  const PlaneId a{4}, b{7};
-  EXPECT_FALSE(window.AddRelation({kParallel, a, b}));
-  EXPECT_FALSE(window.AddRelation({kParallel, b, a}));
-  EXPECT_FALSE(window.AddRelation({kParallel, a, a}));
-  EXPECT_FALSE(window.AddRelation({kParallel, a, PlaneId{9}}));
-  EXPECT_FALSE(window.AddRelation({kHorizontal, PlaneId{9}}));
-  EXPECT_TRUE(window.AddRelation({kHorizontal, a}));
-  EXPECT_FALSE(window.AddRelation({kHorizontal, a, b}));  // the second plane means nothing
-  EXPECT_TRUE(window.AddRelation({kCoplanar, b, a}));
-  EXPECT_EQ(window.relations.size(), 3u);
-  window.RemovePlane(1);
-  ASSERT_EQ(window.relations.size(), 1u);
-  EXPECT_EQ(window.relations[0].relation.kind, kHorizontal);
-  SlidingWindow empty;
-  EXPECT_FALSE(empty.AddRelation({kHorizontal, a}));
-}
-
-TEST(RelationFactorTest, ViolatedOnesAreDropped) {
-  Rng rng(7);
-  TestWindow test = MakeWindow(kParallel, 0.001, 0.0, rng);
-  EXPECT_TRUE(test.window.AddRelation({kVertical, PlaneId{4}}));
-  test.window.planes[0].n = Vector3d(0.6, 0, 0.8);
-  test.window.planes[1].n = Vector3d(-0.6, 0.001, -0.8).normalized();
-  EXPECT_EQ(DropViolatedRelations(kLinear, 4.0, test.window), 1);
-  ASSERT_EQ(test.window.relations.size(), 1u);
-  EXPECT_EQ(test.window.relations[0].relation.kind, kParallel);
 }
 
 TEST(RelationFactorTest, OutliveTheirFrame) {
   Rng rng(8);
   TestWindow test = MakeWindow(kCoplanar, 0.05, 0.0, rng);
   SlidingWindow& window = test.window;
-  const double before = RelationError(window, window.relations[0], kLinear).norm();
+  const double before = FactorOf(window).Error().norm();
   ASSERT_EQ(window.relations[0].frame, FrameId{2});
   window.RemoveFrame(2);
   ASSERT_EQ(window.relations[0].frame, FrameId{1});
-  EXPECT_NEAR(RelationError(window, window.relations[0], kLinear).norm(), before, 1e-9);
-}
-
-// Planes that nothing but a relation knows: the rest of the window does not notice them.
-TEST(RelationFactorTest, PlanesWithoutLandmarksBreakNothing) {
-  Rng rng(9);
-  testing::TestWindowOptions options;
-  TestWindow test = testing::MakeTestWindow(options, rng);
-  test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
-  testing::Disturb(test.window, {1e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
-  SlidingWindow with = test.window;
-  const auto [n_a, n_b] = Normals(kHeadingParallel, 0.02, rng);
-  with.planes.emplace_back(PlaneId{4}, Plane{n_a, 1}, rng.Normal3());
-  with.planes.emplace_back(PlaneId{7}, Plane{n_b, 2}, rng.Normal3());
-  for (const PlaneRelationKind kind : {kHeadingParallel, kVertical, kCoplanar})
-    EXPECT_TRUE(with.AddRelation({kind, PlaneId{4}, PlaneId{7}}));
-  SolverOptions solver_options;
-  solver_options.min_cost_decrease = 0;
-  WindowSolver plain(test.rig, solver_options), related(test.rig, solver_options);
-  EXPECT_TRUE(plain.Solve(test.window, 20).ok);
-  EXPECT_TRUE(related.Solve(with, 20).ok);
-  for (std::size_t i = 0; i < with.frames.size(); ++i) {
-    EXPECT_LT(testing::Difference(with.frames[i].x, test.window.frames[i].x).norm(), 1e-6);
-  }
-  const Matrix<15, 15> difference =
-      related.NewestFrameCovariance(with) - plain.NewestFrameCovariance(test.window);
-  EXPECT_LT(difference.norm(), 1e-3 * plain.NewestFrameCovariance(test.window).norm());
+  EXPECT_NEAR(FactorOf(window).Error().norm(), before, 1e-9);
 }
 
 }  // namespace

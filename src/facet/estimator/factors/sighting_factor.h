@@ -3,7 +3,7 @@
 // as a whole. They touch that keyframe's pose and the plane, and no landmark.
 #pragma once
 
-#include "facet/estimator/window/sliding_window.h"
+#include "facet/estimator/factors/factor.h"
 
 namespace facet {
 
@@ -15,16 +15,40 @@ struct SightingRows {
   double cost = 0;
 };
 
-/// Whitened residual of a plane and the frame that sighted it.
-Vector3d SightingError(const PlaneSighting& sighting,
-                       const WindowPlane& plane,
-                       const WindowFrame& frame);
+/// The sigmas come with the sighting; norms of the whitened residual beyond `huber_sigma` grow
+/// linearly.
+class SightingFactor {
+ public:
+  SightingFactor(const SlidingWindow& window, const PlaneSighting& sighting, double huber_sigma)
+      : sighting_(sighting),
+        huber_sigma_(huber_sigma),
+        plane_(Variable::Plane(window.IndexOf(sighting.plane))),
+        pose_(Variable::Pose(window.IndexOf(sighting.frame))),
+        sighted_(window.planes[plane_.index]),
+        frame_(window.frames[pose_.index]) {}
 
-/// Residual at the estimate, Jacobians at the linearisation points. Sightings beyond `huber_sigma`
-/// (norm of the whitened residual) grow linearly.
-SightingRows LinearizeSighting(const PlaneSighting& sighting,
-                               const WindowPlane& plane,
-                               const WindowFrame& frame,
-                               double huber_sigma);
+  /// Whitened, at the estimate.
+  Vector3d Error() const;
+  SightingRows Linearize() const;
+
+  double Cost() const;
+  double AddTo(NormalEquations& equations) const;
+
+  /// With the frame. If the plane alone leaves, what it has been sighted as is lost.
+  bool IsUsedUp(const MarginalizationPlan& plan) const { return plan.Drops(pose_); }
+
+  template <class Visitor>
+  void ForEachVariable(const Visitor& visit) const {
+    visit(plane_);
+    visit(pose_);
+  }
+
+ private:
+  const PlaneSighting& sighting_;
+  double huber_sigma_;
+  Variable plane_, pose_;
+  const WindowPlane& sighted_;
+  const WindowFrame& frame_;
+};
 
 }  // namespace facet

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/estimator/solver/covariance.h"
 #include "facet/testing/estimator/test_gauge.h"
 #include "facet/testing/estimator/test_window.h"
 #include "facet/testing/numeric_jacobian.h"
@@ -24,7 +25,8 @@ TestWindow MakeWindow(double noise, double moved, Rng& rng) {
   TestWindow test = testing::MakeTestWindow(options, rng);
   SlidingWindow& window = test.window;
   const Vector3d n = rng.UnitVector(), p_W = 3 * rng.Normal3();
-  window.planes.emplace_back(PlaneId{4}, Plane{n, n.dot(p_W)}, Vector3d(p_W + rng.Normal3()));
+  window.planes.emplace_back(
+      PlaneId{4}, Plane{n, n.dot(p_W)}, Vector3d(p_W + rng.Normal3()), testing::kPlaneSigma_m);
   window.sightings.push_back(testing::MakeSighting(
       window.frames[1], window.planes[0], Vector3d(p_W + rng.Normal3()), noise, rng));
   window.planes[0].Freeze();
@@ -37,7 +39,7 @@ TestWindow MakeWindow(double noise, double moved, Rng& rng) {
 }
 
 SightingRows Linearize(const SlidingWindow& window, double huber_sigma) {
-  return LinearizeSighting(window.sightings[0], window.planes[0], window.frames[1], huber_sigma);
+  return SightingFactor(window, window.sightings[0], huber_sigma).Linearize();
 }
 
 Vector3d ErrorAfter(SlidingWindow window, const Vector<9>& step) {
@@ -45,7 +47,7 @@ Vector3d ErrorAfter(SlidingWindow window, const Vector<9>& step) {
   Vector<15> frame_step = Vector<15>::Zero();
   frame_step.head<6>() = step.tail<6>();
   window.frames[1].ApplyStep(frame_step);
-  return SightingError(window.sightings[0], window.planes[0], window.frames[1]);
+  return SightingFactor(window, window.sightings[0], kNoLoss).Error();
 }
 
 TEST(SightingFactorTest, JacobiansMatchNumericDerivatives) {
@@ -74,10 +76,10 @@ TEST(SightingFactorTest, RowsKnowNothingOfPositionAndHeading) {
   for (int run = 0; run < 20; ++run) {
     const TestWindow test = MakeWindow(2, 0.1, rng);
     const SlidingWindow& window = test.window;
-    const StateLayout layout = MakeLayout(window);
-    MatrixXd H = MatrixXd::Zero(layout.dim, layout.dim);
-    VectorXd b = VectorXd::Zero(layout.dim);
-    AddPlaneSighting(window, layout, window.sightings[0], kNoLoss, &H, &b);
+    NormalEquations equations;
+    equations.Clear(window);
+    SightingFactor(window, window.sightings[0], kNoLoss).AddTo(equations);
+    const auto& [layout, H, b] = equations;
     EXPECT_LT((H - H.transpose()).norm(), 1e-9 * H.norm());
     const MatrixXd N = testing::WindowDirections(window, 3 * rng.Normal3());
     EXPECT_LT((N.transpose() * b).norm(), 1e-10 * (1 + b.norm()));
@@ -107,12 +109,12 @@ TEST(SightingFactorTest, PlaneInformationIsThatOfTheSigmas) {
   window.planes[0].anchor_W = window.frames[1].x.T_WB * sighting.centre_B;
   window.planes[0].offset = 0;
   sighting.sigma_rad = {0.02, 0.02};
-  WindowSystem system(test.rig);
-  system.Linearize(window, RobustOptions{});
+  LinearizedWindow linear;
+  testing::Linearize(test, FactorNoise(EstimatorOptions{}), linear);
   const Matrix3d expected =
       Vector3d(1 / (0.02 * 0.02), 1 / (0.02 * 0.02), 1 / (sighting.sigma_m * sighting.sigma_m))
           .asDiagonal();
-  EXPECT_LT((system.PlaneInformation()[0] - expected).norm(), 1e-6 * expected.norm());
+  EXPECT_LT((PlaneInformation(linear)[0] - expected).norm(), 1e-6 * expected.norm());
 }
 
 }  // namespace

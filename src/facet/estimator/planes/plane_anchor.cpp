@@ -25,7 +25,8 @@ void MoveAnchor(const Vector3d& anchor_W, int index, SlidingWindow& window) {
   Matrix3d S = Matrix3d::Identity();
   S.bottomLeftCorner<1, 2>() = lever;
   for (const MarginalPrior::Block& block : window.prior.blocks) {
-    if (block.IsPlane() && block.plane == plane.id) ChangeVariables(S, block.offset, window.prior);
+    if (block.kind == Variable::Kind::kPlane && block.plane == plane.id)
+      ChangeVariables(S, block.offset, window.prior);
   }
   for (WindowRelation& relation : window.relations) {
     if (relation.relation.Involves(plane.id)) window.AttachRelation(relation);
@@ -39,11 +40,9 @@ int FollowSupport(double max_distance_m, SlidingWindow& window) {
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!landmark.IsOnPlanes()) continue;
     const Vector3d p_W = window.PositionOf(landmark);
-    for (int k = 0; k < landmark.planes.count; ++k) {
-      const auto plane =
-          static_cast<std::size_t>(landmark.planes.index[static_cast<std::size_t>(k)]);
-      sums[plane] += p_W;
-      ++counts[plane];
+    for (const int plane : landmark.planes) {
+      sums[static_cast<std::size_t>(plane)] += p_W;
+      ++counts[static_cast<std::size_t>(plane)];
     }
   }
   int moved = 0;

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "facet/estimator/factors/prior_factor.h"
 #include "facet/estimator/solver/marginalization.h"
 #include "facet/testing/estimator/test_gauge.h"
 #include "facet/testing/estimator/test_window.h"
@@ -20,11 +21,13 @@ TestWindow MakeWindow(std::uint64_t seed) {
   testing::TestWindowOptions options;
   options.num_landmarks = 80;
   TestWindow test = testing::MakeTestWindow(options, rng);
-  test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
+  test.window.start_prior.emplace(FrameId{0}, test.truth[0].T_WB, StartOptions{});
   for (int k = 0; k < 2; ++k) {
     const Vector3d n = rng.UnitVector();
-    test.window.planes.emplace_back(
-        PlaneId{k}, Plane{n, n.dot(test.points[0])}, Vector3d(test.points[0] + rng.Normal3()));
+    test.window.planes.emplace_back(PlaneId{k},
+                                    Plane{n, n.dot(test.points[0])},
+                                    Vector3d(test.points[0] + rng.Normal3()),
+                                    testing::kPlaneSigma_m);
   }
   for (std::size_t l = 0; l < test.window.landmarks().size(); ++l)
     test.window.landmarks()[l].planes.Add(static_cast<int>(l % 2));
@@ -32,7 +35,7 @@ TestWindow MakeWindow(std::uint64_t seed) {
   plan.drop_frame[0] = 1;
   for (std::size_t l = 0; l < plan.drop_landmark.size(); l += 3)
     plan.drop_landmark[l] = 1;
-  Marginalize(plan, test.rig, RobustOptions{}, test.window);
+  Marginalize(plan, test.rig, FactorNoise(EstimatorOptions{}), test.window);
   for (WindowPlane& plane : test.window.planes) {
     EXPECT_TRUE(plane.frozen);
     plane.ApplyStep(0.02 * rng.Normal3());
@@ -42,7 +45,7 @@ TestWindow MakeWindow(std::uint64_t seed) {
 }
 
 double PriorCost(const SlidingWindow& window) {
-  return AddPrior(window, MakeLayout(window), nullptr, nullptr);
+  return PriorFactor(window).Cost();
 }
 
 // What the new variables are of the old: only the offset's column differs, equation (7.5).
@@ -76,11 +79,14 @@ TEST(PlaneAnchorTest, CostGradientAndHessianOfThePriorStay) {
     MoveAnchor(before.planes[0].anchor_W + shift, 0, test.window);
     EXPECT_NEAR(PriorCost(test.window), PriorCost(before), 1e-9 * std::abs(PriorCost(before)));
 
-    const StateLayout layout = MakeLayout(before);
-    MatrixXd H = MatrixXd::Zero(layout.dim, layout.dim), H_new = H;
-    VectorXd b = VectorXd::Zero(layout.dim), b_new = b;
-    AddPrior(before, layout, &H, &b);
-    AddPrior(test.window, layout, &H_new, &b_new);
+    NormalEquations old_prior, new_prior;
+    old_prior.Clear(before);
+    new_prior.Clear(test.window);
+    PriorFactor(before).AddTo(old_prior);
+    PriorFactor(test.window).AddTo(new_prior);
+    const auto& [layout, H, b] = old_prior;
+    const MatrixXd& H_new = new_prior.H;
+    const VectorXd& b_new = new_prior.b;
     const MatrixXd T = ChangeOfVariables(before, 0, shift);
     const VectorXd s = H.diagonal().cwiseMax(1).cwiseSqrt().cwiseInverse();
     const MatrixXd error = T.transpose() * H_new * T - H;
@@ -91,7 +97,7 @@ TEST(PlaneAnchorTest, CostGradientAndHessianOfThePriorStay) {
     const VectorXd step = 0.01 * VectorXd::Random(layout.dim);
     const auto apply = [&](SlidingWindow& window, const VectorXd& d) {
       for (std::size_t k = 0; k < window.planes.size(); ++k)
-        window.planes[k].ApplyStep(d.segment<3>(layout.plane_column[k]));
+        window.planes[k].ApplyStep(d.segment<3>(old_prior.layout.plane_column[k]));
     };
     apply(before, step);
     apply(test.window, T * step);
@@ -104,8 +110,8 @@ TEST(PlaneAnchorTest, TheWholeSystemStays) {
   const SlidingWindow before = test.window;
   const Vector3d shift(2, 3, -1);
   MoveAnchor(before.planes[1].anchor_W + shift, 1, test.window);
-  const testing::DenseSystem a = testing::Assemble(before, test.rig, 2.0);
-  const testing::DenseSystem b = testing::Assemble(test.window, test.rig, 2.0);
+  const NormalEquations a = testing::Assemble(before, test.rig, 2.0);
+  const NormalEquations b = testing::Assemble(test.window, test.rig, 2.0);
   const MatrixXd T = ChangeOfVariables(before, 1, shift);
   const VectorXd s = a.H.diagonal().cwiseMax(1).cwiseSqrt().cwiseInverse();
   const MatrixXd error = T.transpose() * b.H * T - a.H;
@@ -122,7 +128,8 @@ TEST(PlaneAnchorTest, TheWholeSystemStays) {
 TEST(PlaneAnchorTest, APlaneThatIsNotFrozenMovesToo) {
   TestWindow test = MakeWindow(9);
   const Vector3d n = Vector3d(1, 2, 3).normalized();
-  test.window.planes.emplace_back(PlaneId{5}, Plane{n, 2}, Vector3d::Zero());
+  test.window.planes.emplace_back(
+      PlaneId{5}, Plane{n, 2}, Vector3d::Zero(), testing::kPlaneSigma_m);
   const MatrixXd H = test.window.prior.H;
   MoveAnchor({3, 3, 3}, 2, test.window);
   EXPECT_EQ(test.window.prior.H, H);

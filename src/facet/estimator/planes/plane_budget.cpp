@@ -6,8 +6,6 @@
 
 #include <Eigen/LU>
 
-#include "facet/estimator/planes/plane_membership.h"
-
 namespace facet {
 
 namespace {
@@ -21,7 +19,7 @@ std::vector<PlaneId> ExcessPlanes(const SlidingWindow& window,
   if (num_excess <= 0) return {};
   std::vector<Matrix3d> known = information;
   for (const MarginalPrior::Block& block : window.prior.blocks) {
-    if (!block.IsPlane()) continue;
+    if (block.kind != Variable::Kind::kPlane) continue;
     known[static_cast<std::size_t>(window.IndexOf(block.plane))] +=
         window.prior.H.block<3, 3>(block.offset, block.offset);
   }
@@ -32,7 +30,7 @@ std::vector<PlaneId> ExcessPlanes(const SlidingWindow& window,
     bool has_chance = false;
     auto Key() const { return std::tie(determinant, id); }
   };
-  const std::vector<int> members = CountMembers(window);
+  const std::vector<int> members = window.CountMembers();
   std::vector<Rank> ranks;
   for (std::size_t k = 0; k < window.planes.size(); ++k) {
     const WindowPlane& plane = window.planes[k];

@@ -13,7 +13,7 @@ SlidingWindow MakeWindow(const std::vector<int>& supported) {
   Rng rng(1);
   SlidingWindow window = testing::MakeTestWindow({}, rng).window;
   for (int k = 0; k < 4; ++k)
-    window.planes.emplace_back(PlaneId{10 + k}, Plane{}, Vector3d::Zero());
+    window.planes.emplace_back(PlaneId{10 + k}, Plane{}, Vector3d::Zero(), testing::kPlaneSigma_m);
   for (int plane : supported)
     window.landmarks()[static_cast<std::size_t>(plane)].planes.Add(plane);
   return window;
@@ -61,7 +61,7 @@ TEST(PlaneBudgetTest, APlaneThatIsBeingDeterminedHasAChance) {
 
 TEST(PlaneBudgetTest, ThePriorCounts) {
   SlidingWindow window = MakeWindow({});
-  window.prior.blocks.push_back({FrameId{}, false, 0, PlaneId{11}});
+  window.prior.blocks.push_back(MarginalPrior::Block::OfPlane(PlaneId{11}, 0));
   window.prior.H = 100 * Matrix3d::Identity();
   window.prior.b = Vector3d::Zero();
   EXPECT_EQ(ExcessPlanes(window, Information({5, 2, 3, 4}), 3), std::vector{PlaneId{12}});

@@ -23,7 +23,8 @@ struct Case {
   SlidingWindow joint;              // with it, solved
   Matrix<15, 15> covariance;        // of the newest frame of the window
   Matrix<15, 15> joint_covariance;  // of the frame
-  WindowFrame frame;                // predicted
+  NavState predicted;               // of the frame
+  ImuLink imu;                      // from the newest frame of the window
   std::vector<PreparedObservation> observations;
   NavState truth;
 };
@@ -38,6 +39,24 @@ SolverOptions Options() {
   return options;
 }
 
+FactorNoise Noise() {
+  EstimatorOptions options;
+  options.solver = Options();
+  return FactorNoise(options);
+}
+
+// Cuts the last frame off the window.
+void TakeLastFrame(TestWindow& test, Case& out) {
+  const int last = test.window.newest_frame();
+  out.imu = test.window.frames.back().imu_link.value();
+  for (WindowLandmark& landmark : test.window.landmarks()) {
+    for (const WindowObservation& o : landmark.observations) {
+      if (o.frame == last) out.observations.push_back({landmark.id, o});
+    }
+  }
+  test.window.RemoveFrame(last);
+}
+
 Case MakeCase(std::uint64_t seed) {
   Rng rng(seed);
   testing::TestWindowOptions options;
@@ -46,23 +65,15 @@ Case MakeCase(std::uint64_t seed) {
   options.frame_interval_s = 0.15;
   TestWindow test = testing::MakeTestWindow(options, rng);
   // Origin and heading are off by what the prior says.
-  StartPrior& prior = test.window.start_prior;
-  prior = {true, FrameId{0}, test.truth[0].T_WB};
+  StartPrior prior(FrameId{0}, test.truth[0].T_WB, StartOptions{});
   prior.T_WB.p += prior.sigma_position * rng.Normal3();
   prior.T_WB.q = ExpSO3({0, 0, prior.sigma_yaw * rng.Normal()}) * prior.T_WB.q;
+  test.window.start_prior = prior;
   Case out;
   out.rig = test.rig;
   out.truth = test.truth.back();
   out.joint = test.window;
-  // Cut the last frame off.
-  const int last = options.num_frames - 1;
-  out.frame = test.window.frames.back();
-  for (WindowLandmark& landmark : test.window.landmarks()) {
-    for (const WindowObservation& o : landmark.observations) {
-      if (o.frame == last) out.observations.push_back({landmark.id, o});
-    }
-  }
-  test.window.RemoveFrame(last);
+  TakeLastFrame(test, out);
   out.window = std::move(test.window);
   // A landmark needs a second view in either window to be the same in both.
   for (WindowLandmark& landmark : out.window.landmarks())
@@ -72,13 +83,14 @@ Case MakeCase(std::uint64_t seed) {
     landmark.has_depth = other != nullptr && other->has_depth;
   }
   WindowSolver solver(out.rig, Options());
-  solver.Solve(out.joint, 30);
-  out.joint_covariance = solver.NewestFrameCovariance(out.joint);
-  solver.Solve(out.window, 30);
-  out.covariance = solver.NewestFrameCovariance(out.window);
-  out.frame.imu.Reintegrate(out.window.frames.back().x.bias);
-  out.frame.imu_sqrt_info = ImuSqrtInfo(out.frame.imu, BiasWalk{});
-  out.frame.x = out.frame.lin = out.frame.imu.Predict(out.window.frames.back().x);
+  solver.Solve(out.joint, Noise(), 30);
+  out.joint_covariance = solver.NewestFrameCovariance();
+  solver.Solve(out.window, Noise(), 30);
+  out.covariance = solver.NewestFrameCovariance();
+  const NavState& reference = out.window.frames.back().x;
+  out.imu.measured.Reintegrate(reference.bias);
+  out.imu.sqrt_info = ImuSqrtInfo(out.imu.measured, testing::DefaultBiasWalk());
+  out.predicted = out.imu.measured.Predict(reference);
   return out;
 }
 
@@ -86,20 +98,21 @@ TEST(FrameUpdateTest, AgreesWithTheJointSolution) {
   double sum_before = 0, sum_after = 0;
   constexpr int kRuns = 20;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
-    Case c = MakeCase(seed);
+    const Case c = MakeCase(seed);
+    NavState x = c.predicted;
     const Vector<15> sigma = c.joint_covariance.diagonal().cwiseSqrt();
-    const auto deviation = [&](const NavState& x) {
-      return testing::Difference(c.joint.frames.back().x, x).cwiseQuotient(sigma).head<9>().norm() /
-             3;
+    const auto deviation = [&](const NavState& from) {
+      const Vector<15> d = testing::Difference(c.joint.frames.back().x, from);
+      return d.cwiseQuotient(sigma).head<9>().norm() / 3;
     };
-    sum_before += deviation(c.frame.x);
+    sum_before += deviation(x);
     FrameUpdater updater(c.rig, Options());
-    updater.SetReference(c.window, c.covariance);
-    const FrameUpdateResult result = updater.Update(c.observations, c.frame);
+    updater.SetReference(c.window, c.covariance, Noise());
+    const FrameUpdateResult result = updater.Update(c.observations, c.imu, Noise(), x);
     ASSERT_TRUE(result.ok);
     EXPECT_GT(result.num_used, 20);
-    sum_after += deviation(c.frame.x);
-    EXPECT_LT(deviation(c.frame.x), 1.0);
+    sum_after += deviation(x);
+    EXPECT_LT(deviation(x), 1.0);
   }
   std::cout << "rms deviation from the joint solution in its sigmas (theta p v): predicted "
             << sum_before / kRuns << ", updated " << sum_after / kRuns << '\n';
@@ -121,15 +134,16 @@ TEST(FrameUpdateTest, CovarianceIsConsistent) {
   double pose = 0, velocity = 0, joint_pose = 0, joint_velocity = 0;
   constexpr int kRuns = 100;
   for (std::uint64_t seed = 101; seed <= 100 + kRuns; ++seed) {
-    Case c = MakeCase(seed);
+    const Case c = MakeCase(seed);
+    NavState x = c.predicted;
     FrameUpdater updater(c.rig, Options());
-    updater.SetReference(c.window, c.covariance);
-    const FrameUpdateResult result = updater.Update(c.observations, c.frame);
+    updater.SetReference(c.window, c.covariance, Noise());
+    const FrameUpdateResult result = updater.Update(c.observations, c.imu, Noise(), x);
     ASSERT_TRUE(result.ok);
     EXPECT_EQ(Eigen::LLT<MatrixXd>(result.covariance).info(), Eigen::Success);
     const NavState& joint = c.joint.frames.back().x;
-    pose += Nees(c.truth, c.frame.x, result.covariance, 0, 6) / kRuns;
-    velocity += Nees(c.truth, c.frame.x, result.covariance, 6, 3) / kRuns;
+    pose += Nees(c.truth, x, result.covariance, 0, 6) / kRuns;
+    velocity += Nees(c.truth, x, result.covariance, 6, 3) / kRuns;
     joint_pose += Nees(c.truth, joint, c.joint_covariance, 0, 6) / kRuns;
     joint_velocity += Nees(c.truth, joint, c.joint_covariance, 6, 3) / kRuns;
   }
@@ -146,30 +160,31 @@ TEST(FrameUpdateTest, CovarianceIsConsistent) {
 }
 
 TEST(FrameUpdateTest, WithoutObservationsTheFrameFollowsTheImu) {
-  Case c = MakeCase(300);
+  const Case c = MakeCase(300);
+  NavState x = c.predicted;
   FrameUpdater updater(c.rig, Options());
-  updater.SetReference(c.window, c.covariance);
-  const NavState predicted = c.frame.x;
-  const FrameUpdateResult result = updater.Update({}, c.frame);
+  updater.SetReference(c.window, c.covariance, Noise());
+  const FrameUpdateResult result = updater.Update({}, c.imu, Noise(), x);
   ASSERT_TRUE(result.ok);
   EXPECT_EQ(result.num_used, 0);
-  EXPECT_LT(testing::Difference(predicted, c.frame.x).norm(), 1e-6);
+  EXPECT_LT(testing::Difference(c.predicted, x).norm(), 1e-6);
   EXPECT_TRUE(result.covariance.allFinite());
 }
 
 TEST(FrameUpdateTest, OutliersDoNotPull) {
   Case c = MakeCase(301);
-  SolverOptions options;
-  options.frame_iterations = 5;
-  FrameUpdater updater(c.rig, options);
-  updater.SetReference(c.window, c.covariance);
-  WindowFrame clean = c.frame;
-  updater.Update(c.observations, clean);
+  EstimatorOptions options;
+  options.solver.frame_iterations = 5;
+  const FactorNoise noise(options);
+  FrameUpdater updater(c.rig, options.solver);
+  updater.SetReference(c.window, c.covariance, noise);
+  NavState clean = c.predicted, spoilt = c.predicted;
+  updater.Update(c.observations, c.imu, noise, clean);
   for (std::size_t k = 0; k < c.observations.size(); k += 5)
     c.observations[k].observation.xy[0].x() += 0.2;
-  updater.Update(c.observations, c.frame);
+  updater.Update(c.observations, c.imu, noise, spoilt);
   const Vector<15> sigma = c.joint_covariance.diagonal().cwiseSqrt();
-  EXPECT_LT(testing::Difference(clean.x, c.frame.x).cwiseQuotient(sigma).head<9>().norm() / 3, 1.0);
+  EXPECT_LT(testing::Difference(clean, spoilt).cwiseQuotient(sigma).head<9>().norm() / 3, 1.0);
 }
 
 }  // namespace

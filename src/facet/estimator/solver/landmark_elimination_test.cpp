@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Elimination of a landmark, and the claim that columns for its host are not needed
 // (docs/math.md, 3.2).
+#include "facet/estimator/solver/landmark_elimination.h"
+
 #include <cmath>
 #include <iostream>
 

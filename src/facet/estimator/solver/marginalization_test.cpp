@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include "facet/estimator/factors/prior_factor.h"
 #include "facet/testing/estimator/test_window.h"
 
 namespace facet {
@@ -24,7 +25,8 @@ TestWindow MakeWindow(std::uint64_t seed, int num_pose_frames = 0) {
   options.num_frames = 7;
   options.num_pose_frames = num_pose_frames;
   TestWindow test = testing::MakeTestWindow(options, rng);
-  if (num_pose_frames == 0) test.window.start_prior = {true, FrameId{0}, test.truth[0].T_WB};
+  if (num_pose_frames == 0)
+    test.window.start_prior.emplace(FrameId{0}, test.truth[0].T_WB, StartOptions{});
   testing::Disturb(test.window, {3e-4, 1e-3, 2e-3, 1e-4, 1e-3}, rng);
   return test;
 }
@@ -93,7 +95,7 @@ void AddPlanes(TestWindow& test, int num_planes, std::uint64_t seed) {
       continue;
     }
     test.window.planes.emplace_back(
-        PlaneId{k}, Plane{n, n.dot(p_W)}, Vector3d(p_W + rng.Normal3()));
+        PlaneId{k}, Plane{n, n.dot(p_W)}, Vector3d(p_W + rng.Normal3()), testing::kPlaneSigma_m);
     for (WindowLandmark& landmark : test.window.landmarks()) {
       if (is_near(landmark, n, p_W)) landmark.planes.Add(k);
     }
@@ -112,7 +114,8 @@ double ScaledDifference(const MatrixXd& a, const MatrixXd& b) {
 }
 
 // Newton step, on columns scaled to unit diagonal.
-VectorXd StepOf(const testing::DenseSystem& system) {
+template <class Equations>
+VectorXd StepOf(const Equations& system) {
   const VectorXd s = system.H.diagonal().cwiseSqrt().cwiseInverse();
   const MatrixXd scaled = s.asDiagonal() * system.H * s.asDiagonal();
   return -s.cwiseProduct(scaled.ldlt().solve(s.cwiseProduct(system.b)));
@@ -128,11 +131,11 @@ void ExpectPositiveSemidefinite(const MarginalPrior& prior) {
 // Carries out the plan and compares information, gradient and step with the batch problem.
 void ExpectMarginalizesLikeBatch(const MarginalizationPlan& plan, TestWindow& test) {
   const SlidingWindow batch_window = WithoutLostObservations(test.window, plan);
-  const testing::DenseSystem batch = testing::Assemble(batch_window, test.rig, kWidth);
-  Marginalize(plan, test.rig, RobustOptions{kWidth}, test.window);
+  const NormalEquations batch = testing::Assemble(batch_window, test.rig, kWidth);
+  Marginalize(plan, test.rig, testing::NoiseOfWidth(kWidth), test.window);
   const std::vector<int> common = CommonColumns(batch_window, test.window);
-  const testing::DenseSystem expected = testing::ReduceTo(batch, common);
-  const testing::DenseSystem actual = testing::Assemble(test.window, test.rig, kWidth);
+  const testing::ReducedEquations expected = testing::ReduceTo(batch, common);
+  const NormalEquations actual = testing::Assemble(test.window, test.rig, kWidth);
   ASSERT_EQ(actual.b.size(), expected.b.size());
   EXPECT_LT(ScaledDifference(actual.H, expected.H), 1e-8);
   const VectorXd s = expected.H.diagonal().cwiseSqrt().cwiseInverse();
@@ -149,12 +152,12 @@ TEST(MarginalizationTest, DroppedMotionEqualsBatch) {
     plan.drop_motion[0] = plan.drop_motion[1] = 1;
     ExpectMarginalizesLikeBatch(plan, test);
     EXPECT_FALSE(test.window.frames[0].has_motion);
-    EXPECT_FALSE(test.window.frames[1].has_imu_link);
-    EXPECT_FALSE(test.window.frames[2].has_imu_link);
-    EXPECT_TRUE(test.window.frames[3].has_imu_link);
+    EXPECT_FALSE(test.window.frames[1].imu_link);
+    EXPECT_FALSE(test.window.frames[2].imu_link);
+    EXPECT_TRUE(test.window.frames[3].imu_link);
     EXPECT_TRUE(test.window.frames[2].motion_frozen);
     EXPECT_FALSE(test.window.frames[3].motion_frozen);
-    EXPECT_FALSE(test.window.start_prior.active);
+    EXPECT_FALSE(test.window.start_prior);
   }
 }
 
@@ -173,7 +176,8 @@ TEST(MarginalizationTest, DroppedPoseInTheMiddleEqualsBatch) {
   for (std::uint64_t seed = 21; seed <= 30; ++seed) {
     TestWindow test = MakeWindow(seed, 3);
     // Something must fix the gauge for the comparison of steps: a prior on the first poses.
-    test.window.prior.blocks = {{FrameId{0}, false, 0}, {FrameId{1}, false, 6}};
+    test.window.prior.blocks = {MarginalPrior::Block::OfPose(FrameId{0}, 0),
+                                MarginalPrior::Block::OfPose(FrameId{1}, 6)};
     test.window.prior.H = 1e6 * MatrixXd::Identity(12, 12);
     test.window.prior.b = VectorXd::Constant(12, 100.0);
     test.window.frames[0].pose_frozen = test.window.frames[1].pose_frozen = true;
@@ -236,7 +240,7 @@ TEST(MarginalizationTest, ADroppedPlaneEqualsBatchOnceItsLandmarksAreGone) {
   frame.drop_frame[0] = 1;
   for (std::size_t l = 0; l < test.window.landmarks().size(); ++l)
     frame.drop_landmark[l] = test.window.landmarks()[l].planes.Contains(0);
-  Marginalize(frame, test.rig, RobustOptions{kWidth}, test.window);
+  Marginalize(frame, test.rig, testing::NoiseOfWidth(kWidth), test.window);
   ASSERT_TRUE(test.window.planes[0].frozen);
   MarginalizationPlan plane(test.window);
   plane.drop_plane[0] = 1;
@@ -256,7 +260,7 @@ TEST(MarginalizationTest, ADroppedPlaneWithRelationsEqualsBatch) {
     frame.drop_frame[0] = 1;
     for (std::size_t l = 0; l < test.window.landmarks().size(); ++l)
       frame.drop_landmark[l] = test.window.landmarks()[l].planes.Contains(0);
-    Marginalize(frame, test.rig, RobustOptions{kWidth}, test.window);
+    Marginalize(frame, test.rig, testing::NoiseOfWidth(kWidth), test.window);
     ASSERT_TRUE(test.window.planes[0].frozen);
     const PlaneId a{0}, b{1}, c{2};
     for (const PlaneRelation& relation : {PlaneRelation{kCoplanar, a, b},
@@ -289,15 +293,15 @@ TEST(MarginalizationTest, OneByOneEqualsAllAtOnce) {
   both.drop_frame[0] = both.drop_frame[1] = 1;
   DropSomeLandmarks(at_once.window, 0, 1, both);
   DropSomeLandmarks(at_once.window, 1, 1, both);
-  Marginalize(both, at_once.rig, RobustOptions{kWidth}, at_once.window);
+  Marginalize(both, at_once.rig, testing::NoiseOfWidth(kWidth), at_once.window);
   // The landmarks of both frames go first: else those of the second would lose a row in between.
   MarginalizationPlan landmarks(one_by_one.window);
   landmarks.drop_landmark = both.drop_landmark;
-  Marginalize(landmarks, one_by_one.rig, RobustOptions{kWidth}, one_by_one.window);
+  Marginalize(landmarks, one_by_one.rig, testing::NoiseOfWidth(kWidth), one_by_one.window);
   for (int k = 0; k < 2; ++k) {
     MarginalizationPlan plan(one_by_one.window);
     plan.drop_frame[0] = 1;
-    Marginalize(plan, one_by_one.rig, RobustOptions{kWidth}, one_by_one.window);
+    Marginalize(plan, one_by_one.rig, testing::NoiseOfWidth(kWidth), one_by_one.window);
   }
   const auto a = testing::Assemble(at_once.window, at_once.rig, kWidth);
   const auto b = testing::Assemble(one_by_one.window, one_by_one.rig, kWidth);
@@ -311,7 +315,7 @@ TEST(MarginalizationTest, EveryObservationIsUsedOrLostOnce) {
   MarginalizationPlan plan(before);
   plan.drop_frame[0] = 1;
   DropSomeLandmarks(before, 0, 2, plan);
-  Marginalize(plan, test.rig, RobustOptions{kWidth}, test.window);
+  Marginalize(plan, test.rig, testing::NoiseOfWidth(kWidth), test.window);
   for (std::size_t l = 0; l < before.landmarks().size(); ++l) {
     const WindowLandmark& old = before.landmarks()[l];
     const WindowLandmark* now = test.window.Find(old.id);
@@ -336,7 +340,7 @@ TEST(MarginalizationTest, FreezesExactlyWhatThePriorTouches) {
     plan.drop_landmark[l] = test.window.landmarks()[l].observations.back().frame <= 1;
   }
   const std::vector<WindowFrame> before = test.window.frames;
-  Marginalize(plan, test.rig, RobustOptions{kWidth}, test.window);
+  Marginalize(plan, test.rig, testing::NoiseOfWidth(kWidth), test.window);
   EXPECT_EQ(test.window.prior.blocks.size(), 2u);
   EXPECT_EQ(test.window.prior.dim(), 15);
   EXPECT_TRUE(test.window.frames[0].pose_frozen && test.window.frames[0].motion_frozen);
@@ -349,11 +353,11 @@ TEST(MarginalizationTest, FreezesExactlyWhatThePriorTouches) {
 
 TEST(MarginalizationTest, AnEmptyPlanChangesNothing) {
   TestWindow test = MakeWindow(39);
-  const testing::DenseSystem before = testing::Assemble(test.window, test.rig, kWidth);
+  const NormalEquations before = testing::Assemble(test.window, test.rig, kWidth);
   MarginalizationPlan plan(test.window);
   EXPECT_TRUE(plan.IsEmpty());
-  Marginalize(plan, test.rig, RobustOptions{kWidth}, test.window);
-  EXPECT_TRUE(test.window.start_prior.active);
+  Marginalize(plan, test.rig, testing::NoiseOfWidth(kWidth), test.window);
+  EXPECT_TRUE(test.window.start_prior);
   EXPECT_EQ(testing::Assemble(test.window, test.rig, kWidth).H, before.H);
   plan.drop_motion[2] = 1;
   EXPECT_FALSE(plan.IsEmpty());

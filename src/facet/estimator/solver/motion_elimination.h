@@ -6,29 +6,21 @@
 
 #include <vector>
 
-#include "facet/estimator/window/sliding_window.h"
+#include "facet/estimator/window/state_layout.h"
 
 namespace facet {
-
-/// Which columns belong to whom: planes (tangent of the normal, offset), all poses (theta p), the
-/// newest motion (v b_g b_a), the other motions.
-struct StateLayout {
-  std::vector<int> plane_column;   ///< by plane index
-  std::vector<int> pose_column;    ///< by frame index
-  std::vector<int> motion_column;  ///< by frame index, -1 without motion
-  int dim = 0;
-  int dense_dim = 0;  ///< columns of planes, poses and the newest motion: not eliminated here
-};
-
-StateLayout MakeLayout(const SlidingWindow& window);
 
 /// Reuse one object: it keeps its storage. Not thread-safe.
 class MotionElimination {
  public:
-  /// Eliminates every motion but the newest from (H, b); H holds its lower triangle. The first
+  /// Eliminates every motion but the newest from (H, b); H holds its lower triangle. `coupled`: for
+  /// each frame with a motion, which variables that motion is in a factor with. The first
   /// layout.dense_dim rows and columns then are the Schur complement. False if not positive
   /// definite.
-  bool Eliminate(const SlidingWindow& window, const StateLayout& layout, MatrixXd& H, VectorXd& b);
+  bool Eliminate(const StateLayout& layout,
+                 const std::vector<VariableSet>& coupled,
+                 MatrixXd& H,
+                 VectorXd& b);
 
   /// Fills the eliminated part of `step` from its first dense_dim entries (solution of H step =
   /// -b).
@@ -47,11 +39,13 @@ class MotionElimination {
     Vector<9> y;                                 // L^-1 b(motion)
   };
 
-  void FindNeighbours(const SlidingWindow& window, const StateLayout& layout);
+  void FindNeighbours(int frame, const StateLayout& layout, Eliminated& motion) const;
+  void SubtractSchur(const Eliminated& motion, MatrixXd& H, VectorXd& b);
+  void CoupleNeighbours(int frame);
 
   std::vector<Eliminated> eliminated_;
   int num_eliminated_ = 0;
-  std::vector<std::vector<char>> adjacent_;  // [motion frame][2 * frame + is_motion], then planes
+  std::vector<VariableSet> coupled_;  // grows while motions are eliminated
   MatrixXd update_;
 };
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "facet/base/median.h"
-#include "facet/estimator/solver/window_system.h"
+#include "facet/estimator/factors/reprojection_factor.h"
 
 namespace facet {
 
@@ -20,9 +20,10 @@ double SigmasOff(const FrameGeometry& geometry,
                  const WindowLandmark& landmark,
                  const WindowObservation& o,
                  int camera,
-                 const RobustOptions& robust) {
-  const auto error = WhitenedError(geometry, landmark, o, camera);
-  return error ? NoiseScale(landmark, o, camera, robust) * error->norm()
+                 const FactorNoise& noise) {
+  const ReprojectionFactor factor(geometry, landmark, o, noise);
+  const auto error = factor.Error(HostedPoint(landmark, geometry.current(landmark.host)), camera);
+  return error ? factor.NoiseScale(camera) * error->norm()
                : std::numeric_limits<double>::infinity();
 }
 
@@ -30,17 +31,17 @@ double SigmasOff(const FrameGeometry& geometry,
 // `left_sigmas`.
 bool RemoveFrom(WindowLandmark& landmark,
                 const FrameGeometry& geometry,
-                const RobustOptions& robust,
+                const FactorNoise& noise,
                 double max_sigma,
                 int& removed,
                 std::vector<double>& left_sigmas) {
   for (WindowObservation& o : landmark.observations) {
-    if (!o.has_right || SigmasOff(geometry, landmark, o, 1, robust) <= max_sigma) continue;
+    if (!o.has_right || SigmasOff(geometry, landmark, o, 1, noise) <= max_sigma) continue;
     o.has_right = false;
     ++removed;
   }
   removed += static_cast<int>(std::erase_if(landmark.observations, [&](const auto& o) {
-    const double sigmas = SigmasOff(geometry, landmark, o, 0, robust);
+    const double sigmas = SigmasOff(geometry, landmark, o, 0, noise);
     // Landmarks of pipeline SP have a loss of their own.
     if (!landmark.is_projection) left_sigmas.push_back(sigmas);
     return sigmas > max_sigma;
@@ -51,7 +52,7 @@ bool RemoveFrom(WindowLandmark& landmark,
 }  // namespace
 
 OutlierRemoval OutlierRemover::Remove(const FrameGeometry& geometry,
-                                      const RobustOptions& robust,
+                                      const FactorNoise& noise,
                                       double max_sigma,
                                       SlidingWindow& window) {
   OutlierRemoval out;
@@ -61,7 +62,7 @@ OutlierRemoval OutlierRemover::Remove(const FrameGeometry& geometry,
     WindowLandmark& landmark = window.landmarks()[l];
     if (!IsConstraining(landmark)) continue;
     if (landmark.inverse_distance > kMaxInverseDistance ||
-        !RemoveFrom(landmark, geometry, robust, max_sigma, out.num_removed, left_sigmas_)) {
+        !RemoveFrom(landmark, geometry, noise, max_sigma, out.num_removed, left_sigmas_)) {
       gone[l] = 1;
       continue;
     }

@@ -5,7 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "facet/estimator/factors/vision_factor.h"
+#include "facet/estimator/factors/factor_noise.h"
+#include "facet/estimator/window/frame_geometry.h"
+#include "facet/estimator/window/sliding_window.h"
 
 namespace facet {
 
@@ -23,7 +25,7 @@ class OutlierRemover {
   /// as a whole. A landmark that loses its host's observation gets another host. Landmarks that do
   /// not constrain the window are left alone. `geometry` must be up to date.
   OutlierRemoval Remove(const FrameGeometry& geometry,
-                        const RobustOptions& robust,
+                        const FactorNoise& noise,
                         double max_sigma,
                         SlidingWindow& window);
 

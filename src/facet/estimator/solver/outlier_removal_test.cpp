@@ -6,13 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/solver/usual_error.h"
 #include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {
 
-constexpr RobustOptions kRobust{.reprojection_width = 2.0, .plane_sigma_m = 0.01};
 constexpr double kMaxSigma = 5;
 
 /// Perfect measurements; the first landmark with at least three observations, one of them stereo,
@@ -38,7 +36,8 @@ class OutlierRemovalTest : public ::testing::Test {
   int Remove() {
     FrameGeometry geometry(test_.rig);
     geometry.Update(window().frames);
-    const OutlierRemoval removal = OutlierRemover().Remove(geometry, kRobust, kMaxSigma, window());
+    const OutlierRemoval removal =
+        OutlierRemover().Remove(geometry, testing::NoiseOfWidth(2.0), kMaxSigma, window());
     median_sigma_ = removal.median_sigma;
     return removal.num_removed;
   }
@@ -108,20 +107,6 @@ TEST_F(OutlierRemovalTest, WithoutLandmarksThereIsNoMedian) {
   window().RemoveLandmarks(std::vector<char>(window().landmarks().size(), 1));
   EXPECT_EQ(Remove(), 0);
   EXPECT_FALSE(median_sigma_);
-}
-
-TEST(UsualErrorTest, FollowsWithinAFewKeyframesAndStaysUseful) {
-  UsualError usual;
-  EXPECT_EQ(usual.sigma(), 1.0);
-  for (int i = 0; i < 10; ++i)
-    usual.Add(0.4);
-  EXPECT_NEAR(usual.sigma(), 0.4, 0.1);
-  for (int i = 0; i < 100; ++i)
-    usual.Add(0.0);
-  EXPECT_NEAR(usual.sigma(), 0.2, 1e-6);
-  for (int i = 0; i < 100; ++i)
-    usual.Add(std::numeric_limits<double>::infinity());
-  EXPECT_NEAR(usual.sigma(), 2.0, 1e-6);
 }
 
 TEST_F(OutlierRemovalTest, LandmarksBeforeTheLensGo) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Levenberg-Marquardt on the window. Knows no geometry; see WindowSystem.
+// Levenberg-Marquardt on the window. Knows no geometry: it goes round linearise, reduce, step.
 #pragma once
 
-#include "facet/estimator/estimator_options.h"
-#include "facet/estimator/solver/window_system.h"
+#include <vector>
+
+#include "facet/estimator/solver/covariance.h"
 #include "facet/estimator/window/window_values.h"
 
 namespace facet {
@@ -17,35 +18,45 @@ struct SolveSummary {
   bool converged = false;  ///< another step would gain next to nothing
 };
 
+/// Not thread-safe.
 class WindowSolver {
  public:
-  /// Without `robust`, relations and the landmarks of pipeline SP weigh what they do by default.
   WindowSolver(const StereoRig& rig, const SolverOptions& options)
-      : WindowSolver(rig, options, options.robust()) {}
-  WindowSolver(const StereoRig& rig, const SolverOptions& options, const RobustOptions& robust)
-      : system_(rig), options_(options), robust_(robust) {}
+      : options_(options), geometry_(rig) {}
 
-  void set_robust(const RobustOptions& robust) { robust_ = robust; }
+  /// Minimises the window's cost in at most `max_iterations` steps. Moves frames, planes and
+  /// landmarks. While the newest frame is far from where it belongs, the loss of reprojections is
+  /// wider than `noise` says.
+  SolveSummary Solve(SlidingWindow& window, const FactorNoise& noise, int max_iterations);
 
-  /// Minimises the window's cost in at most `max_iterations` steps. Moves frames and landmarks.
-  SolveSummary Solve(SlidingWindow& window, int max_iterations);
+  /// Of the window of the last Solve, at its last linearisation and without its damping: theta p v
+  /// b_g b_a of the newest frame.
+  Matrix<15, 15> NewestFrameCovariance();
 
-  /// Marginal covariance of the newest frame (theta p v b_g b_a) at the last linearisation of
-  /// Solve, without its damping.
-  Matrix<15, 15> NewestFrameCovariance(const SlidingWindow& window);
+  /// Of the same window as it was factorised last; see covariance.h.
+  std::vector<Matrix<9, 9>> PlaneCovariances() const {
+    return facet::PlaneCovariances(reduced_, linear_.layout());
+  }
+  std::vector<Matrix3d> PlaneInformation() const { return facet::PlaneInformation(linear_); }
 
-  /// As of the last factorisation inside Solve.
-  const WindowSystem& system() const { return system_; }
+  /// Median of the norms of the whitened left errors in the newest frame, at the present estimate;
+  /// 0 if it sees nothing that constrains.
+  double NewestFrameError(const SlidingWindow& window);
 
  private:
-  RobustOptions RobustNow(const SlidingWindow& window);
+  enum class StepResult { kAccepted, kNothingToGain, kFailed };
 
-  WindowSystem system_;
+  FactorNoise NoiseNow(const SlidingWindow& window, const FactorNoise& noise);
+  StepResult Step(SlidingWindow& window, const FactorNoise& noise, SolveSummary& summary);
+
   SolverOptions options_;
-  RobustOptions robust_;
+  FrameGeometry geometry_;
+  LinearizedWindow linear_;
+  ReducedSystem reduced_;
+  double lambda_ = 0;           // the next damping
   double factored_lambda_ = 0;  // of the last factorisation
-  double lambda_ = 1e-6;
   WindowValues before_step_;
+  std::vector<double> newest_errors_;  // buffer of NewestFrameError
 };
 
 }  // namespace facet

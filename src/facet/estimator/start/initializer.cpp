@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
-
-#include "facet/estimator/window/landmark_depth.h"
 
 namespace facet {
 
@@ -21,53 +22,55 @@ constexpr double kMaxGravityError = 3.0;
 void PredictRotations(SlidingWindow& window) {
   for (std::size_t i = 1; i < window.frames.size(); ++i) {
     WindowFrame& frame = window.frames[i];
-    frame.x.T_WB.q = (window.frames[i - 1].x.T_WB.q * frame.imu.dR()).normalized();
+    frame.x.T_WB.q = (window.frames[i - 1].x.T_WB.q * frame.imu_link->measured.dR()).normalized();
     frame.x.T_WB.p = window.frames[i - 1].x.T_WB.p;
     frame.lin = frame.x;
   }
 }
 
 // Bundle adjustment of the stereo observations with the first pose held.
-bool SolveVisionOnly(const StereoRig& rig, const SolverOptions& options, SlidingWindow& window) {
-  struct Saved {
-    bool has_motion, has_imu_link;
+bool SolveVisionOnly(const StereoRig& rig, const EstimatorOptions& options, SlidingWindow& window) {
+  struct SetAside {
+    bool has_motion;
+    std::optional<ImuLink> imu_link;
   };
-  std::vector<Saved> saved;
+  std::vector<SetAside> aside;
   for (WindowFrame& frame : window.frames) {
-    saved.push_back({frame.has_motion, frame.has_imu_link});
-    frame.has_motion = frame.has_imu_link = false;
+    aside.push_back({frame.has_motion, std::move(frame.imu_link)});
+    frame.has_motion = false;
+    frame.imu_link.reset();
   }
-  const StartPrior start_prior = window.start_prior;
-  window.start_prior.active = false;
-  window.prior.blocks = {{window.frames.front().id, false, 0}};
+  const std::optional<StartPrior> start_prior = std::exchange(window.start_prior, std::nullopt);
+  WindowFrame& first = window.frames.front();
+  first.FreezePose();
+  window.prior.blocks = {MarginalPrior::Block::OfPose(first.id, 0)};
   window.prior.H = 1e10 * MatrixXd::Identity(6, 6);
   window.prior.b = VectorXd::Zero(6);
-  window.frames.front().pose_frozen = true;
-  window.frames.front().delta.setZero();
 
-  WindowSolver solver(rig, options);
-  const SolveSummary summary = solver.Solve(window, kVisionIterations);
+  WindowSolver solver(rig, options.solver);
+  const SolveSummary summary = solver.Solve(window, FactorNoise(options), kVisionIterations);
 
   window.prior = MarginalPrior();
   window.start_prior = start_prior;
-  window.frames.front().pose_frozen = false;
+  first.pose_frozen = false;
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     WindowFrame& frame = window.frames[i];
-    frame.has_motion = saved[i].has_motion;
-    frame.has_imu_link = saved[i].has_imu_link;
+    frame.has_motion = aside[i].has_motion;
+    frame.imu_link = std::move(aside[i].imu_link);
     frame.lin = frame.x;
     frame.delta.setZero();
   }
   return summary.ok;
 }
 
-// The gyro bias that makes the integrated rotations agree with the seen ones (two passes).
+// Equation (6.1): the gyro bias that makes the integrated rotations agree with the seen ones (two
+// passes).
 void SolveGyroBias(SlidingWindow& window) {
   for (int pass = 0; pass < 2; ++pass) {
     Matrix3d H = 1e-9 * Matrix3d::Identity();
     Vector3d b = Vector3d::Zero();
     for (std::size_t i = 1; i < window.frames.size(); ++i) {
-      const ImuPreintegration& imu = window.frames[i].imu;
+      const ImuPreintegration& imu = window.frames[i].imu_link->measured;
       const Matrix3d J = imu.BiasJacobian().block<3, 3>(0, 0);
       const Quaterniond seen =
           window.frames[i - 1].x.T_WB.q.conjugate() * window.frames[i].x.T_WB.q;
@@ -77,7 +80,7 @@ void SolveGyroBias(SlidingWindow& window) {
     const Vector3d step = H.ldlt().solve(b);
     for (WindowFrame& frame : window.frames) {
       frame.x.bias.b_g += step;
-      if (frame.has_imu_link) frame.imu.Reintegrate(frame.x.bias);
+      if (frame.imu_link) frame.imu_link->measured.Reintegrate(frame.x.bias);
     }
   }
 }
@@ -87,14 +90,14 @@ struct VelocityAndGravity {
   Vector3d g;
 };
 
-// p_k - p_0 - R_0 dp_0k = v T + 1/2 g T^2 for all k, least squares.
+// Equation (6.2) for all k, least squares: p_k - p_0 - R_0 dp_0k = v T + 1/2 g T^2.
 VelocityAndGravity SolveVelocityAndGravity(const SlidingWindow& window) {
   const std::vector<WindowFrame>& frames = window.frames;
-  ImuPreintegration total = frames[1].imu;
+  ImuPreintegration total = frames[1].imu_link->measured;
   MatrixXd A(3 * (frames.size() - 1), 6);
   VectorXd y(3 * (frames.size() - 1));
   for (std::size_t k = 1; k < frames.size(); ++k) {
-    if (k > 1) total.Integrate(frames[k].imu.samples());
+    if (k > 1) total.Integrate(frames[k].imu_link->measured.samples());
     const double T = total.dt();
     const long row = static_cast<long>(3 * (k - 1));
     A.block<3, 3>(row, 0) = T * Matrix3d::Identity();
@@ -121,7 +124,8 @@ void AlignWithGravity(const VelocityAndGravity& motion, SlidingWindow& window) {
   }
   window.frames.front().x.v_WB = q * motion.v;
   for (std::size_t i = 1; i < window.frames.size(); ++i) {
-    window.frames[i].x.v_WB = window.frames[i].imu.Predict(window.frames[i - 1].x).v_WB;
+    window.frames[i].x.v_WB =
+        window.frames[i].imu_link->measured.Predict(window.frames[i - 1].x).v_WB;
   }
   for (WindowFrame& frame : window.frames)
     frame.lin = frame.x;
@@ -130,7 +134,7 @@ void AlignWithGravity(const VelocityAndGravity& motion, SlidingWindow& window) {
 }  // namespace
 
 InitializationResult InitializeFromStereo(const StereoRig& rig,
-                                          const SolverOptions& options,
+                                          const EstimatorOptions& options,
                                           SlidingWindow& window) {
   if (window.frames.size() < 3) return {false, "fewer than three frames"};
   if (std::none_of(window.landmarks().begin(), window.landmarks().end(), IsConstraining)) {

@@ -14,12 +14,11 @@ struct InitializationResult {
   std::string reason;  ///< why not
 };
 
-/// The window holds consecutive frames with IMU preintegrated between them (`imu` filled, biases
-/// zero or better) and landmarks with depth from stereo. Sets all poses, velocities and biases,
-/// with gravity along -z; position and heading of the first frame stay. On failure the window's
-/// states are undefined.
+/// The window holds consecutive frames with IMU links between them (biases zero or better) and
+/// landmarks with depth from stereo. Sets all poses, velocities and biases, with gravity along -z;
+/// position and heading of the first frame stay. On failure the window's states are undefined.
 InitializationResult InitializeFromStereo(const StereoRig& rig,
-                                          const SolverOptions& options,
+                                          const EstimatorOptions& options,
                                           SlidingWindow& window);
 
 }  // namespace facet

@@ -36,7 +36,7 @@ void Forget(TestWindow& test) {
     const Timestamp t = frame.x.t;
     frame.x = frame.lin = NavState();
     frame.x.t = t;
-    if (frame.has_imu_link) frame.imu.Reintegrate({});
+    if (frame.imu_link) frame.imu_link->measured.Reintegrate({});
   }
   FrameGeometry geometry(test.rig);
   geometry.Update(test.window.frames);
@@ -72,7 +72,7 @@ StartError ErrorOf(const TestWindow& test) {
 
 void ExpectStarts(TestWindow test, StartError& worst) {
   Forget(test);
-  const auto result = InitializeFromStereo(test.rig, SolverOptions{}, test.window);
+  const auto result = InitializeFromStereo(test.rig, EstimatorOptions{}, test.window);
   ASSERT_TRUE(result.ok) << result.reason;
   const StartError error = ErrorOf(test);
   EXPECT_LT(error.tilt_deg, 2.0);
@@ -121,7 +121,7 @@ TEST(InitializerTest, KeepsPositionAndHeadingOfTheFirstFrameWhenItIsLevel) {
   level.v0 = Vector3d(0.4, -0.2, 0.1);
   TestWindow test = testing::MakeTestWindow(Options(rng), level, rng);
   Forget(test);
-  ASSERT_TRUE(InitializeFromStereo(test.rig, SolverOptions{}, test.window).ok);
+  ASSERT_TRUE(InitializeFromStereo(test.rig, EstimatorOptions{}, test.window).ok);
   EXPECT_LT(test.window.frames[0].x.T_WB.p.norm(), 1e-6);
   EXPECT_LT(std::abs(LogSO3(test.window.frames[0].x.T_WB.q).z()), 1e-3);
 }
@@ -132,7 +132,7 @@ TEST(InitializerTest, RefusesTooFewFrames) {
   options.num_frames = 2;
   TestWindow test = testing::MakeTestWindow(options, rng);
   Forget(test);
-  const auto result = InitializeFromStereo(test.rig, SolverOptions{}, test.window);
+  const auto result = InitializeFromStereo(test.rig, EstimatorOptions{}, test.window);
   EXPECT_FALSE(result.ok);
   EXPECT_NE(result.reason.find("three frames"), std::string::npos) << result.reason;
 }
@@ -142,7 +142,7 @@ TEST(InitializerTest, RefusesWithoutLandmarks) {
   TestWindow test = testing::MakeTestWindow(Options(rng), rng);
   Forget(test);
   test.window.RemoveLandmarks(std::vector<char>(test.window.landmarks().size(), 1));
-  const auto result = InitializeFromStereo(test.rig, SolverOptions{}, test.window);
+  const auto result = InitializeFromStereo(test.rig, EstimatorOptions{}, test.window);
   EXPECT_FALSE(result.ok);
   EXPECT_FALSE(result.reason.empty());
 }
@@ -152,15 +152,15 @@ TEST(InitializerTest, RefusesWhenGravityIsWrong) {
   Rng rng(53);
   TestWindow test = testing::MakeTestWindow(Options(rng), rng);
   for (WindowFrame& frame : test.window.frames) {
-    if (!frame.has_imu_link) continue;
-    std::vector<ImuSample> samples = frame.imu.samples();
+    if (!frame.imu_link) continue;
+    std::vector<ImuSample> samples = frame.imu_link->measured.samples();
     for (ImuSample& sample : samples)
       sample.accel *= 0.5;
-    frame.imu = ImuPreintegration({}, {});
-    frame.imu.Integrate(samples);
+    frame.imu_link->measured = ImuPreintegration({}, {});
+    frame.imu_link->measured.Integrate(samples);
   }
   Forget(test);
-  const auto result = InitializeFromStereo(test.rig, SolverOptions{}, test.window);
+  const auto result = InitializeFromStereo(test.rig, EstimatorOptions{}, test.window);
   EXPECT_FALSE(result.ok);
   EXPECT_NE(result.reason.find("gravity"), std::string::npos) << result.reason;
 }
@@ -168,10 +168,11 @@ TEST(InitializerTest, RefusesWhenGravityIsWrong) {
 TEST(InitializerTest, RefusesWithoutImu) {
   Rng rng(54);
   TestWindow test = testing::MakeTestWindow(Options(rng), rng);
-  for (WindowFrame& frame : test.window.frames)
-    frame.imu = ImuPreintegration();
+  for (WindowFrame& frame : test.window.frames) {
+    if (frame.imu_link) frame.imu_link->measured = ImuPreintegration();
+  }
   Forget(test);
-  const auto result = InitializeFromStereo(test.rig, SolverOptions{}, test.window);
+  const auto result = InitializeFromStereo(test.rig, EstimatorOptions{}, test.window);
   EXPECT_FALSE(result.ok);
   EXPECT_FALSE(result.reason.empty());
 }

@@ -49,6 +49,12 @@ bool InitializeDepth(const FrameGeometry& geometry, WindowLandmark& landmark) {
   return true;
 }
 
+void InitializeDepths(const FrameGeometry& geometry, SlidingWindow& window) {
+  for (WindowLandmark& landmark : window.landmarks()) {
+    if (!landmark.has_depth) InitializeDepth(geometry, landmark);
+  }
+}
+
 double InverseDistanceInformation(const WindowLandmark& landmark,
                                   const Vector3d& ray_W,
                                   const std::vector<CameraCentres>& centres) {

@@ -5,15 +5,19 @@
 #include <array>
 #include <vector>
 
-#include "facet/estimator/factors/vision_factor.h"
+#include "facet/estimator/window/frame_geometry.h"
+#include "facet/estimator/window/sliding_window.h"
 
 namespace facet {
 
 /// Sets bearing and inverse distance of a landmark that has none, if its observations determine it:
 /// a stereo pair in the host, or rays from several frames whose baseline is wide enough. Least
-/// squares on the epipolar plane residual; points at infinity get inverse distance 0. Returns
-/// has_depth.
+/// squares on the epipolar plane residual (docs/math.md, equation (3.9)); points at infinity get
+/// inverse distance 0. Returns has_depth.
 bool InitializeDepth(const FrameGeometry& geometry, WindowLandmark& landmark);
+
+/// The same for every landmark without a distance. `geometry` must be up to date.
+void InitializeDepths(const FrameGeometry& geometry, SlidingWindow& window);
 
 /// Centres of both cameras at one frame, in W.
 using CameraCentres = std::array<Vector3d, 2>;

@@ -2,62 +2,29 @@
 #include "facet/estimator/window/sliding_window.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "facet/base/check.h"
 
 namespace facet {
 
-void WindowFrame::ApplyStep(const Vector<15>& step) {
-  if (pose_frozen) {
-    delta.head<6>() += step.head<6>();
-    x.T_WB = lin.T_WB.Retract(delta.head<3>(), delta.segment<3>(3));
-  } else {
-    x.T_WB = x.T_WB.Retract(step.head<3>(), step.segment<3>(3));
-    lin.T_WB = x.T_WB;
+namespace {
+
+template <class Items, class Id>
+int IndexById(const Items& items, Id id) {
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (items[i].id == id) return static_cast<int>(i);
   }
-  if (!has_motion) return;
-  const Vector<9> motion_step = step.tail<9>();
-  if (motion_frozen) delta.tail<9>() += motion_step;
-  x.v_WB += motion_step.head<3>();
-  x.bias.b_g += motion_step.segment<3>(3);
-  x.bias.b_a += motion_step.segment<3>(6);
-  if (!motion_frozen) {
-    lin.v_WB = x.v_WB;
-    lin.bias = x.bias;
-  }
+  return -1;
 }
 
-void WindowPlane::ApplyStep(const Vector3d& step) {
-  offset += step.z();
-  if (frozen) {
-    delta += step;
-    n = RetractDirection(n_lin, delta.head<2>());
-  } else {
-    n = n_lin = RetractDirection(n, step.head<2>());
-  }
+bool IsInPrior(const MarginalPrior& prior, Variable::Kind kind, FrameId frame) {
+  return std::any_of(prior.blocks.begin(), prior.blocks.end(), [&](const auto& block) {
+    return block.kind == kind && block.frame == frame;
+  });
 }
 
-void WindowPlane::Freeze() {
-  if (frozen) return;
-  frozen = true;
-  n_lin = n;
-  delta.setZero();
-}
-
-bool PlaneLinks::Contains(int plane) const {
-  return std::find(index.begin(), index.begin() + count, plane) != index.begin() + count;
-}
-
-bool PlaneLinks::Add(int plane) {
-  if (count == kMax || Contains(plane)) return false;
-  index[static_cast<std::size_t>(count++)] = plane;
-  return true;
-}
-
-void PlaneLinks::Remove(int plane) {
-  count =
-      static_cast<int>(std::remove(index.begin(), index.begin() + count, plane) - index.begin());
-}
+}  // namespace
 
 WindowLandmark* SlidingWindow::Find(LandmarkId id) {
   const auto it = index_.find(id);
@@ -65,17 +32,16 @@ WindowLandmark* SlidingWindow::Find(LandmarkId id) {
 }
 
 int SlidingWindow::IndexOf(FrameId id) const {
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (frames[i].id == id) return static_cast<int>(i);
-  }
-  return -1;
+  return IndexById(frames, id);
 }
 
 int SlidingWindow::IndexOf(PlaneId id) const {
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    if (planes[i].id == id) return static_cast<int>(i);
-  }
-  return -1;
+  return IndexById(planes, id);
+}
+
+Variable SlidingWindow::VariableOf(const MarginalPrior::Block& block) const {
+  const bool is_plane = block.kind == Variable::Kind::kPlane;
+  return {block.kind, is_plane ? IndexOf(block.plane) : IndexOf(block.frame)};
 }
 
 WindowLandmark& SlidingWindow::AddLandmark(LandmarkId id, int host) {
@@ -111,10 +77,11 @@ void SlidingWindow::Rehost(WindowLandmark& landmark, int new_host) {
 }
 
 void SlidingWindow::RemoveFrame(int index) {
-  for (const MarginalPrior::Block& block : prior.blocks) {
-    FACET_CHECK(block.IsPlane() || block.frame != frames[index].id)
-        << "frame is still in the prior";
-  }
+  const FrameId id = frames[index].id;
+  FACET_CHECK(!IsInPrior(prior, Variable::Kind::kPose, id) &&
+              !IsInPrior(prior, Variable::Kind::kMotion, id))
+      << "frame is still in the prior";
+  CutImuLinks(index);
   std::vector<char> gone(landmarks_.size(), 0);
   for (std::size_t l = 0; l < landmarks_.size(); ++l) {
     WindowLandmark& landmark = landmarks_[l];
@@ -134,26 +101,37 @@ void SlidingWindow::RemoveFrame(int index) {
     if (landmark.host > index) --landmark.host;
   }
   for (WindowRelation& relation : relations) {
-    if (relation.frame == frames[index].id) AttachRelation(relation, index);
+    if (relation.frame == id) AttachRelation(relation, index);
   }
-  std::erase_if(sightings, [&](const PlaneSighting& s) { return s.frame == frames[index].id; });
+  std::erase_if(sightings, [&](const PlaneSighting& s) { return s.frame == id; });
   frames.erase(frames.begin() + index);
   if (frames.empty()) relations.clear();
   RemoveLandmarks(gone);
 }
 
+void SlidingWindow::RemoveMotion(int index) {
+  WindowFrame& frame = frames[index];
+  FACET_CHECK(!IsInPrior(prior, Variable::Kind::kMotion, frame.id))
+      << "motion is still in the prior";
+  frame.has_motion = frame.motion_frozen = false;
+  CutImuLinks(index);
+}
+
+void SlidingWindow::CutImuLinks(int frame) {
+  frames[frame].imu_link.reset();
+  if (frame < newest_frame()) frames[frame + 1].imu_link.reset();
+}
+
 void SlidingWindow::RemovePlane(int index) {
+  const PlaneId id = planes[index].id;
   for (const MarginalPrior::Block& block : prior.blocks) {
-    FACET_CHECK(block.plane != planes[index].id) << "plane is still in the prior";
+    FACET_CHECK(block.kind != Variable::Kind::kPlane || block.plane != id)
+        << "plane is still in the prior";
   }
-  for (WindowLandmark& landmark : landmarks_) {
-    landmark.planes.Remove(index);
-    for (int& plane : landmark.planes.index)
-      plane -= plane > index;
-  }
-  std::erase_if(relations,
-                [&](const WindowRelation& r) { return r.relation.Involves(planes[index].id); });
-  std::erase_if(sightings, [&](const PlaneSighting& s) { return s.plane == planes[index].id; });
+  for (WindowLandmark& landmark : landmarks_)
+    landmark.planes.RemoveFromWindow(index);
+  std::erase_if(relations, [&](const WindowRelation& r) { return r.relation.Involves(id); });
+  std::erase_if(sightings, [&](const PlaneSighting& s) { return s.plane == id; });
   planes.erase(planes.begin() + index);
 }
 
@@ -169,7 +147,7 @@ bool SlidingWindow::AddRelation(const PlaneRelation& relation) {
 }
 
 void SlidingWindow::AttachRelation(WindowRelation& relation, int leaving) const {
-  const int newest = static_cast<int>(frames.size()) - 1;
+  const int newest = newest_frame();
   const int index = leaving == newest ? newest - 1 : newest;
   if (index < 0) return;
   const PlaneRelation& planes_of = relation.relation;
@@ -184,15 +162,19 @@ Vector3d SlidingWindow::PositionOf(const WindowLandmark& landmark) const {
   return T_WH * (landmark.bearing_H / landmark.inverse_distance);
 }
 
-void SlidingWindow::Clear() {
-  frames.clear();
-  planes.clear();
-  relations.clear();
-  sightings.clear();
-  landmarks_.clear();
-  index_.clear();
-  prior = MarginalPrior();
-  start_prior = StartPrior();
+std::vector<int> SlidingWindow::CountMembers() const {
+  std::vector<int> members(planes.size(), 0);
+  for (const WindowLandmark& landmark : landmarks_) {
+    if (!landmark.IsOnPlanes()) continue;
+    for (const int plane : landmark.planes)
+      ++members[static_cast<std::size_t>(plane)];
+  }
+  return members;
+}
+
+int SlidingWindow::NumMembers() const {
+  const std::vector<int> members = CountMembers();
+  return std::accumulate(members.begin(), members.end(), 0);
 }
 
 void SlidingWindow::RebuildIndex() {

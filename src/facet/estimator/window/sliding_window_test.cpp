@@ -113,7 +113,7 @@ TEST(SlidingWindowTest, ALandmarkWithoutDepthTakesTheRayOfItsNewHost) {
 
 TEST(SlidingWindowTest, AFrameInThePriorCannotBeRemoved) {
   TestWindow test = MakeWindow(9);
-  test.window.prior.blocks = {{FrameId{2}, false, 0}};
+  test.window.prior.blocks = {MarginalPrior::Block::OfPose(FrameId{2}, 0)};
   EXPECT_THROW(test.window.RemoveFrame(2), CheckError);
   EXPECT_NO_THROW(test.window.RemoveFrame(3));
 }
@@ -131,8 +131,6 @@ TEST(SlidingWindowTest, LandmarksAreFoundByIdAndExistOnce) {
   EXPECT_EQ(test.window.landmarks().size(), left);
   EXPECT_EQ(test.window.Find(first), nullptr);
   ExpectConsistent(test.window);
-  test.window.Clear();
-  EXPECT_TRUE(test.window.frames.empty() && test.window.landmarks().empty());
   EXPECT_NO_THROW(test.window.AddLandmark(first, 0));
 }
 
@@ -153,6 +151,71 @@ TEST(SlidingWindowTest, StepsOfFrozenVariablesGoIntoDelta) {
   EXPECT_LT((testing::Difference(frozen.lin, frozen.x) - sum).norm(), 1e-13);
   EXPECT_EQ(testing::Difference(frame.lin, frame.x).norm(), 0);
   EXPECT_EQ(frame.delta.norm(), 0);
+}
+
+TEST(SlidingWindowTest, ALinkGoesWithEitherOfItsFramesAndMotions) {
+  TestWindow test = MakeWindow(12);
+  const auto has_links = [&] {
+    std::vector<bool> out;
+    for (const WindowFrame& frame : test.window.frames)
+      out.push_back(frame.imu_link.has_value());
+    return out;
+  };
+  ASSERT_EQ(has_links(), std::vector<bool>({false, true, true, true, true, true}));
+  test.window.RemoveMotion(4);
+  EXPECT_FALSE(test.window.frames[4].has_motion);
+  EXPECT_EQ(has_links(), std::vector<bool>({false, true, true, true, false, false}));
+  test.window.RemoveFrame(1);
+  EXPECT_EQ(has_links(), std::vector<bool>({false, false, true, false, false}));
+}
+
+TEST(SlidingWindowTest, AMotionInThePriorCannotBeRemoved) {
+  TestWindow test = MakeWindow(13);
+  test.window.prior.blocks = {MarginalPrior::Block::OfMotion(FrameId{2}, 0)};
+  EXPECT_THROW(test.window.RemoveMotion(2), CheckError);
+  EXPECT_NO_THROW(test.window.RemoveMotion(3));
+}
+
+TEST(SlidingWindowTest, LandmarksKnowTheirPlanesByIndex) {
+  TestWindow test = MakeWindow(14);
+  for (int k = 0; k < 3; ++k) {
+    test.window.planes.emplace_back(
+        PlaneId{10 + k}, Plane{}, Vector3d::Zero(), testing::kPlaneSigma_m);
+  }
+  PlaneLinks& links = test.window.landmarks()[0].planes;
+  EXPECT_TRUE(links.Add(0) && links.Add(2) && links.Add(1));
+  EXPECT_FALSE(links.Add(3)) << "there is no room for a fourth";
+  test.window.landmarks()[1].planes.Add(1);
+  EXPECT_EQ(test.window.CountMembers(), (std::vector<int>{1, 2, 1}));
+  EXPECT_EQ(test.window.NumMembers(), 4);
+  test.window.RemovePlane(1);
+  EXPECT_EQ(std::vector<int>(links.begin(), links.end()), (std::vector<int>{0, 1}));
+  EXPECT_EQ(test.window.landmarks()[1].planes.count(), 0);
+  EXPECT_EQ(test.window.IndexOf(PlaneId{12}), 1);
+}
+
+TEST(SlidingWindowTest, RelationsHoldOnceAndBetweenKnownPlanesOnly) {
+  using enum PlaneRelationKind;
+  TestWindow test = MakeWindow(15);
+  SlidingWindow& window = test.window;
+  const PlaneId a{4}, b{7};
+  for (const PlaneId plane : {a, b})
+    window.planes.emplace_back(plane, Plane{}, Vector3d::Zero(), testing::kPlaneSigma_m);
+  EXPECT_TRUE(window.AddRelation({kParallel, a, b}));
+  EXPECT_FALSE(window.AddRelation({kParallel, a, b}));
+  EXPECT_FALSE(window.AddRelation({kParallel, b, a}));
+  EXPECT_FALSE(window.AddRelation({kParallel, a, a}));
+  EXPECT_FALSE(window.AddRelation({kParallel, a, PlaneId{9}}));
+  EXPECT_FALSE(window.AddRelation({kHorizontal, PlaneId{9}}));
+  EXPECT_TRUE(window.AddRelation({kHorizontal, a}));
+  EXPECT_FALSE(window.AddRelation({kHorizontal, a, b}));  // the second plane means nothing
+  EXPECT_TRUE(window.AddRelation({kCoplanar, b, a}));
+  EXPECT_EQ(window.relations.size(), 3u);
+  window.RemovePlane(1);
+  ASSERT_EQ(window.relations.size(), 1u);
+  EXPECT_EQ(window.relations[0].relation.kind, kHorizontal);
+  SlidingWindow empty;
+  EXPECT_FALSE(empty.AddRelation({kHorizontal, a}));
 }
 
 }  // namespace

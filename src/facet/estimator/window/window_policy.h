@@ -4,7 +4,7 @@
 #pragma once
 
 #include "facet/estimator/estimator_options.h"
-#include "facet/estimator/solver/marginalization.h"
+#include "facet/estimator/window/marginalization_plan.h"
 
 namespace facet {
 

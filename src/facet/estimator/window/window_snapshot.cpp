@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "facet/estimator/planes/plane_membership.h"
 #include "facet/estimator/window/landmark_depth.h"
 
 namespace facet {
@@ -29,9 +28,9 @@ void AddLandmarks(const SlidingWindow& window, const StereoRig& rig, MapSnapshot
                                   static_cast<int>(landmark.observations.size()),
                                   1 / (rho * rho * std::sqrt(information + 1e-12)),
                                   {}});
-    for (int k = 0; k < landmark.planes.count; ++k) {
-      const int plane = landmark.planes.index[static_cast<std::size_t>(k)];
-      snapshot.landmarks.back().planes[static_cast<std::size_t>(k)] = window.planes[plane].id;
+    for (int k = 0; k < landmark.planes.count(); ++k) {
+      const WindowPlane& plane = window.planes[landmark.planes[k]];
+      snapshot.landmarks.back().planes[static_cast<std::size_t>(k)] = plane.id;
     }
   }
   std::sort(snapshot.landmarks.begin(), snapshot.landmarks.end(), [](const auto& a, const auto& b) {
@@ -42,7 +41,7 @@ void AddLandmarks(const SlidingWindow& window, const StereoRig& rig, MapSnapshot
 void AddPlanes(const SlidingWindow& window,
                std::span<const PlaneCovariance> covariances,
                MapSnapshot& snapshot) {
-  const std::vector<int> members = CountMembers(window);
+  const std::vector<int> members = window.CountMembers();
   for (std::size_t k = 0; k < window.planes.size(); ++k) {
     const WindowPlane& plane = window.planes[k];
     PlaneEstimate& estimate = snapshot.planes.emplace_back();

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "facet/camera/stereo_rig.h"
 #include "facet/estimator/window/sliding_window.h"
 #include "facet/map/map_snapshot.h"
 

@@ -11,7 +11,8 @@ namespace {
 TEST(WindowValuesTest, ValuesComeBackAndMembershipsStay) {
   Rng rng(4);
   SlidingWindow window = testing::MakeTestWindow({}, rng).window;
-  window.planes.emplace_back(PlaneId{7}, Plane{Vector3d::UnitZ(), 1.5}, Vector3d(1, 2, 1.5));
+  window.planes.emplace_back(
+      PlaneId{7}, Plane{Vector3d::UnitZ(), 1.5}, Vector3d(1, 2, 1.5), testing::kPlaneSigma_m);
   window.frames[1].pose_frozen = true;
   const SlidingWindow before = window;
   WindowValues values;

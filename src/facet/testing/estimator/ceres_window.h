@@ -11,7 +11,7 @@
 namespace facet::testing {
 
 struct CeresOptions {
-  RobustOptions robust;
+  FactorNoise noise;
   /// Variables of the window's prior are held.
   bool hold_prior_variables = false;
 };

@@ -3,7 +3,7 @@
 // a pivot. Equations (5.3), (5.4) and (7.3) of docs/math.md, at the linearisation points.
 #pragma once
 
-#include "facet/estimator/solver/window_system.h"
+#include "facet/estimator/window/state_layout.h"
 
 namespace facet::testing {
 

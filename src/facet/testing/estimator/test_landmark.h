@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Reprojection of one landmark into several frames, written independently of vision_factor, for its
-// tests.
+// Reprojection of one landmark into several frames, written independently of reprojection_factor,
+// for its tests.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "facet/estimator/factors/landmark_factors.h"
 #include "facet/testing/estimator/test_window.h"
 
 namespace facet::testing {
@@ -115,7 +116,7 @@ inline FrameGeometry GeometryOf(const Problem& problem) {
 
 inline LandmarkBlock Linearized(const Problem& problem) {
   LandmarkBlock block;
-  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, RobustOptions{kWidth}, block);
+  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, NoiseOfWidth(kWidth), block);
   return block;
 }
 
@@ -135,6 +136,18 @@ MatrixXd Derivative(const F& f, int dim) {
     J.col(k) = column;
   }
   return J;
+}
+
+// The same for a scalar.
+template <class F>
+VectorXd Gradient(const F& f, int dim) {
+  constexpr double kStep = 1e-3;
+  VectorXd gradient(dim);
+  for (int k = 0; k < dim; ++k) {
+    const VectorXd e = kStep * VectorXd::Unit(dim, k);
+    gradient(k) = (8 * (f(e) - f(-e)) - (f(2 * e) - f(-2 * e))) / (12 * kStep);
+  }
+  return gradient;
 }
 
 inline double RelativeError(const MatrixXd& a, const MatrixXd& b) {

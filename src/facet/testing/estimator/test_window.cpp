@@ -5,6 +5,10 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/estimator/factors/landmark_factors.h"
+#include "facet/estimator/factors/window_factors.h"
+#include "facet/estimator/solver/landmark_elimination.h"
+
 namespace facet::testing {
 
 namespace {
@@ -47,11 +51,10 @@ void AddFrames(const TestWindowOptions& options, Rng& rng, TestWindow& out) {
     frame.x = frame.lin = truth;
     frame.has_motion = i >= options.num_pose_frames;
     if (i > options.num_pose_frames) {
-      frame.imu = ImuPreintegration({0.9 * options.bias.b_g, 0.9 * options.bias.b_a}, noise);
-      frame.imu.Integrate(
+      ImuPreintegration measured({0.9 * options.bias.b_g, 0.9 * options.bias.b_a}, noise);
+      measured.Integrate(
           NoisySamples(out.motion, t - options.frame_interval_s, t, options, noise, rng));
-      frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, BiasWalk{});
-      frame.has_imu_link = true;
+      frame.imu_link = ImuLink{measured, ImuSqrtInfo(measured, DefaultBiasWalk())};
     }
     out.window.frames.push_back(std::move(frame));
   }
@@ -243,28 +246,36 @@ void SetMeasurement(const Vector3d& h,
   observation.sigma_px[camera] = pixel_sigma;
 }
 
-DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double reprojection_width) {
-  DenseSystem out{MakeLayout(window), {}, {}};
-  out.H = MatrixXd::Zero(out.layout.dim, out.layout.dim);
-  out.b = VectorXd::Zero(out.layout.dim);
-  AddPrior(window, out.layout, &out.H, &out.b);
-  AddStartPrior(window, out.layout, &out.H, &out.b);
-  for (int j = 1; j < static_cast<int>(window.frames.size()); ++j) {
-    if (window.frames[j].has_imu_link) AddImuLink(window, out.layout, j, &out.H, &out.b);
-  }
-  for (const WindowRelation& relation : window.relations)
-    AddPlaneRelation(window, out.layout, relation, RelationNoise{}, &out.H, &out.b);
-  for (const PlaneSighting& sighting : window.sightings) {
-    AddPlaneSighting(
-        window, out.layout, sighting, RobustOptions{}.sighting_huber_sigma, &out.H, &out.b);
-  }
+FactorNoise NoiseOfWidth(double reprojection_width) {
+  FactorNoise noise{EstimatorOptions{}};
+  noise.reprojection_width = reprojection_width;
+  return noise;
+}
+
+BiasWalk DefaultBiasWalk() {
+  return {ImuNoise{}, ImuOptions{}};
+}
+
+void Linearize(const TestWindow& test, const FactorNoise& noise, LinearizedWindow& linear) {
+  FrameGeometry geometry(test.rig);
+  geometry.Update(test.window.frames);
+  facet::Linearize(test.window, geometry, noise, linear);
+}
+
+NormalEquations Assemble(const SlidingWindow& window,
+                         const StereoRig& rig,
+                         double reprojection_width) {
+  const FactorNoise noise = NoiseOfWidth(reprojection_width);
+  NormalEquations out;
+  out.Clear(window);
+  VisitFactors(window, noise, [&](const Factor auto& factor) { factor.AddTo(out); });
   FrameGeometry geometry(rig);
   geometry.Update(window.frames);
   MatrixXd lower = MatrixXd::Zero(out.layout.dim, out.layout.dim);
   LandmarkBlock block;
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!IsConstraining(landmark)) continue;
-    LinearizeLandmark(geometry, window.planes, landmark, RobustOptions{reprojection_width}, block);
+    LinearizeLandmark(geometry, window.planes, landmark, noise, block);
     Eliminate(0.0, block);
     AddDiagonal(block, out.layout, lower, out.b);
     SubtractSchur(block, out.layout, lower, out.b);
@@ -273,25 +284,24 @@ DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double r
   return out;
 }
 
-DenseSystem ReduceTo(const DenseSystem& system, const std::vector<int>& keep) {
-  std::vector<char> kept(system.b.size(), 0);
+ReducedEquations ReduceTo(const NormalEquations& equations, const std::vector<int>& keep) {
+  const MatrixXd& H = equations.H;
+  std::vector<char> kept(equations.b.size(), 0);
   for (int k : keep)
     kept[k] = 1;
   std::vector<int> leave;
-  for (int k = 0; k < system.b.size(); ++k) {
+  for (int k = 0; k < equations.b.size(); ++k) {
     if (!kept[k]) leave.push_back(k);
   }
-  DenseSystem out;
-  out.H = system.H(keep, keep);
-  out.b = system.b(keep);
+  ReducedEquations out{H(keep, keep), equations.b(keep)};
   if (leave.empty()) return out;
   // Scaled to unit diagonal: the columns have very different units.
-  const VectorXd scale = system.H.diagonal()(leave).cwiseSqrt().cwiseInverse();
-  const MatrixXd H_MM = scale.asDiagonal() * system.H(leave, leave) * scale.asDiagonal();
-  const MatrixXd H_KM = system.H(keep, leave) * scale.asDiagonal();
+  const VectorXd scale = H.diagonal()(leave).cwiseSqrt().cwiseInverse();
+  const MatrixXd H_MM = scale.asDiagonal() * H(leave, leave) * scale.asDiagonal();
+  const MatrixXd H_KM = H(keep, leave) * scale.asDiagonal();
   const Eigen::LDLT<MatrixXd> ldlt(H_MM);
   out.H -= H_KM * ldlt.solve(H_KM.transpose());
-  out.b -= H_KM * ldlt.solve(scale.asDiagonal() * system.b(leave));
+  out.b -= H_KM * ldlt.solve(scale.asDiagonal() * equations.b(leave));
   return out;
 }
 

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "facet/base/random.h"
-#include "facet/estimator/solver/window_system.h"
+#include "facet/camera/stereo_rig.h"
+#include "facet/estimator/factors/factor_noise.h"
+#include "facet/estimator/solver/linearized_window.h"
 
 namespace facet::testing {
 
@@ -40,6 +42,9 @@ struct TestMotion {
 
 /// Two pinhole cameras, 0.11 m apart, turned against the body and slightly against each other.
 StereoRig MakeTestRig();
+
+/// 1-sigma of the rows of planes in tests that do not weigh them.
+inline constexpr double kPlaneSigma_m = 0.02;
 
 struct TestWindowOptions {
   int num_frames = 6;
@@ -87,16 +92,28 @@ void SetMeasurement(const Vector3d& h,
                     double pixel_sigma,
                     WindowObservation& observation);
 
+/// The default noise, with reprojections that count ever less beyond this many sigma.
+FactorNoise NoiseOfWidth(double reprojection_width);
+
+/// The default walk of the biases.
+BiasWalk DefaultBiasWalk();
+
+/// Linearises the window where it is.
+void Linearize(const TestWindow& test, const FactorNoise& noise, LinearizedWindow& linear);
+
 /// Normal equations of everything in the window but the landmarks, which are eliminated exactly as
-/// WindowSystem does it without damping. Full symmetric matrix.
-struct DenseSystem {
-  StateLayout layout;
+/// the solver does it without damping. Full symmetric matrix.
+NormalEquations Assemble(const SlidingWindow& window,
+                         const StereoRig& rig,
+                         double reprojection_width);
+
+/// A Schur complement; it has no layout.
+struct ReducedEquations {
   MatrixXd H;
   VectorXd b;
 };
-DenseSystem Assemble(const SlidingWindow& window, const StereoRig& rig, double reprojection_width);
 
-/// Schur complement of the columns `keep`.
-DenseSystem ReduceTo(const DenseSystem& system, const std::vector<int>& keep);
+/// That of the columns `keep`.
+ReducedEquations ReduceTo(const NormalEquations& equations, const std::vector<int>& keep);
 
 }  // namespace facet::testing

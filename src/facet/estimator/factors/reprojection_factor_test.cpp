@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/estimator/factors/vision_factor.h"
+#include "facet/estimator/factors/reprojection_factor.h"
 
 #include <cmath>
 
@@ -23,7 +23,7 @@ using testing::Problems;
 using testing::RelativeError;
 using testing::WorldPoint;
 
-TEST(VisionFactorTest, BlocksAreTheGaussNewtonBlocksOfTheWorldParameters) {
+TEST(ReprojectionFactorTest, BlocksAreTheGaussNewtonBlocksOfTheWorldParameters) {
   for (const Problem& problem : Problems(1)) {
     const LandmarkBlock block = Linearized(problem);
     ASSERT_EQ(block.num_views, static_cast<int>(problem.landmark.observations.size()));
@@ -66,13 +66,14 @@ TEST(VisionFactorTest, BlocksAreTheGaussNewtonBlocksOfTheWorldParameters) {
   }
 }
 
-TEST(VisionFactorTest, GradientIsThatOfTheRobustCost) {
+TEST(ReprojectionFactorTest, GradientIsThatOfTheRobustCost) {
   for (const Problem& problem : Problems(2)) {
     const LandmarkBlock block = Linearized(problem);
     const WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
     EXPECT_NEAR(block.cost, problem.Cost(problem.poses, point), 1e-9 * (1 + block.cost));
     EXPECT_DOUBLE_EQ(
-        block.cost, LandmarkCost(GeometryOf(problem), {}, problem.landmark, RobustOptions{kWidth}));
+        block.cost,
+        LandmarkCost(GeometryOf(problem), {}, problem.landmark, testing::NoiseOfWidth(kWidth)));
     constexpr double kStep = 1e-7;
     for (int k = 0; k < 3; ++k) {
       const Vector3d e = kStep * Vector3d::Unit(k);
@@ -95,7 +96,7 @@ TEST(VisionFactorTest, GradientIsThatOfTheRobustCost) {
   }
 }
 
-TEST(VisionFactorTest, APointBehindACameraHasNoRowsAndABoundedCost) {
+TEST(ReprojectionFactorTest, APointBehindACameraHasNoRowsAndABoundedCost) {
   Rng rng(6);
   Problem problem = MakeProblem({false, false, 0.0}, rng);
   // The last observing frame turns its back on the point.
@@ -110,21 +111,22 @@ TEST(VisionFactorTest, APointBehindACameraHasNoRowsAndABoundedCost) {
   problem.poses[frame] = problem.poses[frame].Retract(M_PI * y_axis_B, Vector3d::Zero());
   const FrameGeometry geometry = GeometryOf(problem);
   const WindowObservation& last = problem.landmark.observations.back();
-  EXPECT_FALSE(WhitenedError(geometry, problem.landmark, last, 0));
+  EXPECT_FALSE(ReprojectionError(geometry, problem.landmark, last, 0));
   const LandmarkBlock block = Linearized(problem);
   const LandmarkBlock::View& view = block.views[block.num_views - 1];
   EXPECT_EQ(view.H.norm() + view.b.norm() + view.W.norm(), 0);
   EXPECT_TRUE(std::isfinite(block.cost));
-  EXPECT_DOUBLE_EQ(block.cost, LandmarkCost(geometry, {}, problem.landmark, RobustOptions{kWidth}));
+  EXPECT_DOUBLE_EQ(block.cost,
+                   LandmarkCost(geometry, {}, problem.landmark, testing::NoiseOfWidth(kWidth)));
   WindowLandmark without = problem.landmark;
   without.observations.pop_back();
   // 30 sigma under the robust loss.
-  EXPECT_NEAR(block.cost - LandmarkCost(geometry, {}, without, RobustOptions{kWidth}),
+  EXPECT_NEAR(block.cost - LandmarkCost(geometry, {}, without, testing::NoiseOfWidth(kWidth)),
               GemanMcClureLoss(30, kWidth).cost,
               1e-9);
 }
 
-TEST(VisionFactorTest, FrozenPosesKeepTheirJacobiansAndUseTheCurrentResidual) {
+TEST(ReprojectionFactorTest, FrozenPosesKeepTheirJacobiansAndUseTheCurrentResidual) {
   Rng rng(7);
   const Problem problem = MakeProblem({false, true, 0.3}, rng);
   std::vector<WindowFrame> frames(problem.poses.size());
@@ -137,15 +139,16 @@ TEST(VisionFactorTest, FrozenPosesKeepTheirJacobiansAndUseTheCurrentResidual) {
   FrameGeometry geometry(problem.rig);
   geometry.Update(frames);
   LandmarkBlock block;
-  LinearizeLandmark(geometry, {}, problem.landmark, RobustOptions{1e9}, block);
+  LinearizeLandmark(geometry, {}, problem.landmark, testing::NoiseOfWidth(1e9), block);
   LandmarkBlock at_lin;
-  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, RobustOptions{1e9}, at_lin);
+  LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, testing::NoiseOfWidth(1e9), at_lin);
   EXPECT_EQ(block.V, at_lin.V);
   Problem moved = problem;
   for (std::size_t i = 0; i < frames.size(); ++i)
     moved.poses[i] = frames[i].x.T_WB;
-  EXPECT_NEAR(
-      block.cost, LandmarkCost(GeometryOf(moved), {}, problem.landmark, RobustOptions{1e9}), 1e-9);
+  EXPECT_NEAR(block.cost,
+              LandmarkCost(GeometryOf(moved), {}, problem.landmark, testing::NoiseOfWidth(1e9)),
+              1e-9);
   EXPECT_GT(std::abs(block.cost - at_lin.cost), 1e-3);
 }
 

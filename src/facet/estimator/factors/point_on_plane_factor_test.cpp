@@ -23,9 +23,7 @@ WindowPlane PlaneNear(const Problem& problem, double distance, Rng& rng) {
   const Vector3d l_W = point.y / point.rho;
   const Vector3d n = rng.UnitVector();
   const Vector3d anchor = l_W + rng.Normal3();
-  WindowPlane plane(PlaneId{0}, Plane{n, n.dot(l_W) - distance}, anchor);
-  plane.row_sigma_m = kSigma_m;
-  return plane;
+  return {PlaneId{0}, Plane{n, n.dot(l_W) - distance}, anchor, kSigma_m};
 }
 
 double Distance(const Problem& problem, WindowPlane plane, const VectorXd& d) {
@@ -34,18 +32,18 @@ double Distance(const Problem& problem, WindowPlane plane, const VectorXd& d) {
   return plane.SignedDistance(point.y / point.rho);
 }
 
-TEST(PlaneFactorTest, BlocksAreTheGaussNewtonBlocksOfPlaneAndLandmark) {
+TEST(PointOnPlaneFactorTest, BlocksAreTheGaussNewtonBlocksOfPlaneAndLandmark) {
   Rng rng(3);
   for (const double distance : {0.004, 0.2}) {  // within Huber's limit, and beyond
     for (int run = 0; run < 10; ++run) {
       Problem problem = testing::MakeProblem({false, true, 1.0}, rng);
-      RobustOptions robust{kWidth};
-      robust.plane_huber_sigma = 2.0;
+      FactorNoise noise = testing::NoiseOfWidth(kWidth);
+      noise.plane_huber_sigma = 2.0;
       const WindowPlane plane = PlaneNear(problem, distance, rng);
       LandmarkBlock without, with;
-      LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, robust, without);
+      LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, noise, without);
       problem.landmark.planes.Add(0);
-      LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, robust, with);
+      LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, noise, with);
       ASSERT_EQ(with.num_plane_views, 1);
       EXPECT_EQ(without.num_plane_views, 0);
 
@@ -66,25 +64,25 @@ TEST(PlaneFactorTest, BlocksAreTheGaussNewtonBlocksOfPlaneAndLandmark) {
       EXPECT_LT((with.b - without.b - w * s * J_landmark.transpose()).norm(), 1e-6 * with.b.norm());
       const double cost = s <= 2 ? 0.5 * s * s : 2 * (s - 1);
       EXPECT_NEAR(with.cost - without.cost, cost, 1e-6 * (1 + cost));
-      EXPECT_NEAR(LandmarkCost(GeometryOf(problem), {plane}, problem.landmark, robust),
+      EXPECT_NEAR(LandmarkCost(GeometryOf(problem), {plane}, problem.landmark, noise),
                   with.cost,
                   1e-9 * with.cost);
     }
   }
 }
 
-TEST(PlaneFactorTest, AFrozenPlaneKeepsItsJacobianAndUsesTheCurrentResidual) {
+TEST(PointOnPlaneFactorTest, AFrozenPlaneKeepsItsJacobianAndUsesTheCurrentResidual) {
   Rng rng(4);
   Problem problem = testing::MakeProblem({false, true, 0.5}, rng);
   problem.landmark.planes.Add(0);
-  RobustOptions robust{kWidth};
-  robust.plane_huber_sigma = 1e9;
+  FactorNoise noise = testing::NoiseOfWidth(kWidth);
+  noise.plane_huber_sigma = 1e9;
   WindowPlane plane = PlaneNear(problem, 0.003, rng);
   LandmarkBlock before, after;
-  LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, robust, before);
+  LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, noise, before);
   plane.Freeze();
   plane.ApplyStep(Vector3d(2e-3, -1e-3, 5e-3));
-  LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, robust, after);
+  LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, noise, after);
   EXPECT_EQ(before.plane_views[0].J_plane, after.plane_views[0].J_plane);
   EXPECT_EQ(before.V, after.V);
   const WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
@@ -93,9 +91,9 @@ TEST(PlaneFactorTest, AFrozenPlaneKeepsItsJacobianAndUsesTheCurrentResidual) {
   EXPECT_GT(std::abs(after.plane_views[0].residual - before.plane_views[0].residual), 0.1);
 }
 
-TEST(PlaneFactorTest, StepsAddUpOnAFrozenPlane) {
+TEST(PointOnPlaneFactorTest, StepsAddUpOnAFrozenPlane) {
   Rng rng(5);
-  WindowPlane plane(PlaneId{1}, Plane{rng.UnitVector(), 2.0}, Vector3d(1, 2, 3));
+  WindowPlane plane(PlaneId{1}, Plane{rng.UnitVector(), 2.0}, Vector3d(1, 2, 3), kSigma_m);
   EXPECT_NEAR(plane.plane().d, 2.0, 1e-12);
   plane.Freeze();
   WindowPlane twice = plane;
@@ -108,13 +106,14 @@ TEST(PlaneFactorTest, StepsAddUpOnAFrozenPlane) {
   EXPECT_LT((plane.delta - twice.delta).norm(), 1e-12);
 }
 
-TEST(PlaneFactorTest, APointNearInfinityIsNotTiedToAnything) {
+TEST(PointOnPlaneFactorTest, APointNearInfinityIsNotTiedToAnything) {
   Rng rng(6);
   Problem problem = testing::MakeProblem({true, true, 0.5}, rng);
   problem.landmark.planes.Add(0);
-  const WindowPlane plane(PlaneId{0}, Plane{Vector3d::UnitZ(), 0}, Vector3d::Zero());
+  const WindowPlane plane(PlaneId{0}, Plane{Vector3d::UnitZ(), 0}, Vector3d::Zero(), kSigma_m);
   LandmarkBlock block;
-  LinearizeLandmark(GeometryOf(problem), {plane}, problem.landmark, RobustOptions{kWidth}, block);
+  LinearizeLandmark(
+      GeometryOf(problem), {plane}, problem.landmark, testing::NoiseOfWidth(kWidth), block);
   EXPECT_EQ(block.num_plane_views, 0);
   EXPECT_TRUE(block.V.allFinite());
 }
