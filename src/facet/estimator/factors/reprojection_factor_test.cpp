@@ -23,6 +23,27 @@ using testing::Problems;
 using testing::RelativeError;
 using testing::WorldPoint;
 
+// The rows of one measurement: J of the pose of its frame, J of the landmark (two directions in its
+// host, inverse distance). The host stays where it is when the pose of a frame is moved.
+struct Rows {
+  Vector2d r;
+  MatrixXd J_pose, J_landmark;
+};
+Rows NumericRows(const Problem& problem, const Measurement& m) {
+  const SE3& T_WB = problem.poses[m.frame];
+  const WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
+  const auto moved_pose = [&](const VectorXd& d) -> VectorXd {
+    return problem.Residual(m, Moved(T_WB, d), point);
+  };
+  const auto moved_landmark = [&](const VectorXd& d) -> VectorXd {
+    return problem.Residual(m, T_WB, problem.FromHost(problem.host(), d));
+  };
+  const double w = problem.RootWeight(m);
+  return {w * problem.Residual(m, T_WB, point),
+          w * Derivative(moved_pose, 6),
+          w * Derivative(moved_landmark, 3)};
+}
+
 TEST(ReprojectionFactorTest, BlocksAreTheGaussNewtonBlocksOfTheWorldParameters) {
   for (const Problem& problem : Problems(1)) {
     const LandmarkBlock block = Linearized(problem);
@@ -35,27 +56,12 @@ TEST(ReprojectionFactorTest, BlocksAreTheGaussNewtonBlocksOfTheWorldParameters) 
       Vector<6> b_view = Vector<6>::Zero();
       for (const Measurement& m : problem.measurements) {
         if (m.frame != block.views[v].frame) continue;
-        const SE3& T_WB = problem.poses[m.frame];
-        const WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
-        const double w = problem.RootWeight(m);
-        const Vector2d r = w * problem.Residual(m, T_WB, point);
-        // The host stays where it is when the pose of a frame is moved.
-        const MatrixXd J = w * Derivative(
-                                   [&](const VectorXd& d) -> VectorXd {
-                                     return problem.Residual(m, Moved(T_WB, d), point);
-                                   },
-                                   6);
-        const MatrixXd J_mu =
-            w * Derivative(
-                    [&](const VectorXd& d) -> VectorXd {
-                      return problem.Residual(m, T_WB, problem.FromHost(problem.host(), d));
-                    },
-                    3);
-        H_view += J.transpose() * J;
-        W_view += J.transpose() * J_mu;
-        b_view += J.transpose() * r;
-        V += J_mu.transpose() * J_mu;
-        b += J_mu.transpose() * r;
+        const Rows rows = NumericRows(problem, m);
+        H_view += rows.J_pose.transpose() * rows.J_pose;
+        W_view += rows.J_pose.transpose() * rows.J_landmark;
+        b_view += rows.J_pose.transpose() * rows.r;
+        V += rows.J_landmark.transpose() * rows.J_landmark;
+        b += rows.J_landmark.transpose() * rows.r;
       }
       EXPECT_LT(RelativeError(block.views[v].H, H_view), 1e-8);
       EXPECT_LT(RelativeError(block.views[v].W, W_view), 1e-8);

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The rows of sightings against numeric derivatives; that they know nothing of the gauge; what they
-// tell of a plane and of the frame.
+// The rows of sightings against numeric derivatives; that they know nothing of the gauge.
 #include "facet/estimator/factors/sighting_factor.h"
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/solver/covariance.h"
 #include "facet/testing/estimator/test_gauge.h"
 #include "facet/testing/estimator/test_window.h"
 #include "facet/testing/numeric_jacobian.h"
@@ -97,24 +95,6 @@ TEST(SightingFactorTest, FarOffTheyPullNoHarderThanTheLossAllows) {
   EXPECT_NEAR((rows.J_plane.transpose() * rows.r).norm(),
               2 * Linearize(test.window, kNoLoss).J_plane.row(0).norm(),
               1e-6 * rows.J_plane.norm());
-}
-
-// Poses given, the information on normal and offset is that of a measurement with these sigmas.
-TEST(SightingFactorTest, PlaneInformationIsThatOfTheSigmas) {
-  Rng rng(5);
-  TestWindow test = MakeWindow(0, 0.0, rng);
-  SlidingWindow& window = test.window;
-  PlaneSighting& sighting = window.sightings[0];
-  // About the centre normal and offset are independent.
-  window.planes[0].anchor_W = window.frames[1].x.T_WB * sighting.centre_B;
-  window.planes[0].offset = 0;
-  sighting.sigma_rad = {0.02, 0.02};
-  LinearizedWindow linear;
-  testing::Linearize(test, FactorNoise(EstimatorOptions{}), linear);
-  const Matrix3d expected =
-      Vector3d(1 / (0.02 * 0.02), 1 / (0.02 * 0.02), 1 / (sighting.sigma_m * sighting.sigma_m))
-          .asDiagonal();
-  EXPECT_LT((PlaneInformation(linear)[0] - expected).norm(), 1e-6 * expected.norm());
 }
 
 }  // namespace

@@ -12,16 +12,8 @@
 
 namespace facet {
 
-/// Calls `visit` with the sightings of planes.
 template <class Visitor>
-void VisitSightings(const SlidingWindow& window, const FactorNoise& noise, Visitor&& visit) {
-  for (const PlaneSighting& sighting : window.sightings)
-    visit(SightingFactor(window, sighting, noise.sighting_huber_sigma));
-}
-
-/// Calls `visit` with all factors but the sightings.
-template <class Visitor>
-void VisitOtherFactors(const SlidingWindow& window, const FactorNoise& noise, Visitor&& visit) {
+void VisitAllButSightings(const SlidingWindow& window, const FactorNoise& noise, Visitor&& visit) {
   if (window.prior.dim() > 0) visit(PriorFactor(window));
   if (window.start_prior) visit(StartPriorFactor(window));
   for (int j = 1; j <= window.newest_frame(); ++j) {
@@ -31,11 +23,19 @@ void VisitOtherFactors(const SlidingWindow& window, const FactorNoise& noise, Vi
     visit(RelationFactor(window, relation, noise.relations));
 }
 
-/// Calls `visit` with every factor, each time with another type (see factor.h): a generic lambda
-/// does. The order is that of all sums.
+/// Apart, because one wants to know what the sightings alone say of the planes.
+template <class Visitor>
+void VisitSightings(const SlidingWindow& window, const FactorNoise& noise, Visitor&& visit) {
+  for (const PlaneSighting& sighting : window.sightings)
+    visit(SightingFactor(window, sighting, noise.sighting_huber_sigma));
+}
+
+/// Calls `visit` with every factor in the window. They are of different types (see factor.h), so a
+/// visitor is a generic lambda: [&](const Factor auto& factor) { ... }. In this order all sums are
+/// taken.
 template <class Visitor>
 void VisitFactors(const SlidingWindow& window, const FactorNoise& noise, Visitor&& visit) {
-  VisitOtherFactors(window, noise, visit);
+  VisitAllButSightings(window, noise, visit);
   VisitSightings(window, noise, visit);
 }
 

@@ -70,7 +70,7 @@ void Linearize(const SlidingWindow& window,
   linear.equations.Clear(window);
   ClearCouplings(window, linear);
   linear.cost = 0;
-  VisitOtherFactors(window, noise, [&](const Factor auto& factor) {
+  VisitAllButSightings(window, noise, [&](const Factor auto& factor) {
     linear.cost += factor.AddTo(linear.equations);
     AddCouplings(factor, linear);
   });

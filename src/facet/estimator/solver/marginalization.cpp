@@ -112,9 +112,10 @@ MatrixXd PseudoInverse(const MatrixXd& A) {
 
 // Equation (5.1): the Schur complement of what leaves.
 void ReduceTo(const Partition& partition, const NormalEquations& equations, MarginalPrior& prior) {
-  const auto& [H, b] = std::tie(equations.H, equations.b);
-  const auto& M = partition.leaving;
-  const auto& K = partition.staying;
+  const MatrixXd& H = equations.H;
+  const VectorXd& b = equations.b;
+  const std::vector<int>& M = partition.leaving;
+  const std::vector<int>& K = partition.staying;
   MatrixXd H_KK = H(K, K);
   VectorXd b_K = b(K);
   if (!M.empty()) {

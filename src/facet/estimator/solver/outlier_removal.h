@@ -30,7 +30,12 @@ class OutlierRemover {
                         SlidingWindow& window);
 
  private:
-  std::vector<double> left_sigmas_;
+  int RemoveFrom(const FrameGeometry& geometry,
+                 const FactorNoise& noise,
+                 double max_sigma,
+                 WindowLandmark& landmark);
+
+  std::vector<double> left_sigmas_;  // of the left errors that count for the median
 };
 
 }  // namespace facet

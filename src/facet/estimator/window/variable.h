@@ -13,6 +13,8 @@ struct Variable {
   Kind kind;
   int index;  ///< of the plane or frame in the window
 
+  bool operator==(const Variable&) const = default;
+
   static Variable Plane(int plane) { return {Kind::kPlane, plane}; }
   static Variable Pose(int frame) { return {Kind::kPose, frame}; }
   static Variable Motion(int frame) { return {Kind::kMotion, frame}; }

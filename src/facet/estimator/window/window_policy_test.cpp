@@ -110,6 +110,26 @@ TEST(WindowPolicyTest, LandmarksLeaveWithTheirHostOrWhenLost) {
   EXPECT_EQ(plan.drop_landmark, std::vector<char>({0, 0, 0, 1, 1, 0}));
 }
 
+// One more frame: it sees most of what the frame before saw, and five landmarks more.
+void AddFrame(std::int64_t k, Rng& rng, SlidingWindow& window) {
+  WindowFrame frame;
+  frame.id = FrameId{k};
+  frame.is_keyframe = rng.Uniform() < 0.8;
+  frame.x.T_WB.p = 0.1 * static_cast<double>(k) * Vector3d::UnitX() + 0.05 * rng.Normal3();
+  window.frames.push_back(frame);
+  WindowObservation o;
+  o.frame = window.newest_frame();
+  for (WindowLandmark& landmark : window.landmarks()) {
+    if (landmark.observations.back().frame == o.frame - 1 && rng.Uniform() < 0.8)
+      landmark.observations.push_back(o);
+  }
+  for (std::int64_t l = 0; l < 5; ++l) {
+    WindowLandmark& landmark = window.AddLandmark(LandmarkId{5 * k + l}, o.frame);
+    landmark.has_depth = true;
+    landmark.observations.push_back(o);
+  }
+}
+
 TEST(WindowPolicyTest, SizesStayWithinLimitsOverALongRun) {
   WindowOptions options;
   options.max_full_keyframes = 4;
@@ -117,25 +137,7 @@ TEST(WindowPolicyTest, SizesStayWithinLimitsOverALongRun) {
   Rng rng(1);
   SlidingWindow window;
   for (std::int64_t k = 0; k < 300; ++k) {
-    WindowFrame frame;
-    frame.id = FrameId{k};
-    frame.is_keyframe = rng.Uniform() < 0.8;
-    frame.x.T_WB.p = 0.1 * static_cast<double>(k) * Vector3d::UnitX() + 0.05 * rng.Normal3();
-    window.frames.push_back(frame);
-    const int newest = static_cast<int>(window.frames.size()) - 1;
-    for (WindowLandmark& landmark : window.landmarks()) {
-      WindowObservation o;
-      o.frame = newest;
-      if (landmark.observations.back().frame == newest - 1 && rng.Uniform() < 0.8)
-        landmark.observations.push_back(o);
-    }
-    for (std::int64_t l = 0; l < 5; ++l) {
-      WindowLandmark& landmark = window.AddLandmark(LandmarkId{5 * k + l}, newest);
-      landmark.has_depth = true;
-      WindowObservation o;
-      o.frame = newest;
-      landmark.observations.push_back(o);
-    }
+    AddFrame(k, rng, window);
     int rounds = 0;
     while (true) {
       const MarginalizationPlan plan = PlanMarginalization(window, options);
@@ -145,8 +147,8 @@ TEST(WindowPolicyTest, SizesStayWithinLimitsOverALongRun) {
           << "the newest frame never leaves";
       // What Marginalize does to the window, without the arithmetic.
       window.RemoveLandmarks(plan.drop_landmark);
-      for (int i = newest; i >= 0; --i) {
-        if (plan.drop_motion[i]) window.frames[i].has_motion = false;
+      for (int i = window.newest_frame(); i >= 0; --i) {
+        if (plan.drop_motion[i]) window.RemoveMotion(i);
         if (plan.drop_frame[i]) window.RemoveFrame(i);
       }
     }

@@ -142,6 +142,14 @@ struct OnPlaneCost {
   }
 };
 
+// Angle from the heading of b, turned, to that of a, whatever the signs of the normals: in
+// [-pi/2, pi/2].
+template <class T>
+T HeadingFrom(const Vec3<T>& n_a, const Vec3<T>& n_b, double turn) {
+  const T angle = atan2(n_a.y(), n_a.x()) - atan2(n_b.y(), n_b.x()) - T(turn);
+  return atan2(sin(T(2) * angle), cos(T(2) * angle)) / T(2);
+}
+
 // Section 8 of docs/math.md, in the world; the second plane of a relation to gravity is not used.
 struct RelationCost {
   PlaneRelationKind kind;
@@ -154,12 +162,6 @@ struct RelationCost {
     const T s(n_a.dot(n_b) < T(0) ? -1.0 : 1.0);
     Eigen::Map<Eigen::Matrix<T, 4, 1>> r(residual);
     r.setZero();
-    const auto heading = [&](double turn) {
-      // The sine is the angle near zero, and knows no sign of the normals.
-      const T angle = atan2(n_a.y(), n_a.x()) - atan2(n_b.y(), n_b.x()) - T(turn);
-      const T folded = atan2(sin(T(2) * angle), cos(T(2) * angle)) / T(2);
-      return folded / T(noise.sigma_rad);
-    };
     switch (kind) {
       case PlaneRelationKind::kCoplanar: {
         const Vec3<T> c = Eigen::Map<const Quat<T>>(q) * Vec3<T>(point_B.cast<T>()) +
@@ -183,10 +185,10 @@ struct RelationCost {
         r(0) = n_a.z() / T(noise.gravity_sigma_rad);
         break;
       case PlaneRelationKind::kHeadingParallel:
-        r(0) = heading(0);
+        r(0) = HeadingFrom(n_a, n_b, 0) / T(noise.sigma_rad);
         break;
       case PlaneRelationKind::kHeadingOrthogonal:
-        r(0) = heading(M_PI / 2);
+        r(0) = HeadingFrom(n_a, n_b, M_PI / 2) / T(noise.sigma_rad);
         break;
     }
     return true;
