@@ -9,11 +9,11 @@
 #include "load_options.h"
 #include <gtest/gtest.h>
 
-#include "facet/estimator/plane_membership.h"
-#include "facet/estimator/test_landmark.h"
+#include "facet/estimator/planes/plane_membership.h"
 #include "facet/regularities/plane_tracker.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
+#include "facet/testing/estimator/test_landmark.h"
 #include "facet/testing/folders.h"
 #include "facet/testing/pipeline/simulated_front.h"
 #include "facet/testing/regularities/test_scene.h"
@@ -106,32 +106,32 @@ TEST(PaperTraitsTest, WhatWasOnAPlaneStaysAProjectionFactor) {
 
 // Tied to a plane that it is 10 cm off: how strongly the plane pulls at it [1/m]. The plane has a
 // hundred other landmarks.
-double Pull(const RobustOptions& robust) {
+double Pull(const FactorNoise& noise) {
   Rng rng(3);
   testing::Problem problem = testing::MakeProblem({false, true, 0.0}, rng);
   const testing::WorldPoint point = problem.FromHost(problem.host(), Vector3d::Zero());
   const Vector3d l_W = point.y / point.rho, n_W = rng.UnitVector();
   SlidingWindow window;
-  window.planes.emplace_back(PlaneId{0}, Plane{n_W, n_W.dot(l_W) - 0.1}, l_W);
+  window.planes.emplace_back(PlaneId{0}, Plane{n_W, n_W.dot(l_W) - 0.1}, l_W, noise.plane_sigma_m);
   for (int i = 0; i < 100; ++i) {
     WindowLandmark& landmark = window.AddLandmark(LandmarkId{i}, 0);
     landmark = problem.landmark;
     landmark.id = LandmarkId{i};
     landmark.planes.Add(0);
   }
-  WeighPlanes(robust, window);
-  EXPECT_EQ(CountMembers(window), std::vector<int>{100});
+  WeighPlanes(noise, window);
+  EXPECT_EQ(window.CountMembers(), std::vector<int>{100});
   problem.landmark.planes.Add(0);
   LandmarkBlock block;
-  LinearizeLandmark(GeometryOf(problem), window.planes, problem.landmark, robust, block);
+  LinearizeLandmark(GeometryOf(problem), window.planes, problem.landmark, noise, block);
   return std::abs(block.plane_views[0].residual * block.plane_views[0].J_plane.z());
 }
 
 // The derivative of Huber's loss beyond 0.04 sigmas of 0.03 m each; within it, 10 cm would pull by
 // 0.1 / 0.03^2 = 111.
 TEST(PaperTraitsTest, APlanePullsALandmarkNoHarderThanThePapersLossAllows) {
-  EXPECT_NEAR(Pull(Paper().estimator.robust()), 0.04 / 0.03, 1e-6);
-  RobustOptions squared = Paper().estimator.robust();
+  EXPECT_NEAR(Pull(FactorNoise(Paper().estimator)), 0.04 / 0.03, 1e-6);
+  FactorNoise squared(Paper().estimator);
   squared.plane_huber_sigma = 1e3;
   EXPECT_NEAR(Pull(squared), 0.1 / (0.03 * 0.03), 1e-4);
 }

@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 
-#include "facet/estimator/landmark_depth.h"
+#include "facet/estimator/window/landmark_depth.h"
 
 namespace facet {
 
@@ -37,12 +37,10 @@ std::optional<WindowObservation> Prepare(const FeatureObservation& feature,
 BatchProblem::BatchProblem(const StereoRig& rig,
                            const ImuNoise& noise,
                            const EstimatorOptions& options)
-    : rig_(rig), options_(options) {
-  imu_noise_.gyro = noise.gyro_noise * options.imu.gyro_noise_scale;
-  imu_noise_.accel = noise.accel_noise * options.imu.accel_noise_scale;
-  bias_walk_.gyro = noise.gyro_walk * options.imu.gyro_walk_scale;
-  bias_walk_.accel = noise.accel_walk * options.imu.accel_walk_scale;
-}
+    : rig_(rig),
+      options_(options),
+      imu_noise_(InflatedNoise(noise, options.imu)),
+      bias_walk_(noise, options.imu) {}
 
 void BatchProblem::Begin(const SlidingWindow& window) {
   window_ = window;
@@ -58,8 +56,7 @@ void BatchProblem::AddFrame(const FrameObservations& observations,
   frame.id = observations.frame;
   frame.is_keyframe = true;
   frame.x = frame.lin = estimate;
-  frame.imu = std::move(imu_);
-  frame.has_imu_link = true;
+  frame.imu_link = ImuLink{std::move(imu_)};
   window_.frames.push_back(std::move(frame));
   imu_ = ImuPreintegration(estimate.bias, imu_noise_);
   AddObservations(observations);
@@ -79,30 +76,28 @@ void BatchProblem::AddObservations(const FrameObservations& observations) {
 
 void BatchProblem::RelinearizeImu() {
   for (std::size_t j = 1; j < window_.frames.size(); ++j) {
-    WindowFrame& frame = window_.frames[j];
-    frame.imu.Reintegrate(window_.frames[j - 1].x.bias);
-    frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, bias_walk_);
+    ImuLink& link = window_.frames[j].imu_link.value();
+    link.measured.Reintegrate(window_.frames[j - 1].x.bias);
+    link.sqrt_info = ImuSqrtInfo(link.measured, bias_walk_);
   }
 }
 
 BatchSolution BatchProblem::Solve(int max_iterations) {
   FrameGeometry geometry(rig_);
   geometry.Update(window_.frames);
-  for (WindowLandmark& landmark : window_.landmarks()) {
-    if (!landmark.has_depth) InitializeDepth(geometry, landmark);
-  }
+  InitializeDepths(geometry, window_);
   SolverOptions solver_options = options_.solver;
   solver_options.min_cost_decrease = kMinCostDecrease;
   WindowSolver solver(rig_, solver_options);
   for (int round = 0; round < kRounds; ++round) {
     RelinearizeImu();
-    solver.Solve(window_, max_iterations);
+    solver.Solve(window_, FactorNoise(options_), max_iterations);
   }
   BatchSolution solution;
   for (const WindowFrame& frame : window_.frames)
     solution.states.push_back(frame.x);
   solution.last_frame = window_.frames.back().id;
-  solution.last_covariance = solver.NewestFrameCovariance(window_);
+  solution.last_covariance = solver.NewestFrameCovariance();
   return solution;
 }
 

@@ -102,7 +102,7 @@ class Runner {
 
   void Begin(std::size_t i, const EstimatorResult& result) {
     first_t_ = run_.frames[i].t;
-    const StartPrior& origin = estimator_.window().start_prior;
+    const StartPrior& origin = estimator_.window().start_prior.value();
     T_WG_ = options_.align_at_first_output
                 ? GaugeTransform(result.state.T_WB, run_.truth[i].T_WB)
                 : GaugeTransform(origin.T_WB, run_.truth[origin.frame.value].T_WB);

@@ -2,9 +2,9 @@
 // Kernels of the back end on a window of the usual size: 10 poses, 5 full states, 200 landmarks.
 #include <benchmark/benchmark.h>
 
-#include "facet/estimator/marginalization.h"
-#include "facet/estimator/test_window.h"
-#include "facet/estimator/window_solver.h"
+#include "facet/estimator/solver/marginalization.h"
+#include "facet/estimator/solver/window_solver.h"
+#include "facet/testing/estimator/test_window.h"
 
 namespace facet {
 namespace {
@@ -41,19 +41,24 @@ BENCHMARK(BM_Preintegrate)->Unit(benchmark::kMicrosecond);
 
 void BM_Linearize(benchmark::State& state) {
   const testing::TestWindow test = MakeWindow();
-  WindowSystem system(test.rig);
-  for (auto _ : state)
-    system.Linearize(test.window, RobustOptions{});
+  const FactorNoise noise{EstimatorOptions{}};
+  FrameGeometry geometry(test.rig);
+  LinearizedWindow linear;
+  for (auto _ : state) {
+    geometry.Update(test.window.frames);
+    Linearize(test.window, geometry, noise, linear);
+  }
 }
 BENCHMARK(BM_Linearize)->Unit(benchmark::kMicrosecond);
 
 // Elimination of landmarks and motions, Cholesky factorisation, back-substitution.
 void BM_Solve(benchmark::State& state) {
   const testing::TestWindow test = MakeWindow();
-  WindowSystem system(test.rig);
-  system.Linearize(test.window, RobustOptions{});
+  LinearizedWindow linear;
+  testing::Linearize(test, FactorNoise(EstimatorOptions{}), linear);
+  ReducedSystem reduced;
   for (auto _ : state) {
-    if (!system.Solve(test.window, 1e-9)) state.SkipWithError("not positive definite");
+    if (!reduced.Solve(1e-9, linear)) state.SkipWithError("not positive definite");
   }
 }
 BENCHMARK(BM_Solve)->Unit(benchmark::kMicrosecond);
@@ -62,12 +67,13 @@ BENCHMARK(BM_Solve)->Unit(benchmark::kMicrosecond);
 void BM_OptimizeKeyframe(benchmark::State& state) {
   const testing::TestWindow test = MakeWindow();
   const SolverOptions options;
+  const FactorNoise noise{EstimatorOptions{}};
   WindowSolver solver(test.rig, options);
   for (auto _ : state) {
     state.PauseTiming();
     SlidingWindow window = test.window;
     state.ResumeTiming();
-    benchmark::DoNotOptimize(solver.Solve(window, options.keyframe_iterations));
+    benchmark::DoNotOptimize(solver.Solve(window, noise, options.keyframe_iterations));
   }
 }
 BENCHMARK(BM_OptimizeKeyframe)->Unit(benchmark::kMicrosecond);
@@ -89,7 +95,7 @@ testing::TestWindow MakeWindowWithPlanes() {
   for (int k = 0; k < kPlanes; ++k) {
     const Vector3d n = rng.UnitVector();
     const Vector3d& p_W = test.points[static_cast<std::size_t>(k)];
-    window.planes.emplace_back(PlaneId{k}, Plane{n, n.dot(p_W)}, p_W);
+    window.planes.emplace_back(PlaneId{k}, Plane{n, n.dot(p_W)}, p_W, 1.0);
   }
   for (std::size_t row = 0; row < kPlaneRows; ++row)
     window.landmarks()[row].planes.Add(static_cast<int>(row % kPlanes));
@@ -97,15 +103,13 @@ testing::TestWindow MakeWindowWithPlanes() {
     window.AddRelation({PlaneRelationKind::kParallel, PlaneId{0}, PlaneId{k}});
     if (k % 2 == 0) window.AddRelation({PlaneRelationKind::kVertical, PlaneId{k}});
   }
-  for (WindowPlane& plane : window.planes)
-    plane.row_sigma_m = 1.0;
   return test;
 }
 
-RobustOptions RoughSurfaces() {
-  RobustOptions robust;
-  robust.relations.sigma_rad = robust.relations.gravity_sigma_rad = 1.0;
-  return robust;
+FactorNoise RoughSurfaces() {
+  FactorNoise noise{EstimatorOptions{}};
+  noise.relations.sigma_rad = noise.relations.gravity_sigma_rad = 1.0;
+  return noise;
 }
 
 // The same window with its planes and without.
@@ -114,18 +118,19 @@ void BM_OptimizeKeyframePlanes(benchmark::State& state) {
   int num_rows = 0;
   for (WindowLandmark& landmark : test.window.landmarks()) {
     if (state.range(0) == 0) landmark.planes = PlaneLinks();
-    num_rows += landmark.planes.count;
+    num_rows += landmark.planes.count();
   }
   while (state.range(0) == 0 && !test.window.planes.empty())
     test.window.RemovePlane(0);
   const SolverOptions options;
-  WindowSolver solver(test.rig, options, RoughSurfaces());
+  const FactorNoise noise = RoughSurfaces();
+  WindowSolver solver(test.rig, options);
   int iterations = 0;
   for (auto _ : state) {
     state.PauseTiming();
     SlidingWindow window = test.window;
     state.ResumeTiming();
-    iterations = solver.Solve(window, options.keyframe_iterations).iterations;
+    iterations = solver.Solve(window, noise, options.keyframe_iterations).iterations;
   }
   std::size_t num_observations = 0;
   for (const WindowLandmark& landmark : test.window.landmarks())
@@ -147,11 +152,12 @@ void BM_Marginalize(benchmark::State& state) {
   plan.drop_motion[kPoses] = 1;
   for (std::size_t l = 0; l < plan.drop_landmark.size(); l += 10)
     plan.drop_landmark[l] = 1;
+  const FactorNoise noise{EstimatorOptions{}};
   for (auto _ : state) {
     state.PauseTiming();
     SlidingWindow window = test.window;
     state.ResumeTiming();
-    Marginalize(plan, test.rig, RobustOptions{}, window);
+    Marginalize(plan, test.rig, noise, window);
   }
 }
 BENCHMARK(BM_Marginalize)->Unit(benchmark::kMicrosecond);

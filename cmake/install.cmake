@@ -12,7 +12,7 @@ foreach(module base geometry camera imu map frontend estimator mesh regularities
   set_target_properties(facet_${module} PROPERTIES EXPORT_NAME ${module})
   install(TARGETS facet_${module} EXPORT FacetTargets DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY src/facet/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/facet
-    FILES_MATCHING PATTERN "*.h" REGEX "/(test|synthetic|ceres)_[^/]*$" EXCLUDE)
+    FILES_MATCHING PATTERN "*.h" REGEX "/(test|synthetic)_[^/]*$" EXCLUDE)
 endforeach()
 install(EXPORT FacetTargets NAMESPACE facet:: DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/FacetConfigVersion.cmake COMPATIBILITY SameMinorVersion)

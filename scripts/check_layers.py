@@ -3,7 +3,9 @@
 
 A folder may include folders of a lower rank. Folders of the same rank are siblings that meet only in
 the data of lower folders. Tests may also use the simulator, the file readers, the evaluation and testing/.
-testing/NAME holds what the tests of folder NAME share: it may include what NAME may, NAME itself and testing/.
+testing/NAME holds what the tests of folder NAME share: it may include what they may.
+
+Inside a folder of PARTS the same holds for its sub-folders, and for what lies beside them.
 """
 
 import re
@@ -30,6 +32,11 @@ RANK = {
     "apps": 8,
     "bench": 8,
     "studies": 9,
+}
+# Folders with sub-folders, lowest first; sub-folders in one set are siblings. What lies in the folder itself
+# comes last, but for headers that are named here. Tests may use all of their folder.
+PARTS = {
+    "estimator": [{"estimator_options.h"}, {"window"}, {"factors"}, {"solver", "planes"}, {"start"}],
 }
 # Siblings that may meet: the evaluation judges what the readers read.
 SIDEWAYS = {("eval", "io")}
@@ -58,24 +65,46 @@ def is_allowed(folder, other, is_test):
     if folder == "testing":
         return RANK.get(other, 99) <= RANK["map"]
     if folder.startswith("testing/"):
-        return other == "testing" or is_allowed(folder.split("/")[1], other, False)
+        return is_allowed(folder.split("/")[1], other, True)
     if is_test and other in FOR_TESTS:
         return True
     return other in RANK and RANK[other] < RANK[folder]
 
 
+def part_rank(folder, inside):
+    """How high a file lies in a folder of PARTS; `inside`: its path from there."""
+    parts = PARTS[folder]
+    name = inside.split("/")[0]
+    return name, next((rank for rank, names in enumerate(parts) if name in names), len(parts))
+
+
+def is_allowed_inside(folder, inside, header):
+    prefix = f"facet/{folder}/"
+    if folder not in PARTS or not header.startswith(prefix):
+        return True
+    name, rank = part_rank(folder, inside)
+    other, other_rank = part_rank(folder, header.removeprefix(prefix))
+    return other_rank < rank or other == name or rank == len(PARTS[folder])
+
+
 def complaints(root, path):
     relative = path.relative_to(root)
     folder = folder_of(relative)
+    inside = "/".join(relative.parts[3:])
     if folder.removeprefix("testing/") not in {*RANK, "testing"}:
         yield f"{relative}: folder '{folder}' has no rank in scripts/check_layers.py"
         return
     is_test = path.stem.endswith("_test") or folder in ("bench", "studies")
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         match = INCLUDE.match(line)
-        other = included_folder(match.group(1)) if match else None
+        if not match:
+            continue
+        header = match.group(1)
+        other = included_folder(header)
         if other and not is_allowed(folder, other, is_test):
-            yield f"{relative}:{number}: '{folder}' may not include '{other}' ({match.group(1)})"
+            yield f"{relative}:{number}: '{folder}' may not include '{other}' ({header})"
+        elif not is_test and not is_allowed_inside(folder, inside, header):
+            yield f"{relative}:{number}: '{inside}' may not include '{header}', which is not below it"
 
 
 def main():

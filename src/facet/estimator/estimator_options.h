@@ -3,8 +3,6 @@
 #pragma once
 
 #include "facet/base/options.h"
-#include "facet/estimator/robust_options.h"
-#include "facet/geometry/angles.h"
 
 namespace facet {
 
@@ -93,17 +91,6 @@ struct SolverOptions {
   /// The same, what those of one plane have in common: things on a wall are in front of it. (!)
   double plane_common_sigma_m = 0.0025;
   double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many sigma grow linearly
-
-  /// Weights of reprojections and planes; the rest has its defaults (see EstimatorOptions).
-  /// `usual_error_sigma`: see UsualError.
-  RobustOptions robust(double usual_error_sigma = 1.0) const {
-    RobustOptions out;
-    out.reprojection_width = loss_width * usual_error_sigma;
-    out.plane_sigma_m = plane_sigma_m;
-    out.plane_common_sigma_m = plane_common_sigma_m;
-    out.plane_huber_sigma = plane_huber_sigma;
-    return out;
-  }
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -298,17 +285,6 @@ struct EstimatorOptions {
   StartOptions start;
   PlaneOptions planes;
   ProjectionOptions projection;
-
-  /// Weights of all rows.
-  RobustOptions robust(double usual_error_sigma = 1.0) const {
-    RobustOptions out = solver.robust(usual_error_sigma);
-    out.relations = {planes.relations.sigma_deg * kDegree,
-                     planes.relations.gravity_sigma_deg * kDegree,
-                     planes.relations.coplanar_sigma_m,
-                     planes.relations.huber_sigma};
-    out.projection = {projection.sigma_px, projection.tukey_sigma};
-    return out;
-  }
 
   template <class Visitor>
   void Visit(Visitor& v) {

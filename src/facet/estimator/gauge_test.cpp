@@ -3,261 +3,33 @@
 // gain information there, however often something is marginalised (docs/math.md, section 5.3).
 #include <algorithm>
 #include <iostream>
-#include <map>
-#include <optional>
-#include <set>
 
 #include <gtest/gtest.h>
 
-#include "facet/estimator/landmark_depth.h"
-#include "facet/estimator/plane_anchor.h"
-#include "facet/estimator/test_gauge.h"
-#include "facet/estimator/test_window.h"
-#include "facet/estimator/window_policy.h"
-#include "facet/estimator/window_solver.h"
-#include "facet/geometry/plane_fit.h"
-#include "facet/imu/imu_buffer.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
+#include "facet/testing/estimator/keyframe_smoother.h"
+#include "facet/testing/estimator/test_gauge.h"
 
 namespace facet {
 namespace {
 
 using testing::GaugeDirections;
+using testing::SmootherPlanes;
 using testing::WindowDirections;
 
 constexpr double kWidth = 10.0;
-constexpr int kStartKeyframes = 10;
-constexpr double kAnchorDistance = 0.3;  // [m]; small, so that anchors move often
-constexpr std::size_t kReplaceEvery = 25;
-
-enum class Planes {
-  kNone,
-  kKept,     ///< one for each true surface, for the whole run
-  kSighted,  ///< the same, and every keyframe that sees one sights it
-  kRelated,  ///< related to each other and to gravity, re-anchored, one of them replaced at times
-};
-
-/// Fixed-lag smoothing of keyframes alone: what VioEstimator does, without its start and its
-/// exceptions.
-class KeyframeSmoother {
- public:
-  /// With `first_estimates` false the prior follows the estimate, and with it all Jacobians.
-  KeyframeSmoother(const SimulatedRun& run, bool first_estimates, Planes planes)
-      : run_(run),
-        first_estimates_(first_estimates),
-        planes_(planes),
-        solver_(run.rig, SolverOptions{}),
-        geometry_(run.rig) {
-    window_.T_BC0 = run.rig.T_BC[0];
-    for (const ImuSample& sample : run.imu)
-      imu_.Add(sample);
-  }
-
-  void Process(std::size_t i, Rng& rng) {
-    AppendFrame(i, rng);
-    AppendObservations(run_.frames[i]);
-    geometry_.Update(window_.frames);
-    for (WindowLandmark& landmark : window_.landmarks()) {
-      if (!landmark.has_depth) InitializeDepth(geometry_, landmark);
-    }
-    if (planes_ != Planes::kNone) TieToSurfaces();
-    if (planes_ == Planes::kSighted) MeasurePlanes(rng);
-    if (planes_ == Planes::kRelated) {
-      RelatePlanes();
-      num_moved_anchors_ += FollowSupport(kAnchorDistance, window_);
-    }
-    FollowEstimate();
-    solver_.Solve(window_, i < kStartKeyframes ? 15 : 4);
-    FollowEstimate();
-    if (i < kStartKeyframes) return;
-    while (true) {
-      MarginalizationPlan plan = PlanMarginalization(window_, WindowOptions{});
-      if (plan.IsEmpty()) return;
-      if (planes_ == Planes::kRelated && i % kReplaceEvery == 0) ReplaceAPlane(i, plan);
-      num_relations_used_ += static_cast<int>(window_.relations.size());
-      Marginalize(plan, run_.rig, RobustOptions{kWidth}, window_);
-      num_relations_used_ -= static_cast<int>(window_.relations.size());
-      ++num_marginalizations_;
-    }
-  }
-
-  const SlidingWindow& window() const { return window_; }
-  int num_marginalizations() const { return num_marginalizations_; }
-  int num_moved_anchors() const { return num_moved_anchors_; }
-  int num_relations_used() const { return num_relations_used_; }
-  int num_sightings() const { return num_sightings_; }
-
- private:
-  void AppendFrame(std::size_t i, Rng& rng) {
-    WindowFrame frame;
-    frame.id = run_.frames[i].frame;
-    frame.is_keyframe = true;
-    if (i == 0) {
-      frame.x =
-          testing::Retract(run_.truth[0], testing::RandomStep({0.01, 0, 0.05, 0.005, 0.05}, rng));
-      frame.x.t = run_.truth[0].t;
-      window_.start_prior = {true, frame.id, frame.x.T_WB};
-    } else {
-      const NavState& last = window_.frames.back().x;
-      PreintegrationNoise noise;
-      frame.imu = ImuPreintegration(last.bias, noise);
-      frame.imu.Integrate(
-          imu_.Between(last.t, run_.truth[i].t, Duration{20'000'000}, Duration{0}).samples);
-      frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, BiasWalk{});
-      frame.has_imu_link = true;
-      frame.x = frame.imu.Predict(last);
-    }
-    frame.lin = frame.x;
-    window_.frames.push_back(std::move(frame));
-  }
-
-  void AppendObservations(const FrameObservations& observations) {
-    const int newest = static_cast<int>(window_.frames.size()) - 1;
-    for (const FeatureObservation& feature : observations.features) {
-      WindowObservation o;
-      o.frame = newest;
-      o.has_right = feature.px_right.has_value();
-      for (int c = 0; c < (o.has_right ? 2 : 1); ++c) {
-        const Vector2d px = c == 0 ? feature.px_left : *feature.px_right;
-        const UndistortedPoint point = run_.rig.cameras[c].Undistort(px).value();
-        o.xy[c] = point.xy;
-        o.sigma_px[c] = feature.sigma_left_px;
-        o.sqrt_info[c] = point.J_xy_px.inverse() / feature.sigma_left_px;
-      }
-      WindowLandmark* landmark = window_.Find(feature.landmark);
-      if (landmark == nullptr) landmark = &window_.AddLandmark(feature.landmark, newest);
-      landmark->observations.push_back(o);
-    }
-  }
-
-  // Every landmark lies on the plane of its true surface; when planes are related, on one of two
-  // planes of the same surface.
-  PlaneId PlaneOf(LandmarkId landmark) {
-    const PlaneId surface = run_.landmarks.at(landmark).surface;
-    if (planes_ != Planes::kRelated) return surface;
-    const std::int64_t half = 2 * surface.value + landmark.value % 2;
-    return PlaneId{generation_[half] * 1000 + half};
-  }
-  PlaneId SurfaceOf(PlaneId plane) const {
-    return planes_ == Planes::kRelated ? PlaneId{plane.value % 1000 / 2} : plane;
-  }
-
-  void TieToSurfaces() {
-    std::map<PlaneId, std::vector<WindowLandmark*>> by_plane;
-    for (WindowLandmark& landmark : window_.landmarks()) {
-      if (landmark.has_depth && landmark.observations.size() > 2)
-        by_plane[PlaneOf(landmark.id)].push_back(&landmark);
-    }
-    for (auto& [plane, members] : by_plane) {
-      if (window_.IndexOf(plane) < 0) {
-        std::vector<Vector3d> points_W;
-        for (const WindowLandmark* landmark : members)
-          points_W.push_back(window_.PositionOf(*landmark));
-        const PlaneFit fit = FitPlane(points_W);
-        const std::size_t min_members = planes_ == Planes::kRelated ? 8 : 15;
-        if (members.size() < min_members || fit.extent_minor_m < 0.3) continue;
-        window_.planes.emplace_back(plane, fit.plane, fit.centroid);
-      }
-      for (WindowLandmark* landmark : members)
-        landmark->planes.Add(window_.IndexOf(plane));
-    }
-  }
-
-  // The newest frame measures the planes whose landmarks it sees.
-  void MeasurePlanes(Rng& rng) {
-    const int newest = static_cast<int>(window_.frames.size()) - 1;
-    std::set<int> seen;
-    for (const WindowLandmark& landmark : window_.landmarks()) {
-      if (!landmark.IsOnPlanes() || landmark.observations.back().frame != newest) continue;
-      const int k = landmark.planes.index[0];
-      if (!seen.insert(k).second) continue;
-      window_.sightings.push_back(testing::MakeSighting(
-          window_.frames.back(), window_.planes[k], window_.PositionOf(landmark), 1, rng));
-      ++num_sightings_;
-    }
-  }
-
-  // True relations between the planes that exist, as stars around the first plane of their kind.
-  void RelatePlanes() {
-    using enum PlaneRelationKind;
-    std::optional<PlaneId> first_flat, first_wall;
-    for (const WindowPlane& plane : window_.planes) {
-      const Vector3d& n = run_.surfaces[static_cast<std::size_t>(SurfaceOf(plane.id).value)].n_W;
-      const bool is_flat = std::abs(n.z()) > 0.99, is_wall = std::abs(n.z()) < 0.01;
-      for (const WindowPlane& other : window_.planes) {
-        if (other.id < plane.id && SurfaceOf(other.id) == SurfaceOf(plane.id))
-          window_.AddRelation({kCoplanar, plane.id, other.id});
-      }
-      std::optional<PlaneId>& first = is_flat ? first_flat : first_wall;
-      if (is_flat) window_.AddRelation({kHorizontal, plane.id});
-      if (is_wall) window_.AddRelation({kVertical, plane.id});
-      if (first && (is_flat || is_wall)) Relate(*first, plane.id, is_flat);
-      if (!first && (is_flat || is_wall)) first = plane.id;
-      if (is_wall && first_flat) window_.AddRelation({kOrthogonal, plane.id, *first_flat});
-    }
-  }
-
-  void Relate(PlaneId first, PlaneId plane, bool is_flat) {
-    using enum PlaneRelationKind;
-    const auto normal = [&](PlaneId id) {
-      return run_.surfaces[static_cast<std::size_t>(SurfaceOf(id).value)].n_W;
-    };
-    const double cosine = std::abs(normal(first).dot(normal(plane)));
-    if (cosine > 0.999) {
-      window_.AddRelation({kParallel, first, plane});
-      if (!is_flat) window_.AddRelation({kHeadingParallel, first, plane});
-    } else if (cosine < 0.001) {
-      window_.AddRelation({kHeadingOrthogonal, first, plane});
-    }
-  }
-
-  // One plane that the prior knows leaves with its relations; another takes its place.
-  void ReplaceAPlane(std::size_t i, MarginalizationPlan& plan) {
-    const auto n = static_cast<std::size_t>(window_.planes.size());
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t plane = (i + k) % n;
-      if (!window_.planes[plane].frozen) continue;
-      plan.drop_plane[plane] = 1;
-      ++generation_[window_.planes[plane].id.value % 1000];
-      return;
-    }
-  }
-
-  // Moves the linearisation point of the prior to the estimate: the same quadratic, other
-  // Jacobians.
-  void FollowEstimate() {
-    if (first_estimates_ || window_.prior.dim() == 0) return;
-    window_.prior.b += window_.prior.H * PriorDelta(window_);
-    for (WindowFrame& frame : window_.frames) {
-      frame.lin = frame.x;
-      frame.delta.setZero();
-    }
-  }
-
-  const SimulatedRun& run_;
-  bool first_estimates_;
-  Planes planes_;
-  ImuBuffer imu_;
-  SlidingWindow window_;
-  WindowSolver solver_;
-  FrameGeometry geometry_;
-  std::map<std::int64_t, std::int64_t> generation_;
-  int num_marginalizations_ = 0, num_moved_anchors_ = 0, num_relations_used_ = 0;
-  int num_sightings_ = 0;
-};
 
 MatrixXd PriorDirections(const SlidingWindow& window, const Vector3d& pivot_W) {
   MatrixXd N(window.prior.dim(), 4);
   for (const MarginalPrior::Block& block : window.prior.blocks) {
-    if (block.IsPlane()) {
-      N.middleRows<3>(block.offset) =
-          GaugeDirections(window.planes[window.IndexOf(block.plane)], pivot_W);
+    const Variable variable = window.VariableOf(block);
+    if (variable.kind == Variable::Kind::kPlane) {
+      N.middleRows<3>(block.offset) = GaugeDirections(window.planes[variable.index], pivot_W);
       continue;
     }
-    const Matrix<15, 4> N_frame =
-        GaugeDirections(window.frames[window.IndexOf(block.frame)].lin, pivot_W);
-    if (block.is_motion) {
+    const Matrix<15, 4> N_frame = GaugeDirections(window.frames[variable.index].lin, pivot_W);
+    if (variable.kind == Variable::Kind::kMotion) {
       N.middleRows<9>(block.offset) = N_frame.bottomRows<9>();
     } else {
       N.middleRows<6>(block.offset) = N_frame.topRows<6>();
@@ -285,8 +57,8 @@ struct GaugeHistory {
 GaugeHistory RunSmoother(const SimulatedRun& run,
                          bool first_estimates,
                          int num_marginalizations,
-                         Planes planes = Planes::kNone) {
-  KeyframeSmoother smoother(run, first_estimates, planes);
+                         SmootherPlanes planes = SmootherPlanes::kNone) {
+  testing::KeyframeSmoother smoother(run, first_estimates, planes);
   const Vector3d pivot_W = run.truth[0].T_WB.p;
   GaugeHistory history;
   Rng rng(5);
@@ -343,7 +115,7 @@ SimulatedRun Simulate() {
 void ExpectNothingGained(const GaugeHistory& fixed, double left) {
   ASSERT_GE(fixed.num_marginalizations, 500);
   EXPECT_LT(fixed.position_error, 0.2);
-  const StartPrior start;
+  const StartOptions start;
   const double position = 1 / (start.sigma_position * start.sigma_position);
   const double yaw = 1 / (start.sigma_yaw * start.sigma_yaw);
   const Vector4d given(position, position, position, yaw);
@@ -371,7 +143,7 @@ TEST(GaugeTest, ThePriorGainsNothingOver500Marginalizations) {
 
 TEST(GaugeTest, PlanesThatStayGainNothingEither) {
   const SimulatedRun run = Simulate();
-  const GaugeHistory history = RunSmoother(run, true, 500, Planes::kKept);
+  const GaugeHistory history = RunSmoother(run, true, 500, SmootherPlanes::kKept);
   Print("with planes", history);
   EXPECT_GE(history.num_planes, 5);
   ExpectNothingGained(history, 0.9);
@@ -379,7 +151,7 @@ TEST(GaugeTest, PlanesThatStayGainNothingEither) {
 
 TEST(GaugeTest, NorDoTheirSightings) {
   const SimulatedRun run = Simulate();
-  const GaugeHistory history = RunSmoother(run, true, 500, Planes::kSighted);
+  const GaugeHistory history = RunSmoother(run, true, 500, SmootherPlanes::kSighted);
   Print("with sightings", history);
   EXPECT_GE(history.num_planes, 5);
   EXPECT_GE(history.num_sightings, 500);
@@ -388,7 +160,7 @@ TEST(GaugeTest, NorDoTheirSightings) {
 
 TEST(GaugeTest, NeitherDoRelatedPlanesWhoseAnchorsMove) {
   const SimulatedRun run = Simulate();
-  const GaugeHistory history = RunSmoother(run, true, 500, Planes::kRelated);
+  const GaugeHistory history = RunSmoother(run, true, 500, SmootherPlanes::kRelated);
   Print("with relations", history);
   std::cout << history.num_planes << " planes, " << history.num_relations << " relations and "
             << history.num_relations_used << " used up, " << history.num_moved_anchors

@@ -2,60 +2,42 @@
 #include "facet/estimator/vio_estimator.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <utility>
 
-#include <Eigen/LU>
-
-#include "facet/estimator/imu_factor.h"
-#include "facet/estimator/landmark_depth.h"
-#include "facet/estimator/outlier_removal.h"
-#include "facet/estimator/plane_anchor.h"
-#include "facet/estimator/plane_budget.h"
-#include "facet/estimator/plane_membership.h"
-#include "facet/estimator/relation_factor.h"
-#include "facet/estimator/window_policy.h"
-#include "facet/estimator/window_snapshot.h"
-#include "facet/geometry/angles.h"
+#include "facet/estimator/factors/imu_factor.h"
+#include "facet/estimator/planes/plane_membership.h"
+#include "facet/estimator/solver/marginalization.h"
+#include "facet/estimator/window/landmark_depth.h"
+#include "facet/estimator/window/window_policy.h"
+#include "facet/estimator/window/window_snapshot.h"
 
 namespace facet {
 
 namespace {
 
-// IMU noise over an interval with a hole, and over one without any sample, times the usual.
-constexpr double kGapNoiseScale = 10.0;
-constexpr double kNoImuNoiseScale = 300.0;
-// Bias change that makes an interval worth integrating again.
-constexpr double kRelinearizeGyro = 2e-3;   // rad/s
-constexpr double kRelinearizeAccel = 2e-2;  // m/s^2
 constexpr int kRepairIterations = 4;
-constexpr int kFewWrongMembers = 5;
-constexpr int kMinLandmarksOk = 8;
-// Beyond these the state is of no use to anybody: start again.
-constexpr double kLostVelocitySigma = 5.0;  // m/s
-constexpr double kLostSpeed = 100.0;        // m/s
 
-PreintegrationNoise Scaled(const PreintegrationNoise& noise, double scale) {
-  return {noise.gyro * scale, noise.accel * scale, noise.integration * scale};
+// Landmarks that constrain the window and are seen in its newest frame.
+int NumSeenInNewest(const SlidingWindow& window) {
+  return static_cast<int>(std::count_if(
+      window.landmarks().begin(), window.landmarks().end(), [&](const WindowLandmark& l) {
+        return IsConstraining(l) && l.observations.back().frame == window.newest_frame();
+      }));
 }
 
-// Whether the samples can be integrated: finite, in order of time, from t0 to t1 or nearly so.
-bool IsUsable(const std::vector<ImuSample>& samples, Timestamp t0, Timestamp t1) {
-  constexpr Duration kMaxEndError{10'000'000};
-  if (samples.size() < 2 || samples.front().t != t0) return false;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (!samples[i].gyro.allFinite() || !samples[i].accel.allFinite()) return false;
-    if (i > 0 && samples[i].t < samples[i - 1].t) return false;
-  }
-  return std::max(samples.back().t - t1, t1 - samples.back().t) <= kMaxEndError;
+bool HasImu(const WindowFrame& frame) {
+  return !frame.imu_link || !frame.imu_link->is_invented;
 }
 
-// What an IMU would have seen at constant velocity; for intervals without usable samples.
-std::vector<ImuSample> ConstantVelocity(const NavState& x, Timestamp t0, Timestamp t1) {
-  ImuSample sample{t0, x.bias.b_g, x.bias.b_a - x.T_WB.q.conjugate() * GravityInWorld()};
-  std::vector<ImuSample> samples = {sample, sample};
-  samples.back().t = std::max(t0, t1);
-  return samples;
+std::optional<double> NewestImuError(const SlidingWindow& window) {
+  const std::optional<ImuLink>& link = window.frames.back().imu_link;
+  if (!link || link->is_invented) return std::nullopt;
+  const auto newest = window.frames.rbegin();
+  return ImuErrorSigma(*link, std::next(newest)->x, newest->x);
+}
+
+void Report(const WindowFrame& frame, std::vector<KeyframePose>& finished) {
+  if (frame.is_reported) finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
 }
 
 }  // namespace
@@ -65,48 +47,81 @@ VioEstimator::VioEstimator(const StereoRig& rig,
                            const EstimatorOptions& options)
     : rig_(rig),
       options_(options),
-      imu_noise_{noise.gyro_noise * options.imu.gyro_noise_scale,
-                 noise.accel_noise * options.imu.accel_noise_scale,
-                 1e-8},
-      bias_walk_{noise.gyro_walk * options.imu.gyro_walk_scale,
-                 noise.accel_walk * options.imu.accel_walk_scale},
-      robust_(options.robust()),
-      solver_(rig, options.solver, robust_),
-      updater_(rig, options.solver, robust_),
-      geometry_(rig) {
-  window_.T_BC0 = rig.T_BC[0];
-}
+      window_(rig.T_BC[0]),
+      imu_(noise, options.imu, rig.time_offset),
+      start_(rig, options),
+      optimizer_(rig, options),
+      planes_(options),
+      updater_(rig, options.solver) {}
 
 EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
                                        const ImuInterval& imu,
                                        StageTimes& times) {
-  if (!window_.frames.empty() &&
-      observations.t <= (passing_ ? *passing_ : window_.frames.back()).x.t) {
-    EstimatorResult result;
-    result.status = initialised_ ? TrackingStatus::kDegraded : TrackingStatus::kInitialising;
-    result.reason = "stamp is not after the previous frame's";
-    return result;
+  if (!IsAfterNewest(observations.t)) {
+    EstimatorResult refused;
+    refused.status = is_initialised() ? TrackingStatus::kDegraded : TrackingStatus::kInitialising;
+    refused.reason = "stamp is not after the previous frame's";
+    return refused;
   }
   {
     ScopedStage stage(times, Stage::kImu);
     AppendFrame(observations, imu);
   }
-  if (!initialised_) return Start(observations, times);
+  if (!is_initialised()) return Start(observations, times);
   return passing_ ? TrackPassingFrame(observations, times) : TrackKeyframe(observations, times);
 }
 
-void VioEstimator::Assign(const PlaneAssignments& assignments) {
-  const auto append = [](const auto& from, auto& to) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  append(assignments.created, assignments_.created);
-  append(assignments.joined, assignments_.joined);
-  append(assignments.left, assignments_.left);
-  append(assignments.ended, ended_planes_);
-  append(assignments.related, assignments_.related);
-  append(assignments.sighted, assignments_.sighted);
-  append(assignments.projected, assignments_.projected);
-  append(assignments.unprojected, assignments_.unprojected);
+bool VioEstimator::IsAfterNewest(Timestamp t) const {
+  if (window_.frames.empty()) return true;
+  return t > (passing_ ? passing_->x : window_.frames.back().x).t;
+}
+
+// The new frame is where the IMU predicts it. Until the next keyframe it stays beside the window if
+// it is none.
+void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuInterval& imu) {
+  WindowFrame frame;
+  frame.id = observations.frame;
+  frame.is_keyframe = observations.is_keyframe || !is_initialised();
+  frame.is_reported = observations.is_keyframe;
+  frame.x.t = observations.t;
+  if (window_.frames.empty()) {
+    imu_.Begin(observations.t);
+    VioStart::AppendFirstFrame(std::move(frame), imu, options_.start, window_);
+    return;
+  }
+  const NavState last = passing_ ? passing_->x : window_.frames.back().x;
+  std::optional<ImuLink> passing;
+  if (passing_) passing = std::move(passing_->link);
+  passing_.reset();
+  PredictedFrame predicted = imu_.Next(last, std::move(passing), observations.t, imu);
+  if (!frame.is_keyframe) {
+    passing_ = std::move(predicted);
+    return;
+  }
+  frame.x = frame.lin = predicted.x;
+  frame.imu_link = std::move(predicted.link);
+  window_.frames.push_back(std::move(frame));
+}
+
+std::vector<PreparedObservation> VioEstimator::Prepare(
+    const FrameObservations& observations) const {
+  return PrepareObservations(observations, rig_, options_.solver.pixel_sigma_scale);
+}
+
+EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
+  ScopedStage stage(times, Stage::kOptimize);
+  AppendObservations(Prepare(observations), window_);
+  StartAttempt attempt = start_.Try(last_good_, imu_, optimizer_, window_);
+  EstimatorResult result;
+  result.num_constraining = attempt.num_constraining;
+  result.reason = std::move(attempt.reason);
+  result.solve = attempt.solve;
+  if (!attempt.has_started) return result;
+  newest_covariance_ = attempt.covariance;
+  const WindowFrame& newest = window_.frames.back();
+  SetState(newest.x, newest_covariance_, NumSeenInNewest(window_), HasImu(newest), result);
+  updater_.SetReference(window_, newest_covariance_, optimizer_.noise());
+  return result;
 }
 
 EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observations,
@@ -114,352 +129,91 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   EstimatorResult result;
   {
     ScopedStage stage(times, Stage::kOptimize);
-    AppendObservations(observations);
-    geometry_.Update(window_.frames);
-    InitializeDepths();
-    RelinearizeImu();
-    TakeAssignments();
-    if (!window_.planes.empty()) before_solve_.Save(window_);
-    result.solve = solver_.Solve(window_, options_.solver.keyframe_iterations);
-    if (DropWrongMembers()) {
-      before_solve_.Restore(window_);
-      WeighPlanes(robust_, window_);
-      result.solve = solver_.Solve(window_, kRepairIterations);
-    }
-    newest_covariance_ = solver_.NewestFrameCovariance(window_);
-    result.imu_error_sigma = NewestImuError();
-    JudgePlanes();
-    KeepPlaneCovariances();
+    AppendObservations(Prepare(observations), window_);
+    InitializeDepths(optimizer_.UpdateGeometry(window_), window_);
+    imu_.Relinearize(window_);
+    planes_.TakeEffect(optimizer_.noise(), optimizer_.geometry(), window_);
+    result.solve = Solve();
+    WindowSolver& solver = optimizer_.solver();
+    newest_covariance_ = solver.NewestFrameCovariance();
+    result.imu_error_sigma = NewestImuError(window_);
+    planes_.Judge(
+        solver.PlaneInformation(), solver.PlaneCovariances(), optimizer_.noise(), window_);
     RemoveOutliers();
   }
-  FillResult(window_.frames.back(), NumSeenInNewest(), result);
+  const WindowFrame& newest = window_.frames.back();
+  SetState(newest.x, newest_covariance_, NumSeenInNewest(window_), HasImu(newest), result);
   if (result.status == TrackingStatus::kLost) {
-    FinishAllKeyframes(result.finished_keyframes);
-    Reset();
+    StartOver(result.finished_keyframes);
     result.was_reset = true;
     return result;
   }
   last_good_ = result.state;
   ScopedStage stage(times, Stage::kMarginalize);
-  updater_.SetReference(window_, newest_covariance_);
+  updater_.SetReference(window_, newest_covariance_, optimizer_.noise());
   Shrink(result.finished_keyframes);
   return result;
-}
-
-void VioEstimator::KeepPlaneCovariances() {
-  const std::vector<Matrix<9, 9>> covariances = solver_.system().PlaneCovariances();
-  plane_covariances_.clear();
-  for (std::size_t k = 0; k < window_.planes.size(); ++k) {
-    Matrix<10, 9> J = Matrix<10, 9>::Zero();
-    J.topLeftCorner<6, 6>().setIdentity();
-    J.block<3, 2>(6, 6) = TangentBasis(window_.planes[k].n_lin);
-    J(9, 8) = 1;
-    plane_covariances_.emplace_back(window_.planes[k].id, J * covariances[k] * J.transpose());
-  }
-}
-
-void VioEstimator::TakeAssignments() {
-  if (window_.planes.empty() && assignments_.IsEmpty()) return;
-  ApplyAssignments(assignments_,
-                   {options_.planes.join_sigma_m, options_.planes.join_distance_m},
-                   robust_,
-                   geometry_,
-                   window_);
-  ApplyProjections(assignments_, options_.projection.convert_back, window_);
-  assignments_ = {};
-  RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
-  FollowSupport(options_.planes.anchor_distance_m, window_);
-  WeighPlanes(robust_, window_);
-}
-
-void VioEstimator::JudgePlanes() {
-  if (window_.planes.empty()) return;
-  const PlaneOptions& planes = options_.planes;
-  const std::vector<Matrix3d> information = solver_.system().PlaneInformation();
-  MarkSettledPlanes(
-      information,
-      {planes.settled_normal_deg * kDegree, planes.settled_rim_m, planes.settled_offset_m},
-      window_);
-  DropViolatedRelations(robust_.relations, planes.relations.outlier_sigma, window_);
-  for (const PlaneId id : ExcessPlanes(window_, information, planes.max_planes))
-    ended_planes_.push_back(id);
 }
 
 EstimatorResult VioEstimator::TrackPassingFrame(const FrameObservations& observations,
                                                 StageTimes& times) {
   ScopedStage stage(times, Stage::kOptimize);
   EstimatorResult result;
-  const FrameUpdateResult update = updater_.Update(Prepare(observations), *passing_);
+  const FrameUpdateResult update =
+      updater_.Update(Prepare(observations), passing_->link, optimizer_.noise(), passing_->x);
   if (update.ok) newest_covariance_ = update.covariance;
-  FillResult(*passing_, update.num_used, result);
+  SetState(passing_->x, newest_covariance_, update.num_used, !passing_->link.is_invented, result);
   return result;
 }
 
-void VioEstimator::UpdatePreintegration(WindowFrame& frame) const {
-  frame.imu_sqrt_info = ImuSqrtInfo(frame.imu, bias_walk_);
-}
-
-void VioEstimator::AppendFirstFrame(WindowFrame frame, const ImuInterval& imu) {
-  Vector3d mean = Vector3d::Zero();
-  for (const ImuSample& sample : imu.samples)
-    mean += sample.accel;
-  if (mean.norm() > 1.0) frame.x.T_WB.q = RotationBetween(mean, Vector3d::UnitZ());
-  frame.lin = frame.x;
-  first_t_ = frame.x.t;
-  const StartOptions& start = options_.start;
-  window_.start_prior = {true,
-                         frame.id,
-                         frame.x.T_WB,
-                         start.sigma_position,
-                         start.sigma_yaw,
-                         start.sigma_velocity,
-                         start.sigma_gyro_bias,
-                         start.sigma_accel_bias};
-  window_.frames.push_back(std::move(frame));
-}
-
-void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuInterval& imu) {
-  WindowFrame frame;
-  frame.id = observations.frame;
-  frame.is_keyframe = observations.is_keyframe || !initialised_;
-  frame.is_reported = observations.is_keyframe;
-  frame.x.t = observations.t;
-  if (window_.frames.empty()) {
-    AppendFirstFrame(std::move(frame), imu);
-    return;
+SolveSummary VioEstimator::Solve() {
+  if (!window_.planes.empty()) before_solve_.Save(window_);
+  const SolveSummary summary = optimizer_.Solve(window_, options_.solver.keyframe_iterations);
+  if (window_.planes.empty() ||
+      !planes_.DropWrongMembers(optimizer_.noise(), optimizer_.UpdateGeometry(window_), window_)) {
+    return summary;
   }
-
-  const WindowFrame& last = passing_ ? *passing_ : window_.frames.back();
-  // Intervals follow each other without a hole, in the clock of the IMU.
-  const Timestamp t0 =
-      last.imu.samples().empty() ? last.x.t + rig_.time_offset : last.imu.samples().back().t;
-  const Timestamp t1 = observations.t + rig_.time_offset;
-  const bool no_imu = !IsUsable(imu.samples, t0, t1);
-  const std::vector<ImuSample> samples = no_imu ? ConstantVelocity(last.x, t0, t1) : imu.samples;
-  frame.has_invented_imu = no_imu;
-  const double scale = no_imu ? kNoImuNoiseScale : imu.has_hole ? kGapNoiseScale : 1.0;
-  ImuPreintegration step(last.x.bias, Scaled(imu_noise_, scale));
-  step.Integrate(samples);
-  frame.x = step.Predict(last.x);
-  frame.x.t = observations.t;
-  frame.lin = frame.x;
-  if (!passing_) {
-    frame.imu = std::move(step);
-  } else if (scale == 1.0) {
-    // The previous frame was only passing through: its IMU interval goes on to this frame.
-    frame.imu = std::move(passing_->imu);
-    frame.imu.Integrate(samples);
-  } else {
-    std::vector<ImuSample> all = passing_->imu.samples();
-    all.insert(all.end(), samples.begin() + 1, samples.end());
-    frame.imu = ImuPreintegration(last.x.bias, Scaled(imu_noise_, scale));
-    frame.imu.Integrate(all);
-  }
-  frame.has_imu_link = true;
-  UpdatePreintegration(frame);
-  passing_.reset();
-  if (frame.is_keyframe) {
-    window_.frames.push_back(std::move(frame));
-  } else {
-    passing_ = std::move(frame);
-  }
-}
-
-std::vector<PreparedObservation> VioEstimator::Prepare(
-    const FrameObservations& observations) const {
-  std::vector<PreparedObservation> prepared;
-  prepared.reserve(observations.features.size());
-  const double scale = options_.solver.pixel_sigma_scale;
-  for (const FeatureObservation& feature : observations.features) {
-    const std::optional<UndistortedPoint> left = rig_.cameras[0].Undistort(feature.px_left);
-    if (!left || !(feature.sigma_left_px > 0)) continue;
-    WindowObservation observation;
-    observation.xy[0] = left->xy;
-    observation.sigma_px[0] = scale * feature.sigma_left_px;
-    observation.sqrt_info[0] = left->J_xy_px.inverse() / observation.sigma_px[0];
-    if (feature.px_right && feature.sigma_right_px > 0) {
-      if (const std::optional<UndistortedPoint> right =
-              rig_.cameras[1].Undistort(*feature.px_right)) {
-        observation.has_right = true;
-        observation.xy[1] = right->xy;
-        observation.sigma_px[1] = scale * feature.sigma_right_px;
-        observation.sqrt_info[1] = right->J_xy_px.inverse() / observation.sigma_px[1];
-      }
-    }
-    prepared.push_back({feature.landmark, observation});
-  }
-  return prepared;
-}
-
-void VioEstimator::AppendObservations(const FrameObservations& observations) {
-  const int newest = static_cast<int>(window_.frames.size()) - 1;
-  for (PreparedObservation& prepared : Prepare(observations)) {
-    WindowLandmark* landmark = window_.Find(prepared.landmark);
-    if (landmark == nullptr) landmark = &window_.AddLandmark(prepared.landmark, newest);
-    if (!landmark->observations.empty() && landmark->observations.back().frame == newest) continue;
-    prepared.observation.frame = newest;
-    landmark->observations.push_back(prepared.observation);
-  }
-}
-
-void VioEstimator::InitializeDepths() {
-  for (WindowLandmark& landmark : window_.landmarks()) {
-    if (!landmark.has_depth) InitializeDepth(geometry_, landmark);
-  }
-}
-
-void VioEstimator::RelinearizeImu() {
-  for (std::size_t j = 1; j < window_.frames.size(); ++j) {
-    WindowFrame& frame = window_.frames[j];
-    if (!frame.has_imu_link) continue;
-    const ImuBias& bias = window_.frames[j - 1].x.bias;
-    if ((bias.b_g - frame.imu.bias().b_g).norm() < kRelinearizeGyro &&
-        (bias.b_a - frame.imu.bias().b_a).norm() < kRelinearizeAccel) {
-      continue;
-    }
-    frame.imu.Reintegrate(bias);
-    UpdatePreintegration(frame);
-  }
-}
-
-// Landmarks on planes where they do not belong bend the window: when many are found after the
-// solve, it is solved anew without them, before their pull is frozen or good observations look
-// wrong. From where it was: a few iterations do not lead back from far off.
-bool VioEstimator::DropWrongMembers() {
-  const int before = NumPlaneConstraints();
-  if (before == 0) return false;
-  geometry_.Update(window_.frames);
-  const int dropped = DetachOutliers(geometry_, robust_, options_.planes.outlier_sigma, window_);
-  return dropped > std::max(kFewWrongMembers, before / 10);
+  before_solve_.Restore(window_);
+  WeighPlanes(optimizer_.noise(), window_);
+  return optimizer_.Solve(window_, kRepairIterations);
 }
 
 void VioEstimator::RemoveOutliers() {
-  geometry_.Update(window_.frames);
-  const OutlierRemoval removal =
-      outlier_remover_.Remove(geometry_, robust_, options_.solver.outlier_sigma, window_);
-  if (!window_.planes.empty()) {
-    // Without those observations vision places some landmarks elsewhere.
-    DetachOutliers(geometry_, robust_, options_.planes.outlier_sigma, window_);
-    RemoveUnsupportedPlanes(options_.planes.min_landmarks, window_);
-  }
-  if (!removal.median_sigma) return;
-  usual_error_.Add(*removal.median_sigma);
-  UseRobust(options_.robust(usual_error_.sigma()));
-}
-
-void VioEstimator::UseRobust(const RobustOptions& robust) {
-  robust_ = robust;
-  solver_.set_robust(robust);
-  updater_.set_robust(robust);
-}
-
-void VioEstimator::FinishAllKeyframes(std::vector<KeyframePose>& finished) const {
-  // The newest one is what was lost.
-  for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
-    const WindowFrame& frame = window_.frames[i];
-    if (frame.is_reported) finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
-  }
+  const OutlierRemoval removal = optimizer_.RemoveOutliers(window_);
+  planes_.FollowOutlierRemoval(optimizer_.noise(), optimizer_.geometry(), window_);
+  optimizer_.LearnFrom(removal);
 }
 
 void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
-  RemoveEndedPlanes();
-  if (!EndStart(finished)) return;
+  planes_.RemoveEnded(window_);
+  if (!start_.IsOver(newest_covariance_, imu_, optimizer_, window_, finished)) return;
   while (true) {
     MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
-    EndPlanes(plan);
+    planes_.EndIn(window_, plan);
     if (plan.IsEmpty()) return;
-    CutUnsettledLinks(plan.drop_landmark, window_);
-    CutSightings(plan.drop_frame, window_);
-    CutUnsettledRelations(plan.drop_plane, window_);
+    PlaneLifecycle::CutUnsettled(plan, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
-      const WindowFrame& frame = window_.frames[i];
-      if (plan.drop_frame[i] && frame.is_reported)
-        finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
+      if (plan.drop_frame[i]) Report(window_.frames[i], finished);
     }
-    Marginalize(plan, rig_, robust_, window_);
+    Marginalize(plan, rig_, optimizer_.noise(), window_);
   }
 }
 
-void VioEstimator::RemoveEndedPlanes() {
-  std::erase_if(ended_planes_, [&](PlaneId id) {
-    const int plane = window_.IndexOf(id);
-    if (plane < 0) return true;
-    if (window_.planes[plane].frozen) return false;
-    window_.RemovePlane(plane);
-    return true;
-  });
-}
-
-void VioEstimator::EndPlanes(MarginalizationPlan& plan) {
-  for (const PlaneId id : ended_planes_) {
-    const int plane = window_.IndexOf(id);
-    if (plane >= 0) plan.drop_plane[plane] = 1;
-  }
-  ended_planes_.clear();
-}
-
-int VioEstimator::NumSeenInNewest() const {
-  const int newest = static_cast<int>(window_.frames.size()) - 1;
-  return static_cast<int>(std::count_if(
-      window_.landmarks().begin(), window_.landmarks().end(), [&](const WindowLandmark& l) {
-        return IsConstraining(l) && l.observations.back().frame == newest;
-      }));
-}
-
-std::optional<double> VioEstimator::NewestImuError() const {
-  const WindowFrame& newest = window_.frames.back();
-  if (!newest.has_imu_link || newest.has_invented_imu) return std::nullopt;
-  const WindowFrame& before = window_.frames[window_.frames.size() - 2];
-  return ImuErrorSigma(newest.imu, newest.imu_sqrt_info, before.x, newest.x);
-}
-
-void VioEstimator::FillResult(const WindowFrame& frame,
-                              int num_used,
-                              EstimatorResult& result) const {
-  result.has_state = true;
-  result.state = frame.x;
-  result.covariance = newest_covariance_;
-  result.num_constraining = num_used;
-  result.status = TrackingStatus::kOk;
-  result.reason.clear();
-  if (num_used < kMinLandmarksOk) {
-    result.status = TrackingStatus::kDegraded;
-    result.reason = "few landmarks";
-  } else if (frame.has_invented_imu) {
-    result.status = TrackingStatus::kDegraded;
-    result.reason = "no IMU";
-  }
-  const double velocity_sigma = std::sqrt(newest_covariance_.block<3, 3>(6, 6).trace());
-  const bool sane = frame.x.T_WB.p.allFinite() && frame.x.T_WB.q.coeffs().allFinite() &&
-                    frame.x.v_WB.allFinite() && frame.x.bias.b_g.allFinite() &&
-                    frame.x.bias.b_a.allFinite() && newest_covariance_.allFinite();
-  if (!sane || !(velocity_sigma < kLostVelocitySigma) || frame.x.v_WB.norm() > kLostSpeed) {
-    result.status = TrackingStatus::kLost;
-    result.reason = sane ? "velocity unknown" : "numerical failure";
-    result.has_state = sane;
-  }
-}
-
-void VioEstimator::Reset() {
-  window_.Clear();
-  assignments_ = {};
-  ended_planes_.clear();
-  plane_covariances_.clear();
+void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
+  // The newest one is what was lost.
+  for (int i = 0; i < window_.newest_frame(); ++i)
+    Report(window_.frames[i], finished);
+  window_ = SlidingWindow(rig_.T_BC[0]);
   passing_.reset();
-  initialised_ = start_is_over_ = false;
   newest_covariance_.setZero();
-  usual_error_ = {};
-  UseRobust(options_.robust());
-}
-
-int VioEstimator::NumPlaneConstraints() const {
-  const std::vector<int> members = CountMembers(window_);
-  return std::accumulate(members.begin(), members.end(), 0);
+  start_ = VioStart(rig_, options_);
+  optimizer_ = WindowOptimizer(rig_, options_);
+  planes_ = PlaneLifecycle(options_);
 }
 
 MapSnapshot VioEstimator::Snapshot() const {
   if (window_.frames.empty()) return {};
-  MapSnapshot snapshot = SnapshotWindow(window_, rig_, plane_covariances_);
+  MapSnapshot snapshot = SnapshotWindow(window_, rig_, planes_.covariances());
   if (passing_) snapshot.latest = passing_->x;
   return snapshot;
 }

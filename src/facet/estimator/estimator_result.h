@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the back end says after a frame.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "facet/estimator/solver/window_solver.h"
+#include "facet/imu/imu_types.h"
+#include "facet/map/map_snapshot.h"
+#include "facet/map/tracking_status.h"
+
+namespace facet {
+
+struct EstimatorResult {
+  TrackingStatus status = TrackingStatus::kInitialising;
+  std::string reason;      ///< why the status is not kOk, or empty
+  bool has_state = false;  ///< false while initialising
+  NavState state;          ///< causal estimate of this frame
+  Matrix<15, 15> covariance =
+      Matrix<15, 15>::Zero();  ///< theta p v b_g b_a; of the smoother, see docs
+  int num_constraining = 0;    ///< landmarks that constrain the window and are seen in this frame
+  bool was_reset = false;      ///< the estimator gave up its state and starts again with this frame
+  SolveSummary solve;
+  /// Keyframes with an IMU interval: how far it is from the solved window (see ImuErrorSigma).
+  std::optional<double> imu_error_sigma;
+  /// Keyframes that left the window, with their final poses.
+  std::vector<KeyframePose> finished_keyframes;
+};
+
+/// Fills in the state, and judges it: kOk, kDegraded, or kLost if it is of no use to anybody.
+/// `num_constraining`: landmarks that say where the frame is; `has_imu`: since the frame before.
+void SetState(const NavState& state,
+              const Matrix<15, 15>& covariance,
+              int num_constraining,
+              bool has_imu,
+              EstimatorResult& result);
+
+}  // namespace facet

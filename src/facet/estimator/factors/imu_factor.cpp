@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/factors/imu_factor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace facet {
+
+static_assert(Factor<ImuFactor>);
+
+Vector<15> ImuError(const ImuPreintegration& measured, const NavState& i, const NavState& j) {
+  const double T = measured.dt();
+  const Vector3d g = GravityInWorld();
+  const Vector3d db_g = i.bias.b_g - measured.bias().b_g;
+  const Vector3d db_a = i.bias.b_a - measured.bias().b_a;
+  const Matrix<9, 6>& Jb = measured.BiasJacobian();
+  const Quaterniond q_i_inv = i.T_WB.q.conjugate();
+
+  const Quaterniond dR = measured.dR() * ExpSO3(Jb.block<3, 3>(0, 0) * db_g);
+  Vector<15> r;
+  r.segment<3>(0) = LogSO3(dR.conjugate() * (q_i_inv * j.T_WB.q));
+  r.segment<3>(3) = q_i_inv * (j.T_WB.p - i.T_WB.p - i.v_WB * T - 0.5 * g * T * T) - measured.dp() -
+                    Jb.block<3, 3>(3, 0) * db_g - Jb.block<3, 3>(3, 3) * db_a;
+  r.segment<3>(6) = q_i_inv * (j.v_WB - i.v_WB - g * T) - measured.dv() -
+                    Jb.block<3, 3>(6, 0) * db_g - Jb.block<3, 3>(6, 3) * db_a;
+  r.segment<3>(9) = j.bias.b_g - i.bias.b_g;
+  r.segment<3>(12) = j.bias.b_a - i.bias.b_a;
+  return r;
+}
+
+ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, const NavState& j) {
+  const double T = measured.dt();
+  const Vector3d g = GravityInWorld();
+  const Matrix<9, 6>& Jb = measured.BiasJacobian();
+  const Matrix3d R_BiW = i.T_WB.R().transpose();
+  const Matrix3d R_WBj = j.T_WB.R();
+
+  ImuResidual out;
+  out.r = ImuError(measured, i, j);
+  const Vector3d r_theta = out.r.head<3>();
+  const Matrix3d Jr_inv = RightJacobianInverseSO3(r_theta);
+  const Vector3d rotation_correction = Jb.block<3, 3>(0, 0) * (i.bias.b_g - measured.bias().b_g);
+
+  Matrix<15, 15>& Ji = out.J_i;
+  Matrix<15, 15>& Jj = out.J_j;
+  Ji.setZero();
+  Jj.setZero();
+  Ji.block<3, 3>(0, 0) = -Jr_inv * (R_BiW * R_WBj).transpose();
+  Ji.block<3, 3>(0, 9) = -Jr_inv * ExpSO3(r_theta).toRotationMatrix().transpose() *
+                         RightJacobianSO3(rotation_correction) * Jb.block<3, 3>(0, 0);
+  Jj.block<3, 3>(0, 0) = Jr_inv;
+
+  Ji.block<3, 3>(3, 0) = Hat(R_BiW * (j.T_WB.p - i.T_WB.p - i.v_WB * T - 0.5 * g * T * T));
+  Ji.block<3, 3>(3, 3) = -R_BiW;
+  Ji.block<3, 3>(3, 6) = -R_BiW * T;
+  Ji.block<3, 6>(3, 9) = -Jb.block<3, 6>(3, 0);
+  Jj.block<3, 3>(3, 3) = R_BiW;
+
+  Ji.block<3, 3>(6, 0) = Hat(R_BiW * (j.v_WB - i.v_WB - g * T));
+  Ji.block<3, 3>(6, 6) = -R_BiW;
+  Ji.block<3, 6>(6, 9) = -Jb.block<3, 6>(6, 0);
+  Jj.block<3, 3>(6, 6) = R_BiW;
+
+  Ji.block<6, 6>(9, 9) = -Matrix<6, 6>::Identity();
+  Jj.block<6, 6>(9, 9) = Matrix<6, 6>::Identity();
+  return out;
+}
+
+double ImuErrorSigma(const ImuLink& link, const NavState& i, const NavState& j) {
+  const Vector<15> r = link.sqrt_info * ImuError(link.measured, i, j);
+  const double sigma =
+      std::sqrt(std::max(r.segment<3>(0).squaredNorm() / 3, r.segment<6>(3).squaredNorm() / 6));
+  return std::isfinite(r.sum()) ? sigma : std::numeric_limits<double>::infinity();
+}
+
+Vector<15> ImuFactor::Error() const {
+  const ImuLink& link = *frame_j_.imu_link;
+  return link.sqrt_info * ImuError(link.measured, frame_i_.x, frame_j_.x);
+}
+
+double ImuFactor::AddTo(NormalEquations& equations) const {
+  const ImuLink& link = *frame_j_.imu_link;
+  const Vector<15> r = Error();
+  const ImuResidual linear = LinearizeImu(link.measured, frame_i_.lin, frame_j_.lin);
+  Matrix<15, 30> J;
+  J.leftCols<15>() = link.sqrt_info * linear.J_i;
+  J.rightCols<15>() = link.sqrt_info * linear.J_j;
+  equations.AddRows(
+      {Variable::Pose(j_ - 1), Variable::Motion(j_ - 1), Variable::Pose(j_), Variable::Motion(j_)},
+      J,
+      r);
+  return 0.5 * r.squaredNorm();
+}
+
+}  // namespace facet

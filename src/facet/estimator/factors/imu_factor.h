@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The IMU between two full states: preintegrated motion (9 rows) and bias walk (6 rows). Equations
+// (2.11) to (2.16) of docs/math.md; Forster et al., TRO 2017, with additive world position.
+#pragma once
+
+#include "facet/estimator/factors/factor.h"
+
+namespace facet {
+
+/// Rows: theta p v b_g b_a. Columns of J_i and J_j: theta p v b_g b_a of the state.
+struct ImuResidual {
+  Vector<15> r;
+  Matrix<15, 15> J_i;
+  Matrix<15, 15> J_j;
+};
+
+/// Unwhitened residual only, predicted minus measured (rotation: Log(measured^-1 predicted)).
+Vector<15> ImuError(const ImuPreintegration& measured, const NavState& i, const NavState& j);
+
+/// Unwhitened residual and Jacobians.
+ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, const NavState& j);
+
+/// How far the two states are from the measured motion: RMS of its whitened errors, those of the
+/// rotation or those of position and velocity, whichever is larger. Infinite if not a number.
+double ImuErrorSigma(const ImuLink& link, const NavState& i, const NavState& j);
+
+/// The link of a frame to the one before it. Its noise is in ImuLink::sqrt_info; no robust loss.
+class ImuFactor {
+ public:
+  /// The frame with index `j` must have a link, and both frames motion.
+  ImuFactor(const SlidingWindow& window, int j)
+      : frame_i_(window.frames[j - 1]), frame_j_(window.frames[j]), j_(j) {}
+
+  double Cost() const { return 0.5 * Error().squaredNorm(); }
+  double AddTo(NormalEquations& equations) const;
+
+  bool IsUsedUp(const MarginalizationPlan& plan) const {
+    return plan.Drops(Variable::Motion(j_ - 1)) || plan.Drops(Variable::Motion(j_));
+  }
+
+  template <class Visitor>
+  void ForEachVariable(const Visitor& visit) const {
+    for (const int frame : {j_ - 1, j_}) {
+      visit(Variable::Pose(frame));
+      visit(Variable::Motion(frame));
+    }
+  }
+
+ private:
+  Vector<15> Error() const;
+
+  const WindowFrame& frame_i_;
+  const WindowFrame& frame_j_;
+  int j_;
+};
+
+}  // namespace facet

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/factors/imu_factor.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "facet/testing/estimator/test_window.h"
+#include "facet/testing/numeric_jacobian.h"
+
+namespace facet {
+namespace {
+
+ImuPreintegration RandomInterval(double duration_s, Rng& rng) {
+  const testing::TestMotion motion = testing::TestMotion::Random(rng);
+  ImuPreintegration result({0.02 * rng.Normal3(), 0.1 * rng.Normal3()}, {});
+  std::vector<ImuSample> samples;
+  for (int i = 0; i <= std::lround(duration_s * 200); ++i)
+    samples.push_back(motion.ImuAt(i / 200.0, {}));
+  result.Integrate(samples);
+  return result;
+}
+
+NavState RandomState(Rng& rng) {
+  return testing::Retract({}, testing::RandomStep({1.5, 3.0, 2.0, 0.05, 0.3}, rng));
+}
+
+// The end of the interval, off by up to some tenths in every component.
+NavState NearPrediction(const ImuPreintegration& imu, const NavState& i, Rng& rng) {
+  return testing::Retract(imu.Predict(i), testing::RandomStep({0.3, 0.2, 0.2, 0.02, 0.1}, rng));
+}
+
+TEST(ImuFactorTest, JacobiansMatchNumericDerivatives) {
+  Rng rng(1);
+  for (int run = 0; run < 50; ++run) {
+    const ImuPreintegration imu = RandomInterval(rng.Uniform(0.05, 0.6), rng);
+    const NavState i = RandomState(rng);
+    const NavState j = NearPrediction(imu, i, rng);
+    const ImuResidual linear = LinearizeImu(imu, i, j);
+    EXPECT_EQ(linear.r, ImuError(imu, i, j));
+    testing::ExpectJacobian<15, 15>(
+        linear.J_i,
+        [&](const Vector<15>& d) { return ImuError(imu, testing::Retract(i, d), j); },
+        1e-8,
+        1e-5);
+    testing::ExpectJacobian<15, 15>(
+        linear.J_j,
+        [&](const Vector<15>& d) { return ImuError(imu, i, testing::Retract(j, d)); },
+        1e-8,
+        1e-5);
+  }
+}
+
+TEST(ImuFactorTest, ErrorSigmaOfOneIsOneSigma) {
+  Rng rng(3);
+  const ImuPreintegration imu = RandomInterval(0.2, rng);
+  const ImuLink link{imu, ImuSqrtInfo(imu, testing::DefaultBiasWalk())};
+  const NavState i = RandomState(rng);
+  EXPECT_LT(ImuErrorSigma(link, i, imu.Predict(i)), 1e-6);
+  double sum = 0;
+  constexpr int kRuns = 200;
+  for (int run = 0; run < kRuns; ++run) {
+    Vector<15> noise;
+    for (int k = 0; k < 15; ++k)
+      noise[k] = rng.Normal();
+    const Vector<15> step = link.sqrt_info.inverse() * noise;
+    sum += ImuErrorSigma(link, i, testing::Retract(imu.Predict(i), step));
+  }
+  // The larger one of two RMS of few values is somewhat above 1.
+  EXPECT_NEAR(sum / kRuns, 1.1, 0.15);
+  NavState broken = imu.Predict(i);
+  broken.v_WB.x() = std::nan("");
+  EXPECT_TRUE(std::isinf(ImuErrorSigma(link, i, broken)));
+}
+
+TEST(ImuFactorTest, ResidualVanishesAtThePrediction) {
+  Rng rng(2);
+  for (int run = 0; run < 50; ++run) {
+    const ImuPreintegration imu = RandomInterval(0.3, rng);
+    const NavState i = RandomState(rng);
+    EXPECT_LT(ImuError(imu, i, imu.Predict(i)).norm(), 1e-13);
+  }
+}
+
+TEST(ImuFactorTest, ResidualIsPredictedMinusMeasured) {
+  Rng rng(3);
+  const ImuPreintegration imu = RandomInterval(0.3, rng);
+  const NavState i = RandomState(rng);
+  const Matrix3d R_BiW = i.T_WB.R().transpose();
+  const Vector<15> step = testing::RandomStep({0.2, 0.3, 0.4, 0.05, 0.1}, rng);
+  const Vector<15> r = ImuError(imu, i, testing::Retract(imu.Predict(i), step));
+  EXPECT_LT((r.segment<3>(0) - step.segment<3>(0)).norm(), 1e-13);
+  EXPECT_LT((r.segment<3>(3) - R_BiW * step.segment<3>(3)).norm(), 1e-13);
+  EXPECT_LT((r.segment<3>(6) - R_BiW * step.segment<3>(6)).norm(), 1e-13);
+  EXPECT_LT((r.tail<6>() - step.tail<6>()).norm(), 1e-13);
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What all factors on one landmark say together.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "facet/estimator/window/window_plane.h"
+
+namespace facet {
+
+/// Linearised rows of one landmark, already squared: normal equations in (frames, planes,
+/// landmark), ready to be eliminated (docs/math.md, section 4.2). Landmark order: two tangent
+/// directions of the bearing (TangentBasis), inverse distance.
+///
+/// Every row has columns for the pose of its own frame and for the landmark only: the landmark's
+/// step is expressed in the world, so the motion of its host does not appear. After elimination
+/// this is the same reduced system as with host columns (section 3.2).
+struct LandmarkBlock {
+  struct View {
+    int frame = 0;
+    Matrix<6, 6> H;  ///< pose-pose
+    Vector<6> b;     ///< gradient
+    Matrix<6, 3> W;  ///< pose-landmark
+    Matrix<6, 3> Y;  ///< W L^-T, filled by Eliminate
+  };
+  /// The row that ties the landmark to a plane, not squared: its products have rank one.
+  struct PlaneView {
+    int plane = 0;
+    Vector3d J_plane;
+    Vector3d J_landmark;
+    double residual = 0;
+    Vector3d z;  ///< L^-1 J_landmark, filled by Eliminate
+  };
+  int index = -1;  ///< of the landmark in the window
+  std::vector<View> views;
+  int num_views = 0;
+  std::array<PlaneView, PlaneLinks::kMax> plane_views;
+  int num_plane_views = 0;
+  Matrix3d V;  ///< landmark-landmark
+  Vector3d b;  ///< gradient
+  Matrix3d L;  ///< Cholesky factor of the damped V, filled by Eliminate
+  Vector3d y;  ///< L^-1 b, filled by Eliminate
+  double cost = 0;
+
+  /// Empty, with room for so many views. Keeps the storage.
+  void Clear(std::size_t max_views) {
+    if (views.size() < max_views) views.resize(max_views);
+    num_views = num_plane_views = 0;
+    V.setZero();
+    b.setZero();
+    cost = 0;
+  }
+};
+
+}  // namespace facet

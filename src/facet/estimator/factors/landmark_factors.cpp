@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/factors/landmark_factors.h"
+
+#include "facet/estimator/factors/point_on_plane_factor.h"
+#include "facet/estimator/factors/reprojection_factor.h"
+
+namespace facet {
+
+void LinearizeLandmark(const FrameGeometry& geometry,
+                       const std::vector<WindowPlane>& planes,
+                       const WindowLandmark& landmark,
+                       const FactorNoise& noise,
+                       LandmarkBlock& block) {
+  const LinearizedPoint point(landmark, geometry);
+  block.Clear(landmark.observations.size());
+  for (const WindowObservation& observation : landmark.observations)
+    ReprojectionFactor(geometry, landmark, observation, noise).AddTo(point, block);
+  if (!landmark.IsOnPlanes()) return;
+  for (const int plane : landmark.planes)
+    PointOnPlaneFactor(planes, plane, noise).AddTo(point, block);
+}
+
+double LandmarkCost(const FrameGeometry& geometry,
+                    const std::vector<WindowPlane>& planes,
+                    const WindowLandmark& landmark,
+                    const FactorNoise& noise) {
+  double cost = 0;
+  const HostedPoint point(landmark, geometry.current(landmark.host));
+  for (const WindowObservation& observation : landmark.observations) {
+    const ReprojectionFactor factor(geometry, landmark, observation, noise);
+    for (int c = 0; c < (observation.has_right ? 2 : 1); ++c)
+      cost += factor.Cost(point, c);
+  }
+  if (!landmark.IsOnPlanes()) return cost;
+  for (const int plane : landmark.planes)
+    cost += PointOnPlaneFactor(planes, plane, noise).Cost(point);
+  return cost;
+}
+
+}  // namespace facet

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Where factors add up: H += J^T J and b += J^T r, in the columns of the variables that they touch.
+#pragma once
+
+#include <initializer_list>
+
+#include "facet/estimator/window/state_layout.h"
+
+namespace facet {
+
+/// Gauss-Newton system H dx = -b of frames and planes. Reuse one object: it keeps its storage. Not
+/// thread-safe.
+struct NormalEquations {
+  StateLayout layout;
+  MatrixXd H;
+  VectorXd b;
+
+  void Clear(const SlidingWindow& window) {
+    layout = MakeLayout(window);
+    H.setZero(layout.dim, layout.dim);
+    b.setZero(layout.dim);
+  }
+
+  /// Rows with residual r; the columns of J belong to the variables, in this order.
+  template <class Jacobian, class Residual>
+  void AddRows(std::initializer_list<Variable> variables, const Jacobian& J, const Residual& r) {
+    const MatrixXd JtJ = J.transpose() * J;
+    const VectorXd Jtr = J.transpose() * r;
+    int row = 0;
+    for (const Variable& v : variables) {
+      const int size = SizeOf(v.kind);
+      b.segment(layout.ColumnOf(v), size) += Jtr.segment(row, size);
+      int column = 0;
+      for (const Variable& w : variables) {
+        const int width = SizeOf(w.kind);
+        H.block(layout.ColumnOf(v), layout.ColumnOf(w), size, width) +=
+            JtJ.block(row, column, size, width);
+        column += width;
+      }
+      row += size;
+    }
+  }
+
+  /// The same in parts of fixed size, for factors of which there are many: these allocate nothing.
+  /// First each variable's own columns, then the products of two variables.
+  template <class Jacobian, class Residual>
+  void AddSquare(Variable variable, const Jacobian& J, const Residual& r) {
+    constexpr int kSize = Jacobian::ColsAtCompileTime;
+    const int column = layout.ColumnOf(variable);
+    H.block<kSize, kSize>(column, column) += J.transpose() * J;
+    b.segment<kSize>(column) += J.transpose() * r;
+  }
+  template <class FirstJacobian, class SecondJacobian>
+  void AddProduct(Variable first,
+                  const FirstJacobian& J,
+                  Variable second,
+                  const SecondJacobian& K) {
+    constexpr int kRows = FirstJacobian::ColsAtCompileTime;
+    constexpr int kColumns = SecondJacobian::ColsAtCompileTime;
+    const int row = layout.ColumnOf(first), column = layout.ColumnOf(second);
+    const Matrix<kRows, kColumns> product = J.transpose() * K;
+    H.block<kRows, kColumns>(row, column) += product;
+    H.block<kColumns, kRows>(column, row) += product.transpose();
+  }
+};
+
+}  // namespace facet

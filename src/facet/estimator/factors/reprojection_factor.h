@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A landmark seen by the cameras of one frame (docs/math.md, equations (3.1) to (3.4)). Pixel noise
+// is in WindowObservation::sqrt_info; Geman and McClure's loss, or for the landmarks of pipeline SP
+// the paper's noise and Tukey's loss (section 4.1).
+#pragma once
+
+#include <optional>
+
+#include "facet/estimator/factors/factor_noise.h"
+#include "facet/estimator/factors/hosted_point.h"
+#include "facet/estimator/factors/landmark_block.h"
+
+namespace facet {
+
+/// One landmark in one stereo frame. A view of the window, as in factor.h, but one that adds up in
+/// a LandmarkBlock.
+class ReprojectionFactor {
+ public:
+  ReprojectionFactor(const FrameGeometry& geometry,
+                     const WindowLandmark& landmark,
+                     const WindowObservation& observation,
+                     const FactorNoise& noise)
+      : geometry_(geometry), landmark_(landmark), observation_(observation), noise_(noise) {}
+
+  /// Residual of one camera in sigmas of the front end; empty if the point is not in front of it.
+  std::optional<Vector2d> Error(const HostedPoint& point, int camera) const;
+
+  /// Times the above: the residual in the sigmas that count. Not 1 for the landmarks of pipeline SP
+  /// only, whose noise is that of the paper's projection factors.
+  double NoiseScale(int camera) const;
+
+  /// Robust cost of one camera.
+  double Cost(const HostedPoint& point, int camera) const;
+
+  /// Adds the rows of both cameras to the block, as one more view.
+  void AddTo(const LinearizedPoint& point, LandmarkBlock& block) const;
+
+ private:
+  const FrameGeometry& geometry_;
+  const WindowLandmark& landmark_;
+  const WindowObservation& observation_;
+  const FactorNoise& noise_;
+};
+
+/// ReprojectionFactor::Error of the landmark where it is.
+std::optional<Vector2d> ReprojectionError(const FrameGeometry& geometry,
+                                          const WindowLandmark& landmark,
+                                          const WindowObservation& observation,
+                                          int camera);
+
+}  // namespace facet

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a solved window knows of its variables.
+#pragma once
+
+#include <vector>
+
+#include "facet/estimator/solver/reduced_system.h"
+
+namespace facet {
+
+/// Marginal covariance of the newest frame, which must have motion: theta p v b_g b_a
+/// (docs/math.md, equation (4.6)). The damping of the last Solve counts as information.
+Matrix<15, 15> NewestFrameCovariance(const ReducedSystem& reduced, const StateLayout& layout);
+
+/// Joint covariance of the newest pose and each plane: theta p, two tangent directions, offset.
+std::vector<Matrix<9, 9>> PlaneCovariances(const ReducedSystem& reduced, const StateLayout& layout);
+
+/// What landmarks and sightings say about each plane, poses given: information on two tangent
+/// directions and offset. The landmarks must have been eliminated (ReducedSystem::Solve).
+std::vector<Matrix3d> PlaneInformation(const LinearizedWindow& linear);
+
+}  // namespace facet

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/solver/frame_update.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "facet/base/median.h"
+#include "facet/estimator/factors/imu_factor.h"
+#include "facet/estimator/factors/landmark_factors.h"
+#include "facet/estimator/factors/robust_loss.h"
+
+namespace facet {
+
+namespace {
+
+constexpr double kMinDepth = 0.05;
+constexpr double kConverged = 1e-6;  // rad, m, m/s
+
+// Columns: 0..14 the reference, 15..29 the frame.
+constexpr int kFrame = 15;
+
+// Inverse of a covariance whose variances span ten orders of magnitude.
+Matrix<15, 15> Information(const Matrix<15, 15>& covariance) {
+  const Vector<15> inv_sigma = covariance.diagonal().cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
+  const Matrix<15, 15> correlation = inv_sigma.asDiagonal() * covariance * inv_sigma.asDiagonal();
+  const Matrix<15, 15> inverse =
+      (correlation + 1e-10 * Matrix<15, 15>::Identity()).llt().solve(Matrix<15, 15>::Identity());
+  return inv_sigma.asDiagonal() * inverse * inv_sigma.asDiagonal();
+}
+
+// How the frame moves (theta p) when the reference and all that is held to it moves rigidly.
+Matrix<6, 6> RigidMotion(const SE3& reference, const SE3& frame) {
+  Matrix<6, 6> G = Matrix<6, 6>::Zero();
+  const Matrix3d R_ref = reference.R();
+  G.block<3, 3>(0, 0) = frame.R().transpose() * R_ref;
+  G.block<3, 3>(3, 0) = -Hat(frame.p - reference.p) * R_ref;
+  G.block<3, 3>(3, 3) = Matrix3d::Identity();
+  return G;
+}
+
+NavState Moved(const NavState& x, const Vector<15>& step) {
+  NavState moved = x;
+  moved.T_WB = x.T_WB.Retract(step.head<3>(), step.segment<3>(3));
+  moved.v_WB += step.segment<3>(6);
+  moved.bias.b_g += step.segment<3>(9);
+  moved.bias.b_a += step.segment<3>(12);
+  return moved;
+}
+
+}  // namespace
+
+void FrameUpdater::SetReference(const SlidingWindow& window,
+                                const Matrix<15, 15>& covariance,
+                                const FactorNoise& noise) {
+  reference_ = window.frames.back().x;
+  reference_information_ = Information(covariance);
+
+  geometry_.Update(window.frames);
+  landmarks_.clear();
+  LandmarkBlock block;
+  for (const WindowLandmark& landmark : window.landmarks()) {
+    if (!landmark.has_depth || landmark.observations.back().frame != window.newest_frame())
+      continue;
+    LinearizeLandmark(geometry_, window.planes, landmark, noise, block);
+    HeldLandmark held;
+    const FrameGeometry::Pose& host = geometry_.current(landmark.host);
+    held.d_W = host.R_WC0 * landmark.bearing_H;
+    held.B_W = host.R_WC0 * TangentBasis(landmark.bearing_H);
+    held.rho = landmark.inverse_distance;
+    held.p_WH = host.p_WC0;
+    held.is_projection = landmark.is_projection;
+    // The ridge stands for a distance known to 1/m at best.
+    held.covariance = (block.V + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal())).inverse();
+    landmarks_.emplace(landmark.id, held);
+  }
+}
+
+std::vector<FrameUpdater::Match> FrameUpdater::FindMatches(
+    const std::vector<PreparedObservation>& observations) const {
+  std::vector<Match> matches;
+  matches.reserve(observations.size());
+  for (const PreparedObservation& o : observations) {
+    const auto it = landmarks_.find(o.landmark);
+    if (it != landmarks_.end()) matches.push_back({&it->second, &o.observation});
+  }
+  return matches;
+}
+
+double FrameUpdater::MedianError(const std::vector<Match>& matches,
+                                 const NavState& reference,
+                                 const NavState& frame) {
+  const SE3 T_HB = reference_.T_WB * (reference.T_WB.Inverse() * frame.T_WB);
+  const Matrix3d R_CW = geometry_.R_CB[0] * T_HB.R().transpose();
+  const Vector3d p_WC = T_HB * geometry_.p_BC[0];
+  errors_.clear();
+  for (const auto& [landmark, observation] : matches) {
+    const Vector3d h = R_CW * (landmark->d_W + landmark->rho * (landmark->p_WH - p_WC));
+    if (h.z() < kMinDepth || landmark->is_projection) continue;
+    errors_.push_back(
+        (observation->sqrt_info[0] * (h.head<2>() / h.z() - observation->xy[0])).norm());
+  }
+  return Median(errors_).value_or(0.0);
+}
+
+// The landmarks are held to the reference: they see the frame from where it was first estimated.
+void FrameUpdater::AddVision(const std::vector<Match>& matches,
+                             const NavState& reference,
+                             const NavState& frame,
+                             const FactorNoise& noise,
+                             System& system) const {
+  const SE3 T_HB = reference_.T_WB * (reference.T_WB.Inverse() * frame.T_WB);
+  const Matrix3d R_BH = T_HB.R().transpose();
+  const Matrix3d R_BW = frame.T_WB.R().transpose();
+  PoseSystem pose;
+  for (const auto& [landmark, observation] : matches) {
+    const Vector3d baseline_B = R_BH * (landmark->p_WH - T_HB.p);
+    const Vector3d l_B = R_BH * landmark->d_W + landmark->rho * baseline_B;
+    for (int c = 0; c < (observation->has_right ? 2 : 1); ++c) {
+      const Vector3d h = geometry_.R_CB[c] * (l_B - landmark->rho * geometry_.p_BC[c]);
+      if (h.z() < kMinDepth) continue;
+      const double scale =
+          landmark->is_projection ? observation->sigma_px[c] / noise.projection.sigma_px : 1.0;
+      const Matrix2d sqrt_info = scale * observation->sqrt_info[c];
+      Matrix<2, 3> J_h;
+      J_h << 1, 0, -h.x() / h.z(), 0, 1, -h.y() / h.z();
+      const Matrix<2, 3> A = (1.0 / h.z()) * (sqrt_info * J_h) * geometry_.R_CB[c];
+      Rows rows;
+      rows.r = sqrt_info * (h.head<2>() / h.z() - observation->xy[c]);
+      rows.J_landmark.leftCols<2>() = A * (R_BH * landmark->B_W);
+      rows.J_landmark.col(2) = A * (baseline_B - geometry_.p_BC[c]);
+      rows.J_pose.leftCols<3>() = A * Hat(l_B);
+      rows.J_pose.rightCols<3>() = -landmark->rho * (A * R_BW);
+      AddRows(rows, landmark->covariance, noise.reprojection_width, pose);
+    }
+  }
+  AddRelativePose(pose, RigidMotion(reference.T_WB, frame.T_WB), system);
+}
+
+// The pixel noise grows by what the landmark's own uncertainty adds.
+void FrameUpdater::AddRows(const Rows& rows,
+                           const Matrix3d& landmark_covariance,
+                           double width,
+                           PoseSystem& pose) const {
+  const Matrix2d S =
+      Matrix2d::Identity() + rows.J_landmark * landmark_covariance * rows.J_landmark.transpose();
+  const Matrix2d S_inv = S.inverse();
+  const double s = std::sqrt(rows.r.dot(S_inv * rows.r));
+  if (s > std::max(options_.outlier_sigma, width)) return;
+  const double root_weight = GemanMcClureLoss(s, width).root_weight;
+  const Matrix<6, 2> JtS = (root_weight * root_weight) * rows.J_pose.transpose() * S_inv;
+  pose.H.noalias() += JtS * rows.J_pose;
+  pose.b.noalias() += JtS * rows.r;
+}
+
+// Only the motion between the two counts: J_reference = -J_frame G.
+void FrameUpdater::AddRelativePose(const PoseSystem& pose, const Matrix<6, 6>& G, System& system) {
+  const Matrix<6, 6> HG = pose.H * G;
+  system.H.block<6, 6>(kFrame, kFrame) += pose.H;
+  system.H.block<6, 6>(kFrame, 0) -= HG;
+  system.H.block<6, 6>(0, kFrame) -= HG.transpose();
+  system.H.block<6, 6>(0, 0) += G.transpose() * HG;
+  system.b.segment<6>(kFrame) += pose.b;
+  system.b.head<6>() -= G.transpose() * pose.b;
+}
+
+void FrameUpdater::AddImu(const ImuLink& imu,
+                          const NavState& reference,
+                          const NavState& frame,
+                          System& system) {
+  const ImuResidual linear = LinearizeImu(imu.measured, reference, frame);
+  Matrix<15, 30> J;
+  J.leftCols<15>().noalias() = imu.sqrt_info * linear.J_i;
+  J.rightCols<15>().noalias() = imu.sqrt_info * linear.J_j;
+  system.H.noalias() += J.transpose() * J;
+  system.b.noalias() += J.transpose() * (imu.sqrt_info * linear.r);
+}
+
+FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& observations,
+                                       const ImuLink& imu,
+                                       const FactorNoise& noise,
+                                       NavState& x) {
+  FrameUpdateResult result;
+  const std::vector<Match> matches = FindMatches(observations);
+  result.num_used = static_cast<int>(matches.size());
+
+  NavState reference = reference_;
+  Vector<15> reference_step = Vector<15>::Zero();
+  System system;
+  Eigen::LLT<Matrix<30, 30>> factor;
+  for (int iteration = 0; iteration < options_.frame_iterations; ++iteration) {
+    auto& [H, b] = system;
+    H.setZero();
+    b.setZero();
+    H.topLeftCorner<15, 15>() = reference_information_;
+    b.head<15>() = reference_information_ * reference_step;
+    AddImu(imu, reference, x, system);
+    // After a poor prediction everything would look like an outlier.
+    FactorNoise now = noise;
+    now.reprojection_width = std::max(noise.reprojection_width,
+                                      options_.loss_width * MedianError(matches, reference, x));
+    AddVision(matches, reference, x, now, system);
+    factor.compute(H);
+    if (factor.info() != Eigen::Success) return result;
+    const Vector<30> step = -factor.solve(b);
+    if (!step.allFinite()) return result;
+    reference_step += step.head<15>();
+    reference = Moved(reference, step.head<15>());
+    x = Moved(x, step.tail<15>());
+    if (step.segment<9>(kFrame).cwiseAbs().maxCoeff() < kConverged) break;
+  }
+  Matrix<30, 15> columns = Matrix<30, 15>::Zero();
+  columns.bottomRows<15>().setIdentity();
+  factor.matrixL().solveInPlace(columns);
+  result.covariance = columns.transpose() * columns;
+  result.ok = true;
+  return result;
+}
+
+}  // namespace facet

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Full state of a frame between keyframes, at a fraction of the cost of the window: the last
+// keyframe (the reference) is free within its covariance, the landmarks are held to its pose, the
+// frame is tied to the reference by the IMU and to the landmarks by its observations
+// (docs/math.md, section 4.4).
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include "facet/camera/stereo_rig.h"
+#include "facet/estimator/factors/factor_noise.h"
+#include "facet/estimator/window/frame_geometry.h"
+#include "facet/estimator/window/frame_observations.h"
+
+namespace facet {
+
+struct FrameUpdateResult {
+  bool ok = false;
+  int num_used = 0;  ///< observations of known landmarks
+  Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
+};
+
+/// Not thread-safe.
+class FrameUpdater {
+ public:
+  FrameUpdater(const StereoRig& rig, const SolverOptions& options)
+      : geometry_(rig), options_(options) {}
+
+  /// Takes the newest frame of the window as reference, with its marginal covariance, and the
+  /// landmarks that it sees.
+  void SetReference(const SlidingWindow& window,
+                    const Matrix<15, 15>& covariance,
+                    const FactorNoise& noise);
+
+  /// `x`: the predicted state of the frame, which is updated. `imu`: from the reference to it.
+  /// `noise`: as for the reference.
+  FrameUpdateResult Update(const std::vector<PreparedObservation>& observations,
+                           const ImuLink& imu,
+                           const FactorNoise& noise,
+                           NavState& x);
+
+ private:
+  /// A landmark of the window, held in the world as d_W + rho (p_WH - p).
+  struct HeldLandmark {
+    Vector3d d_W;
+    Matrix<3, 2> B_W;
+    double rho;
+    Vector3d p_WH;
+    Matrix3d covariance;  // of the two bearing directions and rho
+    bool is_projection;
+  };
+  struct Match {
+    const HeldLandmark* landmark;
+    const WindowObservation* observation;
+  };
+  /// Two rows of one camera, whitened by the pixel noise alone.
+  struct Rows {
+    Vector2d r;
+    Matrix<2, 6> J_pose;
+    Matrix<2, 3> J_landmark;
+  };
+  /// What all of them say about the pose of the frame.
+  struct PoseSystem {
+    Matrix<6, 6> H = Matrix<6, 6>::Zero();
+    Vector<6> b = Vector<6>::Zero();
+  };
+  /// Normal equations of the reference (columns 0 to 14) and the frame.
+  struct System {
+    Matrix<30, 30> H;
+    Vector<30> b;
+  };
+
+  std::vector<Match> FindMatches(const std::vector<PreparedObservation>& observations) const;
+  /// Median of the norms of the whitened left errors.
+  double MedianError(const std::vector<Match>& matches,
+                     const NavState& reference,
+                     const NavState& frame);
+  void AddVision(const std::vector<Match>& matches,
+                 const NavState& reference,
+                 const NavState& frame,
+                 const FactorNoise& noise,
+                 System& system) const;
+  void AddRows(const Rows& rows,
+               const Matrix3d& landmark_covariance,
+               double width,
+               PoseSystem& pose) const;
+  static void AddRelativePose(const PoseSystem& pose, const Matrix<6, 6>& G, System& system);
+  static void AddImu(const ImuLink& imu,
+                     const NavState& reference,
+                     const NavState& frame,
+                     System& system);
+
+  FrameGeometry geometry_;
+  SolverOptions options_;
+  NavState reference_;
+  Matrix<15, 15> reference_information_ = Matrix<15, 15>::Zero();
+  std::unordered_map<LandmarkId, HeldLandmark> landmarks_;
+  std::vector<double> errors_;  // buffer of MedianError
+};
+
+}  // namespace facet

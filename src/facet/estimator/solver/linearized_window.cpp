@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/solver/linearized_window.h"
+
+#include "facet/estimator/factors/window_factors.h"
+#include "facet/estimator/solver/landmark_elimination.h"
+
+namespace facet {
+
+namespace {
+
+void ClearCouplings(const SlidingWindow& window, LinearizedWindow& linear) {
+  const std::size_t num_frames = window.frames.size();
+  linear.coupled_with_motion.resize(num_frames);
+  for (std::size_t i = 0; i < num_frames; ++i) {
+    linear.coupled_with_motion[i].Clear(num_frames, window.planes.size());
+    // A motion goes together with its own pose, whatever the factors say.
+    if (window.frames[i].has_motion)
+      linear.coupled_with_motion[i].Insert(Variable::Pose(static_cast<int>(i)));
+  }
+}
+
+void AddCouplings(const auto& factor, LinearizedWindow& linear) {
+  factor.ForEachVariable([&](Variable variable) {
+    if (variable.kind != Variable::Kind::kMotion) return;
+    VariableSet& coupled = linear.coupled_with_motion[variable.index];
+    factor.ForEachVariable([&](Variable other) { coupled.Insert(other); });
+  });
+}
+
+// What the sightings add to the planes' blocks is their information.
+void AddSightings(const SlidingWindow& window, const FactorNoise& noise, LinearizedWindow& linear) {
+  NormalEquations& equations = linear.equations;
+  const auto on_diagonal = [&](std::size_t plane) {
+    const int column = equations.layout.plane_column[plane];
+    return equations.H.block<3, 3>(column, column);
+  };
+  linear.sighted.resize(window.planes.size());
+  for (std::size_t k = 0; k < linear.sighted.size(); ++k)
+    linear.sighted[k] = -on_diagonal(k);
+  VisitSightings(
+      window, noise, [&](const Factor auto& factor) { linear.cost += factor.AddTo(equations); });
+  for (std::size_t k = 0; k < linear.sighted.size(); ++k)
+    linear.sighted[k] += on_diagonal(k);
+}
+
+void AddLandmarks(const SlidingWindow& window,
+                  const FrameGeometry& geometry,
+                  const FactorNoise& noise,
+                  LinearizedWindow& linear) {
+  NormalEquations& equations = linear.equations;
+  const auto& landmarks = window.landmarks();
+  linear.num_landmarks = 0;
+  if (linear.landmarks.size() < landmarks.size()) linear.landmarks.resize(landmarks.size());
+  for (std::size_t l = 0; l < landmarks.size(); ++l) {
+    if (!IsConstraining(landmarks[l])) continue;
+    LandmarkBlock& block = linear.landmarks[linear.num_landmarks++];
+    block.index = static_cast<int>(l);
+    LinearizeLandmark(geometry, window.planes, landmarks[l], noise, block);
+    linear.cost += block.cost;
+    AddDiagonal(block, equations.layout, equations.H, equations.b);
+  }
+}
+
+}  // namespace
+
+void Linearize(const SlidingWindow& window,
+               const FrameGeometry& geometry,
+               const FactorNoise& noise,
+               LinearizedWindow& linear) {
+  linear.equations.Clear(window);
+  ClearCouplings(window, linear);
+  linear.cost = 0;
+  VisitAllButSightings(window, noise, [&](const Factor auto& factor) {
+    linear.cost += factor.AddTo(linear.equations);
+    AddCouplings(factor, linear);
+  });
+  AddSightings(window, noise, linear);
+  AddLandmarks(window, geometry, noise, linear);
+}
+
+double WindowCost(const SlidingWindow& window,
+                  const FrameGeometry& geometry,
+                  const FactorNoise& noise) {
+  double cost = 0;
+  VisitFactors(window, noise, [&](const Factor auto& factor) { cost += factor.Cost(); });
+  for (const WindowLandmark& landmark : window.landmarks()) {
+    if (IsConstraining(landmark)) cost += LandmarkCost(geometry, window.planes, landmark, noise);
+  }
+  return cost;
+}
+
+}  // namespace facet

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/solver/reduced_system.h"
+
+#include <Eigen/Cholesky>
+
+#include "facet/estimator/solver/landmark_elimination.h"
+
+namespace facet {
+
+bool ReducedSystem::Solve(double lambda, LinearizedWindow& linear) {
+  const StateLayout& layout = linear.layout();
+  const MatrixXd& H = linear.equations.H;
+  H_.resize(layout.dim, layout.dim);
+  H_.triangularView<Eigen::Lower>() = H;
+  b_ = linear.equations.b;
+  dense_dim_ = layout.dense_dim;
+  // The constant keeps a frame without any measurement (dark, during the start) where it is.
+  H_.diagonal().array() += lambda * (H.diagonal().array() + 1.0);
+  for (int k = 0; k < linear.num_landmarks; ++k) {
+    Eliminate(lambda, linear.landmarks[k]);
+    SubtractSchur(linear.landmarks[k], layout, H_, b_);
+  }
+  if (!motions_.Eliminate(layout, linear.coupled_with_motion, H_, b_)) return false;
+  Eigen::Ref<MatrixXd> dense = H_.topLeftCorner(dense_dim_, dense_dim_);
+  if (Eigen::LLT<Eigen::Ref<MatrixXd>>(dense).info() != Eigen::Success) return false;
+  step_.setZero(layout.dim);
+  auto dense_step = step_.head(dense_dim_);
+  dense_step = -b_.head(dense_dim_);
+  factor().triangularView<Eigen::Lower>().solveInPlace(dense_step);
+  factor().transpose().triangularView<Eigen::Upper>().solveInPlace(dense_step);
+  motions_.BackSubstitute(step_);
+  return step_.allFinite();
+}
+
+}  // namespace facet

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/solver/reduced_system.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "facet/estimator/solver/covariance.h"
+#include "facet/testing/estimator/balanced_prior.h"
+
+namespace facet {
+namespace {
+
+using testing::TestWindow;
+
+const FactorNoise kNoise = testing::NoiseOfWidth(testing::kOptimumWidth);
+
+// The system in which motions and landmarks are eliminated against the dense one.
+TEST(ReducedSystemTest, StepAndCovarianceEqualTheDenseSystem) {
+  for (std::uint64_t seed = 51; seed < 56; ++seed) {
+    TestWindow test = testing::MakeOptimumWindow(seed, seed % 2 == 0 ? 2 : 0);
+    Rng rng(seed);
+    if (seed % 2 == 0) {
+      testing::AddBalancedPrior(test, rng, kNoise);
+    } else {
+      test.window.start_prior.emplace(FrameId{0}, test.truth[0].T_WB, StartOptions{});
+    }
+    testing::Disturb(test.window, {1e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
+    const NormalEquations dense = testing::Assemble(test.window, test.rig, testing::kOptimumWidth);
+    const VectorXd s = dense.H.diagonal().cwiseSqrt().cwiseInverse();
+    const MatrixXd scaled = s.asDiagonal() * dense.H * s.asDiagonal();
+    const MatrixXd inverse = s.asDiagonal() * scaled.inverse() * s.asDiagonal();
+    LinearizedWindow linear;
+    ReducedSystem reduced;
+    testing::Linearize(test, kNoise, linear);
+    ASSERT_TRUE(reduced.Solve(0.0, linear));
+    const VectorXd step = -inverse * dense.b;
+    EXPECT_LT((reduced.step() - step).norm(), 1e-6 * step.norm());
+    const std::size_t newest = test.window.frames.size() - 1;
+    std::vector<int> columns;
+    for (int k = 0; k < 6; ++k)
+      columns.push_back(dense.layout.pose_column[newest] + k);
+    for (int k = 0; k < 9; ++k)
+      columns.push_back(dense.layout.motion_column[newest] + k);
+    const Matrix<15, 15> expected = inverse(columns, columns);
+    const Vector<15> scale = expected.diagonal().cwiseSqrt().cwiseInverse();
+    const Matrix<15, 15> error = NewestFrameCovariance(reduced, linear.layout()) - expected;
+    EXPECT_LT((scale.asDiagonal() * error * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The loop; that it finds the optimum is tested in optimum_test.
+#include "facet/estimator/solver/window_solver.h"
+
+#include <gtest/gtest.h>
+
+#include "facet/testing/estimator/balanced_prior.h"
+
+namespace facet {
+namespace {
+
+using testing::TestWindow;
+
+const FactorNoise kNoise = testing::NoiseOfWidth(testing::kOptimumWidth);
+
+// Everything that the newest frame sees is far beyond the loss' width, but it is the frame that is
+// wrong.
+TEST(WindowSolverTest, APoorPredictionOfTheNewestFrameIsMended) {
+  for (std::uint64_t seed = 51; seed <= 55; ++seed) {
+    TestWindow test = testing::MakeOptimumWindow(seed, 0);
+    WindowFrame& newest = test.window.frames.back();
+    newest.imu_link.reset();
+    newest.has_motion = false;
+    newest.x.T_WB = newest.x.T_WB.Retract(Vector3d(0.05, -0.05, 0.05), Vector3d(0.1, 0.1, -0.1));
+    WindowSolver solver(test.rig, SolverOptions{});
+    EXPECT_GT(solver.NewestFrameError(test.window), 10 * SolverOptions{}.loss_width);
+    solver.Solve(test.window, FactorNoise(EstimatorOptions{}), 5);
+    EXPECT_LT(solver.NewestFrameError(test.window), 2.0);
+  }
+}
+
+TEST(WindowSolverTest, CovarianceIsFreeOfDamping) {
+  Rng rng(53);
+  TestWindow test = testing::MakeOptimumWindow(53, 0);
+  testing::AddBalancedPrior(test, rng, kNoise);
+  SolverOptions options;
+  options.loss_width = 0;
+  options.min_cost_decrease = 0;  // at the optimum the solver then damps until nothing moves
+  WindowSolver solver(test.rig, options);
+  solver.Solve(test.window, kNoise, 30);
+  const Matrix<15, 15> expected = [&] {
+    LinearizedWindow linear;
+    ReducedSystem reduced;
+    testing::Linearize(test, kNoise, linear);
+    EXPECT_TRUE(reduced.Solve(1e-12, linear));
+    return NewestFrameCovariance(reduced, linear.layout());
+  }();
+  solver.Solve(test.window, kNoise, 5);
+  const Vector<15> scale = expected.diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix<15, 15> error = solver.NewestFrameCovariance() - expected;
+  EXPECT_LT((scale.asDiagonal() * error * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST(WindowSolverTest, NeverRaisesTheCost) {
+  for (std::uint64_t seed = 60; seed < 70; ++seed) {
+    TestWindow test = testing::MakeOptimumWindow(seed, 0);
+    test.window.start_prior.emplace(FrameId{0}, test.truth[0].T_WB, StartOptions{});
+    Rng rng(seed);
+    testing::Disturb(test.window, {0.1, 0.3, 1.0, 0.05, 0.5}, rng);
+    SolverOptions options;
+    options.loss_width = 0;
+    WindowSolver solver(test.rig, options);
+    const SolveSummary summary = solver.Solve(test.window, kNoise, 10);
+    EXPECT_TRUE(summary.ok);
+    EXPECT_LE(summary.final_cost, summary.initial_cost);
+    LinearizedWindow linear;
+    testing::Linearize(test, kNoise, linear);
+    EXPECT_NEAR(linear.cost, summary.final_cost, 1e-9 * summary.final_cost);
+  }
+}
+
+// Planes that nothing but a relation knows: the rest of the window does not notice them.
+TEST(WindowSolverTest, PlanesWithoutLandmarksBreakNothing) {
+  using enum PlaneRelationKind;
+  Rng rng(9);
+  testing::TestWindowOptions options;
+  TestWindow test = testing::MakeTestWindow(options, rng);
+  test.window.start_prior.emplace(FrameId{0}, test.truth[0].T_WB, StartOptions{});
+  testing::Disturb(test.window, {1e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
+  SlidingWindow with = test.window;
+  // Walls that nearly face each other.
+  const Vector3d n_a = ExpSO3(0.02 * rng.Normal3()) * Vector3d::UnitX();
+  const Vector3d n_b = ExpSO3(0.02 * rng.Normal3()) * Vector3d(-1, 0, 0);
+  with.planes.emplace_back(PlaneId{4}, Plane{n_a, 1}, rng.Normal3(), testing::kPlaneSigma_m);
+  with.planes.emplace_back(PlaneId{7}, Plane{n_b, 2}, rng.Normal3(), testing::kPlaneSigma_m);
+  for (const PlaneRelationKind kind : {kHeadingParallel, kVertical, kCoplanar})
+    EXPECT_TRUE(with.AddRelation({kind, PlaneId{4}, PlaneId{7}}));
+  SolverOptions solver_options;
+  solver_options.min_cost_decrease = 0;
+  const FactorNoise noise{EstimatorOptions{}};
+  WindowSolver plain(test.rig, solver_options), related(test.rig, solver_options);
+  EXPECT_TRUE(plain.Solve(test.window, noise, 20).ok);
+  EXPECT_TRUE(related.Solve(with, noise, 20).ok);
+  for (std::size_t i = 0; i < with.frames.size(); ++i) {
+    EXPECT_LT(testing::Difference(with.frames[i].x, test.window.frames[i].x).norm(), 1e-6);
+  }
+  const Matrix<15, 15> difference = related.NewestFrameCovariance() - plain.NewestFrameCovariance();
+  EXPECT_LT(difference.norm(), 1e-3 * plain.NewestFrameCovariance().norm());
+}
+
+}  // namespace
+}  // namespace facet

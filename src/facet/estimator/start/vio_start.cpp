@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/start/vio_start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "facet/estimator/start/initializer.h"
+#include "facet/estimator/window/landmark_depth.h"
+#include "facet/estimator/window/window_policy.h"
+#include "facet/geometry/angles.h"
+
+namespace facet {
+
+namespace {
+
+constexpr int kStartIterations = 25;
+// Duplicates are kept up to this many frames: they average the pixel noise.
+constexpr int kMinStartFrames = 8;
+// Of a slow camera: velocity and gravity from positions need three.
+constexpr int kFewestStartFrames = 4;
+// A start needs gravity: at most this many intervals of its window may be without IMU.
+constexpr int kMaxInventedIntervals = 1;
+constexpr double kMaxDeadReckoning_s = 1.0;
+
+bool HasInventedImu(const WindowFrame& frame) {
+  return frame.imu_link && frame.imu_link->is_invented;
+}
+
+double SpanOf(const SlidingWindow& window) {
+  return ToSeconds(window.frames.back().x.t - window.frames.front().x.t);
+}
+
+bool IsDark(int frame, const SlidingWindow& window) {
+  const auto is_there = [&](const WindowObservation& o) { return o.frame == frame; };
+  return std::none_of(
+      window.landmarks().begin(), window.landmarks().end(), [&](const WindowLandmark& l) {
+        return std::any_of(l.observations.begin(), l.observations.end(), is_there);
+      });
+}
+
+void DropFirstFrame(SlidingWindow& window) {
+  window.RemoveFrame(0);
+  const WindowFrame& first = window.frames.front();
+  window.start_prior->frame = first.id;
+  window.start_prior->T_WB = first.x.T_WB;
+}
+
+// Frames at the beginning that say nothing of the others: dark ones, or without IMU after them.
+void DropUselessBeginning(SlidingWindow& window) {
+  while (window.frames.size() > 1 && (HasInventedImu(window.frames[1]) || IsDark(0, window)))
+    DropFirstFrame(window);
+}
+
+// 1-sigma of roll or pitch of the newest frame, whichever is larger [rad].
+double TiltSigma(const Matrix<15, 15>& covariance, const SlidingWindow& window) {
+  const Matrix3d R = window.frames.back().x.T_WB.R();
+  const Matrix3d cov_W = R * covariance.topLeftCorner<3, 3>() * R.transpose();
+  return std::sqrt(std::max({cov_W(0, 0), cov_W(1, 1), 0.0}));
+}
+
+// Where the newest frame is put in the world when the start succeeds.
+SE3 StartPose(const NavState& newest, const std::optional<NavState>& last_good) {
+  if (!last_good) {
+    const Vector3d up_B = newest.T_WB.q.conjugate() * Vector3d::UnitZ();
+    return {RotationBetween(up_B, Vector3d::UnitZ()), Vector3d::Zero()};
+  }
+  // After a reset: go on from the last pose, with its heading and for a moment with its velocity.
+  const double elapsed_s = ToSeconds(newest.t - last_good->t);
+  const Quaterniond difference = last_good->T_WB.q * newest.T_WB.q.conjugate();
+  const double yaw = 2 * std::atan2(difference.z(), difference.w());
+  return {ExpSO3({0, 0, yaw}) * newest.T_WB.q,
+          last_good->T_WB.p + std::min(elapsed_s, kMaxDeadReckoning_s) * last_good->v_WB};
+}
+
+// Turns everything about the vertical and moves it.
+void MoveNewestFrameTo(const SE3& T_WB, SlidingWindow& window) {
+  const SE3 T_new_old = T_WB * window.frames.back().x.T_WB.Inverse();
+  for (WindowFrame& frame : window.frames) {
+    frame.x.T_WB = T_new_old * frame.x.T_WB;
+    frame.x.T_WB.q.normalize();
+    frame.x.v_WB = T_new_old.q * frame.x.v_WB;
+    frame.lin = frame.x;
+  }
+  window.start_prior->T_WB = window.frames.front().x.T_WB;
+}
+
+// A duplicate frame goes without a trace but for its IMU, which joins the next interval.
+void RemoveDuplicate(int index,
+                     const ImuIntervals& imu,
+                     SlidingWindow& window,
+                     std::vector<KeyframePose>& finished) {
+  const WindowFrame& frame = window.frames[index];
+  if (frame.is_reported) finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
+  ImuLink joined = imu.Join(*frame.imu_link, *window.frames[index + 1].imu_link);
+  window.RemoveFrame(index);
+  window.frames[index].imu_link = std::move(joined);
+}
+
+}  // namespace
+
+void VioStart::AppendFirstFrame(WindowFrame frame,
+                                const ImuInterval& imu,
+                                const StartOptions& options,
+                                SlidingWindow& window) {
+  Vector3d mean = Vector3d::Zero();
+  for (const ImuSample& sample : imu.samples)
+    mean += sample.accel;
+  if (mean.norm() > 1.0) frame.x.T_WB.q = RotationBetween(mean, Vector3d::UnitZ());
+  frame.lin = frame.x;
+  window.start_prior.emplace(frame.id, frame.x.T_WB, options);
+  window.frames.push_back(std::move(frame));
+}
+
+StartAttempt VioStart::Try(const std::optional<NavState>& last_good,
+                           const ImuIntervals& imu,
+                           WindowOptimizer& optimizer,
+                           SlidingWindow& window) {
+  StartAttempt attempt;
+  attempt.reason = HasInventedImu(window.frames.back()) ? "no IMU" : "collecting frames";
+  DropUselessBeginning(window);
+  InitializeDepths(optimizer.UpdateGeometry(window), window);
+  attempt.num_constraining = static_cast<int>(
+      std::count_if(window.landmarks().begin(), window.landmarks().end(), IsConstraining));
+  if (!HasEnoughFrames(window)) return attempt;
+  attempt.reason = FindFirstValues(attempt.num_constraining, window);
+  if (attempt.reason.empty()) {
+    Solve(imu, optimizer, window, attempt);
+    const double tilt = TiltSigma(attempt.covariance, window);
+    if (tilt < options_.start.max_tilt_deg * kDegree ||
+        SpanOf(window) >= options_.start.max_wait_s) {
+      MoveNewestFrameTo(StartPose(window.frames.back().x, last_good), window);
+      // The covariance belongs to the origin and heading that were fixed when it was computed.
+      optimizer.Solve(window, 1);
+      attempt.covariance = optimizer.solver().NewestFrameCovariance();
+      attempt.has_started = has_state_ = true;
+      return attempt;
+    }
+    attempt.reason = "tilt not known well enough";
+  }
+  // The oldest frames may be what spoils the start (a blackout, a jump): let them go.
+  if (static_cast<int>(window.frames.size()) >= 3 * options_.start.min_frames)
+    DropFirstFrame(window);
+  return attempt;
+}
+
+bool VioStart::HasEnoughFrames(const SlidingWindow& window) const {
+  const int num_frames = static_cast<int>(window.frames.size());
+  return num_frames >= options_.start.min_frames ||
+         (num_frames >= kFewestStartFrames && SpanOf(window) >= options_.start.enough_s);
+}
+
+// First values of all states; if there are none, why not.
+std::string VioStart::FindFirstValues(int num_constraining, SlidingWindow& window) const {
+  if (std::count_if(window.frames.begin(), window.frames.end(), HasInventedImu) >
+      kMaxInventedIntervals) {
+    return "too little IMU";
+  }
+  if (num_constraining < options_.start.min_landmarks) return "too few stereo landmarks";
+  return InitializeFromStereo(rig_, options_, window).reason;
+}
+
+void VioStart::Solve(const ImuIntervals& imu,
+                     WindowOptimizer& optimizer,
+                     SlidingWindow& window,
+                     StartAttempt& attempt) const {
+  optimizer.Solve(window, kStartIterations);
+  optimizer.LearnFrom(optimizer.RemoveOutliers(window));
+  imu.Relinearize(window);
+  attempt.solve = optimizer.Solve(window, kStartIterations);
+  attempt.covariance = optimizer.solver().NewestFrameCovariance();
+}
+
+bool VioStart::IsOver(const Matrix<15, 15>& covariance,
+                      const ImuIntervals& imu,
+                      WindowOptimizer& optimizer,
+                      SlidingWindow& window,
+                      std::vector<KeyframePose>& finished) {
+  if (is_over_) return true;
+  if (!ShouldEnd(covariance, imu, window, finished)) return false;
+  is_over_ = true;
+  imu.Relinearize(window);
+  optimizer.Solve(window, kStartIterations);
+  return true;
+}
+
+// At rest the tilt stays uncertain, but the frames are duplicates, and one of them can go. In
+// motion there is none, and the start has to end.
+bool VioStart::ShouldEnd(const Matrix<15, 15>& covariance,
+                         const ImuIntervals& imu,
+                         SlidingWindow& window,
+                         std::vector<KeyframePose>& finished) const {
+  if (SpanOf(window) < options_.window.start_s) return false;
+  if (TiltSigma(covariance, window) < options_.window.start_tilt_deg * kDegree) return true;
+  const int num_frames = static_cast<int>(window.frames.size());
+  if (num_frames <= kMinStartFrames) return false;
+  const int victim = MostRedundantFrame(window, 1, num_frames - 3, options_.window.covisible_share);
+  if (!IsDuplicate(window, victim)) return num_frames > options_.window.max_start_keyframes;
+  RemoveDuplicate(victim, imu, window, finished);
+  return false;
+}
+
+}  // namespace facet

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The beginning of a run: collect frames until gravity and velocity are known, put them into the
+// world, and keep them until they have said all they can (docs/math.md, section 6; docs/math.md,
+// "The start").
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "facet/estimator/solver/window_optimizer.h"
+#include "facet/estimator/window/imu_intervals.h"
+#include "facet/map/map_snapshot.h"
+
+namespace facet {
+
+/// What came of an attempt to start.
+struct StartAttempt {
+  bool has_started = false;
+  std::string reason;        ///< why not yet
+  int num_constraining = 0;  ///< landmarks that constrain the window
+  SolveSummary solve;
+  Matrix<15, 15> covariance = Matrix<15, 15>::Zero();  ///< of the newest frame, if it has started
+};
+
+/// First there is no state, and every frame is one more attempt; then there is one, but the window
+/// only grows; then the start is over. Not thread-safe.
+class VioStart {
+ public:
+  VioStart(const StereoRig& rig, const EstimatorOptions& options) : rig_(rig), options_(options) {}
+
+  bool has_state() const { return has_state_; }
+
+  /// The first frame of a run, upright as the accelerometer says. The start prior holds it.
+  static void AppendFirstFrame(WindowFrame frame,
+                               const ImuInterval& imu,
+                               const StartOptions& options,
+                               SlidingWindow& window);
+
+  /// With one more frame in the window, and its observations. If there was a state before (which
+  /// was lost), the new world is put where that one has led to.
+  StartAttempt Try(const std::optional<NavState>& last_good,
+                   const ImuIntervals& imu,
+                   WindowOptimizer& optimizer,
+                   SlidingWindow& window);
+
+  /// After each keyframe since: whether the start is over. The window is solved anew when it ends.
+  /// If it does not but the window is full of duplicates, one of them goes, and its final pose is
+  /// appended to `finished`. `covariance`: of the newest frame.
+  bool IsOver(const Matrix<15, 15>& covariance,
+              const ImuIntervals& imu,
+              WindowOptimizer& optimizer,
+              SlidingWindow& window,
+              std::vector<KeyframePose>& finished);
+
+ private:
+  bool HasEnoughFrames(const SlidingWindow& window) const;
+  std::string FindFirstValues(int num_constraining, SlidingWindow& window) const;
+  void Solve(const ImuIntervals& imu,
+             WindowOptimizer& optimizer,
+             SlidingWindow& window,
+             StartAttempt& attempt) const;
+  bool ShouldEnd(const Matrix<15, 15>& covariance,
+                 const ImuIntervals& imu,
+                 SlidingWindow& window,
+                 std::vector<KeyframePose>& finished) const;
+
+  StereoRig rig_;
+  EstimatorOptions options_;
+  bool has_state_ = false;
+  bool is_over_ = false;
+};
+
+}  // namespace facet

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/window/frame_observations.h"
+
+#include <optional>
+
+#include <Eigen/LU>
+
+namespace facet {
+
+namespace {
+
+void SetCamera(int camera,
+               const UndistortedPoint& point,
+               double sigma_px,
+               WindowObservation& observation) {
+  observation.xy[camera] = point.xy;
+  observation.sigma_px[camera] = sigma_px;
+  observation.sqrt_info[camera] = point.J_xy_px.inverse() / sigma_px;
+}
+
+}  // namespace
+
+std::vector<PreparedObservation> PrepareObservations(const FrameObservations& observations,
+                                                     const StereoRig& rig,
+                                                     double pixel_sigma_scale) {
+  std::vector<PreparedObservation> prepared;
+  prepared.reserve(observations.features.size());
+  for (const FeatureObservation& feature : observations.features) {
+    const std::optional<UndistortedPoint> left = rig.cameras[0].Undistort(feature.px_left);
+    if (!left || !(feature.sigma_left_px > 0)) continue;
+    WindowObservation observation;
+    SetCamera(0, *left, pixel_sigma_scale * feature.sigma_left_px, observation);
+    if (feature.px_right && feature.sigma_right_px > 0) {
+      if (const auto right = rig.cameras[1].Undistort(*feature.px_right)) {
+        observation.has_right = true;
+        SetCamera(1, *right, pixel_sigma_scale * feature.sigma_right_px, observation);
+      }
+    }
+    prepared.push_back({feature.landmark, observation});
+  }
+  return prepared;
+}
+
+void AppendObservations(const std::vector<PreparedObservation>& prepared, SlidingWindow& window) {
+  const int newest = window.newest_frame();
+  for (const PreparedObservation& p : prepared) {
+    WindowLandmark* landmark = window.Find(p.landmark);
+    if (landmark == nullptr) landmark = &window.AddLandmark(p.landmark, newest);
+    if (!landmark->observations.empty() && landmark->observations.back().frame == newest) continue;
+    landmark->observations.push_back(p.observation);
+    landmark->observations.back().frame = newest;
+  }
+}
+
+}  // namespace facet

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// From the pixels of one stereo frame to the observations of the window.
+#pragma once
+
+#include <vector>
+
+#include "facet/camera/stereo_rig.h"
+#include "facet/estimator/window/sliding_window.h"
+#include "facet/map/observation.h"
+
+namespace facet {
+
+/// One observation that is not in the window yet.
+struct PreparedObservation {
+  LandmarkId landmark;
+  WindowObservation observation;  ///< `frame` is not set
+};
+
+/// Undistorts the pixels and whitens them by their sigmas times `pixel_sigma_scale`. What cannot be
+/// undistorted, and what has no positive sigma, is passed over.
+std::vector<PreparedObservation> PrepareObservations(const FrameObservations& observations,
+                                                     const StereoRig& rig,
+                                                     double pixel_sigma_scale);
+
+/// Adds what the newest frame sees; landmarks that are not in the window come into it. Of several
+/// observations of one landmark the first one counts.
+void AppendObservations(const std::vector<PreparedObservation>& prepared, SlidingWindow& window);
+
+}  // namespace facet

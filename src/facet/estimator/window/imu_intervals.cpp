@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/window/imu_intervals.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace facet {
+
+namespace {
+
+// IMU noise over an interval with a hole, and over one without any sample, times the usual.
+constexpr double kGapNoiseScale = 10.0;
+constexpr double kNoImuNoiseScale = 300.0;
+// Bias change that makes an interval worth integrating again.
+constexpr double kRelinearizeGyro = 2e-3;   // rad/s
+constexpr double kRelinearizeAccel = 2e-2;  // m/s^2
+
+PreintegrationNoise Scaled(const PreintegrationNoise& noise, double scale) {
+  return {noise.gyro * scale, noise.accel * scale, noise.integration * scale};
+}
+
+// Whether the samples can be integrated: finite, in order of time, from t0 to t1 or nearly so.
+bool IsUsable(const std::vector<ImuSample>& samples, Timestamp t0, Timestamp t1) {
+  constexpr Duration kMaxEndError{10'000'000};
+  if (samples.size() < 2 || samples.front().t != t0) return false;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!samples[i].gyro.allFinite() || !samples[i].accel.allFinite()) return false;
+    if (i > 0 && samples[i].t < samples[i - 1].t) return false;
+  }
+  return std::max(samples.back().t - t1, t1 - samples.back().t) <= kMaxEndError;
+}
+
+// What an IMU would have seen at constant velocity.
+std::vector<ImuSample> ConstantVelocity(const NavState& x, Timestamp t0, Timestamp t1) {
+  ImuSample sample{t0, x.bias.b_g, x.bias.b_a - x.T_WB.q.conjugate() * GravityInWorld()};
+  std::vector<ImuSample> samples = {sample, sample};
+  samples.back().t = std::max(t0, t1);
+  return samples;
+}
+
+}  // namespace
+
+ImuIntervals::ImuIntervals(const ImuNoise& noise, const ImuOptions& options, Duration time_offset)
+    : noise_(InflatedNoise(noise, options)),
+      bias_walk_(noise, options),
+      time_offset_(time_offset) {}
+
+void ImuIntervals::Begin(Timestamp t) {
+  end_ = t + time_offset_;
+}
+
+PredictedFrame ImuIntervals::Next(const NavState& last,
+                                  std::optional<ImuLink> passing,
+                                  Timestamp t,
+                                  const ImuInterval& imu) {
+  const Timestamp t1 = t + time_offset_;
+  const bool is_invented = !IsUsable(imu.samples, end_, t1);
+  std::vector<ImuSample> invented;
+  if (is_invented) invented = ConstantVelocity(last, end_, t1);
+  const std::span<const ImuSample> samples = is_invented ? invented : imu.samples;
+  const double scale = is_invented ? kNoImuNoiseScale : imu.has_hole ? kGapNoiseScale : 1.0;
+
+  PredictedFrame frame;
+  frame.link.is_invented = is_invented;
+  ImuPreintegration& measured = frame.link.measured;
+  measured = ImuPreintegration(last.bias, Scaled(noise_, scale));
+  measured.Integrate(samples);
+  frame.x = measured.Predict(last);
+  frame.x.t = t;
+  if (passing && scale == 1.0) {
+    measured = std::move(passing->measured);
+    measured.Integrate(samples);
+  } else if (passing) {
+    std::vector<ImuSample> all = passing->measured.samples();
+    all.insert(all.end(), samples.begin() + 1, samples.end());
+    measured = ImuPreintegration(last.bias, Scaled(noise_, scale));
+    measured.Integrate(all);
+  }
+  UpdateSqrtInfo(frame.link);
+  end_ = samples.back().t;
+  return frame;
+}
+
+ImuLink ImuIntervals::Join(ImuLink first, const ImuLink& second) const {
+  first.measured.Integrate(second.measured.samples());
+  first.is_invented = second.is_invented;
+  UpdateSqrtInfo(first);
+  return first;
+}
+
+void ImuIntervals::Relinearize(SlidingWindow& window) const {
+  for (std::size_t j = 1; j < window.frames.size(); ++j) {
+    std::optional<ImuLink>& link = window.frames[j].imu_link;
+    if (!link) continue;
+    const ImuBias& bias = window.frames[j - 1].x.bias;
+    if ((bias.b_g - link->measured.bias().b_g).norm() < kRelinearizeGyro &&
+        (bias.b_a - link->measured.bias().b_a).norm() < kRelinearizeAccel) {
+      continue;
+    }
+    link->measured.Reintegrate(bias);
+    UpdateSqrtInfo(*link);
+  }
+}
+
+void ImuIntervals::UpdateSqrtInfo(ImuLink& link) const {
+  link.sqrt_info = ImuSqrtInfo(link.measured, bias_walk_);
+}
+
+}  // namespace facet

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/window/imu_link.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace facet {
+
+BiasWalk::BiasWalk(const ImuNoise& noise, const ImuOptions& options)
+    : gyro(noise.gyro_walk * options.gyro_walk_scale),
+      accel(noise.accel_walk * options.accel_walk_scale) {}
+
+PreintegrationNoise InflatedNoise(const ImuNoise& noise, const ImuOptions& options) {
+  PreintegrationNoise inflated;
+  inflated.gyro = noise.gyro_noise * options.gyro_noise_scale;
+  inflated.accel = noise.accel_noise * options.accel_noise_scale;
+  return inflated;
+}
+
+Matrix<15, 15> ImuSqrtInfo(const ImuPreintegration& measured, const BiasWalk& walk) {
+  // Scaled to unit diagonal first: the variances span ten orders of magnitude.
+  const Vector<9> sigma = measured.Covariance().diagonal().cwiseMax(1e-30).cwiseSqrt();
+  const Vector<9> inv_sigma = sigma.cwiseInverse();
+  const Matrix<9, 9> correlation =
+      inv_sigma.asDiagonal() * measured.Covariance() * inv_sigma.asDiagonal();
+  const Matrix<9, 9> L = (correlation + 1e-12 * Matrix<9, 9>::Identity()).llt().matrixL();
+
+  Matrix<15, 15> W = Matrix<15, 15>::Zero();
+  W.block<9, 9>(0, 0) =
+      L.triangularView<Eigen::Lower>().solve(Matrix<9, 9>(inv_sigma.asDiagonal()));
+  const double root_T = std::sqrt(std::max(measured.dt(), 1e-6));
+  W.block<3, 3>(9, 9) = Matrix3d::Identity() / (walk.gyro * root_T);
+  W.block<3, 3>(12, 12) = Matrix3d::Identity() / (walk.accel * root_T);
+  return W;
+}
+
+}  // namespace facet

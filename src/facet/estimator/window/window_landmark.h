@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Landmarks of the window and where they were seen.
+#pragma once
+
+#include <vector>
+
+#include "facet/estimator/window/window_plane.h"
+
+namespace facet {
+
+/// One landmark in one stereo frame, in undistorted normalised coordinates.
+struct WindowObservation {
+  int frame = 0;  ///< index into SlidingWindow::frames
+  bool has_right = false;
+  /// [0] left, [1] right: measured x/z, y/z and the whitening 1/sigma * (d xy / d px)^-1.
+  Vector2d xy[2] = {Vector2d::Zero(), Vector2d::Zero()};
+  Matrix2d sqrt_info[2] = {Matrix2d::Zero(), Matrix2d::Zero()};
+  double sigma_px[2] = {1, 1};  ///< 1-sigma of the pixels that sqrt_info was made with
+};
+
+/// A point as bearing and inverse distance in the left camera of its host frame (docs/math.md,
+/// section 3.1).
+struct WindowLandmark {
+  LandmarkId id;
+  int host = 0;                                 ///< index into SlidingWindow::frames
+  bool has_depth = false;                       ///< false until stereo or parallax gave a distance
+  Vector3d bearing_H = Vector3d::UnitZ();       ///< unit vector in the host's left camera
+  double inverse_distance = 0;                  ///< 1/m, >= 0
+  std::vector<WindowObservation> observations;  ///< in order of time; at most one per frame
+  PlaneLinks planes;
+  bool is_projection = false;  ///< pipeline SP: the paper's projection noise and loss
+
+  /// A point this far away is not tied to planes: its distance means nothing.
+  static constexpr double kMinPlaneInverseDistance = 0.02;
+  bool IsOnPlanes() const {
+    return planes.count() > 0 && has_depth && inverse_distance > kMinPlaneInverseDistance;
+  }
+};
+
+/// Whether the landmark says anything about frames and planes: it has a distance and is seen from
+/// two frames, or from one and lies on a plane.
+inline bool IsConstraining(const WindowLandmark& landmark) {
+  return landmark.has_depth && (landmark.observations.size() >= 2 ||
+                                (landmark.IsOnPlanes() && !landmark.observations.empty()));
+}
+
+}  // namespace facet
