@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The beginning of a run: collect frames until gravity and velocity are known, put them into the
-// world, and keep them until they have said all they can (docs/math.md, section 6; docs/math.md,
-// "The start").
+// world, and keep them until they have said all they can (docs/math.md, section 6).
 #pragma once
 
 #include <optional>
