@@ -65,11 +65,11 @@ TEST(LoadOptionsTest, RetiredOptionWithAnotherValueIsRefusedWithTheValueThatHold
 }
 
 TEST(LoadOptionsTest, RenamedOptionSetsItsSuccessor) {
-  const LoadedOptions loaded = LoadOptions("", {"regularities.sightings.enabled=false"});
-  EXPECT_FALSE(loaded.options.regularities.measurements.enabled);
+  const LoadedOptions loaded = LoadOptions("", {"mesh.support.enabled=false"});
+  EXPECT_FALSE(loaded.options.frontend.support.enabled);
   EXPECT_EQ(loaded.notices,
-            std::vector<std::string>{"--set: regularities.sightings.enabled is now called "
-                                     "regularities.measurements.enabled"});
+            std::vector<std::string>{
+                "--set: mesh.support.enabled is now called frontend.support.enabled"});
 }
 
 // What most users ever turn; the others are for experts.

@@ -120,7 +120,7 @@ double Pull(const FactorNoise& noise) {
     landmark.planes.Add(0);
   }
   WeighPlanes(noise, window);
-  EXPECT_EQ(window.CountMembers(), std::vector<int>{100});
+  EXPECT_EQ(window.CountPlaneLandmarks(), std::vector<int>{100});
   problem.landmark.planes.Add(0);
   LandmarkBlock block;
   LinearizeLandmark(GeometryOf(problem), window.planes, problem.landmark, noise, block);
@@ -154,9 +154,9 @@ class Tracking {
     const PlaneAssignments found = tracker.Process(mesh, map).assignments;
     estimator.Apply(found);
     num_created += static_cast<int>(found.created.size());
-    num_ended += static_cast<int>(found.ended.size());
-    num_sighted += static_cast<int>(found.sighted.size());
-    num_related += static_cast<int>(found.related.size());
+    num_ended += static_cast<int>(found.retired.size());
+    num_measured += static_cast<int>(found.measurements.size());
+    num_related += static_cast<int>(found.relations.size());
     return found;
   }
   void Run(const std::vector<Patch>& patches, int num_keyframes) {
@@ -168,7 +168,7 @@ class Tracking {
   bool all_are_support_points = false;
   BelievingEstimator estimator;
   PlaneTracker tracker;
-  int num_created = 0, num_ended = 0, num_sighted = 0, num_related = 0;
+  int num_created = 0, num_ended = 0, num_measured = 0, num_related = 0;
 };
 
 RegularityOptions WithRevision() {
@@ -222,18 +222,18 @@ TEST(PaperTraitsTest, PlanesAreNotRelated) {
 }
 
 TEST(PaperTraitsTest, SupportPointsSayNothingOfPlanes) {
-  const auto num_sighted = [](const RegularityOptions& options) {
+  const auto num_measured = [](const RegularityOptions& options) {
     Tracking tracking(options);
     tracking.Run({MakeWall({3, 0, 1.4}, 0, 3, 2)}, 5);
     EXPECT_EQ(tracking.num_created, 1);
     tracking.all_are_support_points = true;
     tracking.Run({MakeWall({3, 0, 1.4}, 0, 3, 2)}, 3);
-    return tracking.num_sighted;
+    return tracking.num_measured;
   };
-  EXPECT_EQ(num_sighted(Paper().regularities), 0);
+  EXPECT_EQ(num_measured(Paper().regularities), 0);
   RegularityOptions ours = Paper().regularities;
   ours.measurements.enabled = true;
-  EXPECT_EQ(num_sighted(ours), 3);
+  EXPECT_EQ(num_measured(ours), 3);
 }
 
 // How many of the faces that a run shows are as asked for, and how many are not.

@@ -123,12 +123,12 @@ class BoardPlanes {
         if (fit.extent_minor_m < kMinExtent_m) continue;
         out.created.push_back({PlaneId{k}, fit.plane, fit.centroid});
         if (!created_.empty())
-          out.related.push_back(
+          out.relations.push_back(
               {PlaneRelationKind::kCoplanar, PlaneId{*created_.begin()}, PlaneId{k}});
         created_.insert(k);
       }
       for (const LandmarkEstimate* landmark : members)
-        out.joined.push_back({landmark->id, PlaneId{k}});
+        out.attached.push_back({landmark->id, PlaneId{k}});
     }
     return out;
   }

@@ -65,8 +65,8 @@ Scene MakeScene(PlaneTracker& tracker, bool with_known_planes) {
 }
 
 void Report(benchmark::State& state, const Scene& scene) {
-  state.counters["faces"] = static_cast<double>(scene.meshes[0].mesh.faces.size());
-  state.counters["vertices"] = static_cast<double>(scene.meshes[0].mesh.vertices.size());
+  state.counters["faces"] = static_cast<double>(scene.meshes[0].faces.size());
+  state.counters["vertices"] = static_cast<double>(scene.meshes[0].vertices.size());
   state.counters["landmarks"] = static_cast<double>(scene.maps[0].landmarks.size());
   state.counters["planes"] = static_cast<double>(scene.maps[0].planes.size());
 }

@@ -88,7 +88,7 @@ Vector3d FitPoint(const StereoRig& rig, const std::vector<TrackSample>& samples)
 }
 
 // A landmark in the world, homogeneous, with what one frame saw of it.
-struct Sighting {
+struct Measurement {
   Vector4d p_W;
   TrackSample* sample = nullptr;
 };
@@ -118,11 +118,11 @@ struct PoseEquations {
   }
 };
 
-void FitPose(const StereoRig& rig, std::vector<Sighting>& sightings) {
-  SE3 T_WB = sightings.front().sample->T_WB;
+void FitPose(const StereoRig& rig, std::vector<Measurement>& measurements) {
+  SE3 T_WB = measurements.front().sample->T_WB;
   for (int i = 0; i < 5; ++i) {
     PoseEquations equations;
-    for (const Sighting& s : sightings) {
+    for (const Measurement& s : measurements) {
       equations.Add(rig, 0, T_WB, s.p_W, s.sample->observation.px_left);
       if (s.sample->observation.px_right)
         equations.Add(rig, 1, T_WB, s.p_W, *s.sample->observation.px_right);
@@ -130,16 +130,16 @@ void FitPose(const StereoRig& rig, std::vector<Sighting>& sightings) {
     const Vector<6> d = equations.H.ldlt().solve(equations.b);
     T_WB = T_WB.Retract(d.head<3>(), d.tail<3>());
   }
-  for (Sighting& s : sightings)
+  for (Measurement& s : measurements)
     s.sample->T_WB = T_WB;
 }
 
 }  // namespace
 
 void RefinePoses(const StereoRig& rig, int rounds, TrackSamples& tracks) {
-  constexpr std::size_t kMinLength = 5, kMinSightings = 15;
+  constexpr std::size_t kMinLength = 5, kMinMeasurements = 15;
   for (int round = 0; round < rounds; ++round) {
-    std::map<std::size_t, std::vector<Sighting>> frames;
+    std::map<std::size_t, std::vector<Measurement>> frames;
     for (auto& [id, samples] : tracks) {
       if (samples.size() < kMinLength) continue;
       const Vector3d point = FitPoint(rig, samples);
@@ -149,8 +149,8 @@ void RefinePoses(const StereoRig& rig, int rounds, TrackSamples& tracks) {
       for (TrackSample& sample : samples)
         frames[sample.frame].push_back({p_W, &sample});
     }
-    for (auto& [frame, sightings] : frames) {
-      if (sightings.size() >= kMinSightings) FitPose(rig, sightings);
+    for (auto& [frame, measurements] : frames) {
+      if (measurements.size() >= kMinMeasurements) FitPose(rig, measurements);
     }
   }
 }

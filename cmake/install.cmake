@@ -1,19 +1,31 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# What `make install` puts where: the program with configuration and documents, and for C++ the libraries
-# up to facet::pipeline with their headers and a CMake package.
+# What `make install` puts where: the program with configuration and documents, and for C++ facet/facet.h
+# (facet::facade), the libraries below it with their headers, a CMake package and a pkg-config file.
 
 include(CMakePackageConfigHelpers)
 install(TARGETS facet)
 install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/facet)
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Facet)
-foreach(module base geometry camera imu map frontend estimator mesh regularities pipeline)
+set(modules facade io pipeline regularities mesh estimator frontend map imu camera geometry base)
+foreach(module ${modules})
   set_target_properties(facet_${module} PROPERTIES EXPORT_NAME ${module})
   install(TARGETS facet_${module} EXPORT FacetTargets DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY src/facet/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/facet
-    FILES_MATCHING PATTERN "*.h" REGEX "/(test|synthetic)_[^/]*$" EXCLUDE)
+    FILES_MATCHING PATTERN "*.h")
+  get_target_property(type facet_${module} TYPE)
+  if(type STREQUAL "STATIC_LIBRARY")
+    string(APPEND FACET_PC_LIBS "-lfacet_${module} ")
+  endif()
 endforeach()
+install(FILES src/facet/facet.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/facet)
+string(APPEND FACET_PC_LIBS
+  "-lopencv_features2d -lopencv_imgproc -lopencv_core -lyaml-cpp -lpng -ljpeg -lwebp -pthread")
+file(RELATIVE_PATH FACET_PC_UP "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+configure_file(cmake/facet.pc.in facet.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/facet.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 install(EXPORT FacetTargets NAMESPACE facet:: DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/FacetConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES cmake/FacetConfig.cmake cmake/opencv.cmake ${PROJECT_BINARY_DIR}/FacetConfigVersion.cmake

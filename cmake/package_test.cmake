@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # cmake -D source_dir=... -D build_dir=... -D generator=... -D compiler=... -P package_test.cmake
-# What is installed is enough to build and run examples/library, and knows nothing of where it was built.
+# What is installed is enough to build and run the examples, and knows nothing of where it was built.
 
 set(work ${build_dir}/package_test)
 set(prefix ${work}/prefix)
@@ -11,7 +11,8 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${build_dir} --prefix ${prefix})
-foreach(file bin/facet share/facet/config/euroc.yaml include/facet/pipeline/vio_pipeline.h)
+foreach(file bin/facet share/facet/config/euroc.yaml include/facet/pipeline/vio_pipeline.h include/facet/facet.h
+    include/facet/io/calibration_file.h)
   if(NOT EXISTS ${prefix}/${file})
     message(FATAL_ERROR "${file} was not installed")
   endif()
@@ -23,12 +24,29 @@ foreach(file ${texts})
   if(NOT place EQUAL -1)
     message(FATAL_ERROR "${file} names the folder of the sources, ${source_dir}")
   endif()
-  if(file MATCHES "/(test|synthetic)_")
+  if(file MATCHES "/(test|synthetic)_|/testing/|gtest")
     message(FATAL_ERROR "${file} belongs to the tests")
   endif()
 endforeach()
 
-run(${CMAKE_COMMAND} -S ${source_dir}/examples/library -B ${work}/build -G ${generator}
-  -D CMAKE_CXX_COMPILER=${compiler} -D CMAKE_BUILD_TYPE=Release -D CMAKE_PREFIX_PATH=${prefix})
-run(${CMAKE_COMMAND} --build ${work}/build)
-run(${work}/build/at_rest)
+foreach(example "library;at_rest" "shared_library;fly")
+  list(GET example 0 folder)
+  list(GET example 1 program)
+  run(${CMAKE_COMMAND} -S ${source_dir}/examples/${folder} -B ${work}/${folder} -G ${generator}
+    -D CMAKE_CXX_COMPILER=${compiler} -D CMAKE_BUILD_TYPE=Release -D CMAKE_PREFIX_PATH=${prefix})
+  run(${CMAKE_COMMAND} --build ${work}/${folder})
+  run(${work}/${folder}/${program})
+endforeach()
+
+# The same with pkg-config.
+file(GLOB_RECURSE pc ${prefix}/*/facet.pc)
+get_filename_component(pc_folder ${pc} DIRECTORY)
+set(ENV{PKG_CONFIG_PATH} ${pc_folder})
+foreach(part cflags libs)
+  execute_process(COMMAND pkg-config --${part} facet
+    OUTPUT_VARIABLE ${part} OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(${part} UNIX_COMMAND "${${part}}")
+endforeach()
+set(sources ${source_dir}/examples/shared_library)
+run(${compiler} -std=c++17 -O1 ${cflags} ${sources}/tracker.cpp ${sources}/fly.cpp -o ${work}/fly ${libs})
+run(${work}/fly)

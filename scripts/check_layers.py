@@ -26,6 +26,7 @@ RANK = {
     "sim": 6,
     "eval": 6,
     "pipeline": 6,
+    "facade": 7,
     "report": 7,
     "render": 7,
     "viewer": 7,
@@ -49,6 +50,8 @@ def folder_of(path):
     parts = path.parts
     if parts[:2] != ("src", "facet"):
         return parts[0]
+    if len(parts) == 3:
+        return "facade"  # facet/facet.h
     return "/".join(parts[2:4]) if parts[2] == "testing" and len(parts) > 4 else parts[2]
 
 

@@ -163,7 +163,7 @@ class IndexTest(unittest.TestCase):
             self.skipTest("no program")
         if os.path.getmtime(program) < max(path.stat().st_mtime for path in (ROOT / "src").rglob("*.h")):
             self.skipTest("the program was built before the sources changed")
-        texts = [subprocess.run([program, "config"], capture_output=True, text=True, check=True).stdout]
+        texts = [subprocess.run([program, "config", "--all"], capture_output=True, text=True, check=True).stdout]
         listed = subprocess.run([program, "simulate", "--list"], capture_output=True, text=True)
         if listed.returncode == 0:
             texts.append(listed.stdout.split("\n\n", 1)[1])

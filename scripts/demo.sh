@@ -25,15 +25,25 @@ out="runs/demo"
 build/facet run "$sequence" --out "$out"
 truth="$sequence/mav0"
 [ -d "$truth" ] || truth="$sequence"
+echo
 if [ -f "$truth/state_groundtruth_estimate0/data.csv" ]; then
-  build/facet evaluate "$out" --truth "$sequence"
-  if /usr/bin/python3 -c 'import numpy, matplotlib' 2>/dev/null; then
-    /usr/bin/python3 scripts/plot_run.py "$out" --truth "$sequence" --out "$out/trajectory.png"
-  fi
+  build/facet evaluate "$out" --truth "$sequence" >"$out/evaluation.txt"
+  echo "demo: how good the run is, against the exact truth (all figures: $out/evaluation.txt)"
 else
   echo "demo: the sequence has no ground truth, so there is nothing to compare with"
 fi
+# Debian's Python: another one that is first on the PATH need not have numpy.
+python=python3
+[ ! -x /usr/bin/python3 ] || python=/usr/bin/python3
+"$python" scripts/run_figures.py "$out"
 echo
-echo "demo: the sequence is $sequence"
-echo "demo: results in $out:"
-ls -1 "$out" | sed 's/^/  /'
+if "$python" -c 'import numpy, matplotlib' 2>/dev/null && "$python" scripts/run_picture.py "$out" --sequence "$sequence"; then
+  picture="$out/picture.png"
+  echo "demo: LOOK AT $picture: the mesh coloured by plane, beside what the camera saw"
+  if [ -t 1 ] && [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] && command -v xdg-open >/dev/null; then
+    xdg-open "$picture" >/dev/null 2>&1 &
+  fi
+else
+  echo "demo: no picture without python3-numpy and python3-matplotlib"
+fi
+echo "demo: the mesh itself, for MeshLab or Blender: $out/map.ply; what each file holds: docs/tutorial.md"

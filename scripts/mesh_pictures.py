@@ -16,6 +16,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+import debian_python  # noqa: F401 (first: it may start another Python)
+
 import numpy as np
 from PIL import Image, ImageDraw
 

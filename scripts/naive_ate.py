@@ -12,6 +12,8 @@ import re
 import sys
 from decimal import Decimal
 
+import debian_python  # noqa: F401 (first: it may start another Python)
+
 import numpy as np
 
 

@@ -11,6 +11,8 @@ import json
 import sys
 from pathlib import Path
 
+import debian_python  # noqa: F401 (first: it may start another Python)
+
 import numpy as np
 
 # As in PlaneErrorOptions (src/facet/eval/plane_error.h).

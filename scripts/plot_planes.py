@@ -8,6 +8,8 @@ import csv
 import sys
 from pathlib import Path
 
+import debian_python  # noqa: F401 (first: it may start another Python)
+
 import matplotlib
 
 matplotlib.use("Agg")

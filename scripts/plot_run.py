@@ -9,6 +9,8 @@ import argparse
 import sys
 from pathlib import Path
 
+import debian_python  # noqa: F401 (first: it may start another Python)
+
 import matplotlib
 import numpy as np
 

@@ -9,6 +9,8 @@ import argparse
 import struct
 import zlib
 
+import debian_python  # noqa: F401 (first: it may start another Python)
+
 import numpy as np
 
 T_BC0 = np.array([[0.0148655429818, -0.999880929698, 0.00414029679422, -0.0216401454975],

@@ -6,6 +6,7 @@
   run_all.py --config base --config 'small=--set estimator.window.max_pose_keyframes=5'
                                                 two configurations and their paired comparison
   run_all.py --config new --config 'old=@build-old/facet'     two programs
+  run_all.py --against 99993d2 --starts 9       builds that commit and runs both in turn
   run_all.py --repeat-check                     same bytes twice and with two threads?
 
 Starts are 0, 0.1, 0.2 ... s. Each run is pinned to one core; times are thread CPU time without decoding.
@@ -22,6 +23,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
+
+import debian_python  # noqa: F401 (first: it may start another Python)
 
 import numpy as np
 
@@ -55,6 +58,12 @@ class Run:
 
     def ate(self):
         return self.evaluation.get("ate", {}).get("rmse_m")
+
+    def cpu_ms(self):
+        return self.stage("total_without_decode", "mean_ms")
+
+    def memory_mb(self):
+        return self.summary.get("peak_rss_mb")
 
     def stage(self, name, key):
         return self.summary.get("stages", {}).get(name, {}).get(key)
@@ -198,6 +207,24 @@ def paired_ratios(reference, other):
     return np.array([trajectories.ate_rmse_on(b, common) / trajectories.ate_rmse_on(a, common) for a, b in pairs])
 
 
+def compare_costs(groups, sequences, configs):
+    """Processor time and memory of every configuration, paired start by start with the first one."""
+    results = []
+    for config in configs[1:]:
+        pairs = [pair for s in sequences for pair in zip(groups[s, configs[0].name], groups[s, config.name])]
+        print()
+        for name, cost in (("processor time per frame", Run.cpu_ms), ("peak memory", Run.memory_mb)):
+            ratios = np.array([cost(b) / cost(a) for a, b in pairs if cost(a) and cost(b)])
+            if len(ratios) == 0:
+                continue
+            low, high = bootstrap_interval(ratios)
+            print(f"{config.name} / {configs[0].name}, {name}: median ratio {np.median(ratios):.3f}  "
+                  f"[{low:.3f}, {high:.3f}], {len(ratios)} pairs")
+            results.append({"cost": name, "config": config.name, "median_ratio": float(np.median(ratios)),
+                            "low": float(low), "high": float(high), "pairs": len(ratios)})
+    return results
+
+
 def compare(groups, sequences, configs):
     """Paired comparison of every configuration with the first one."""
     results = []
@@ -261,6 +288,7 @@ def parse_arguments():
     parser.add_argument("--config", action="append", default=[], metavar="NAME[=ARGS]",
                         help="arguments of 'facet run' under a name; '@program' first takes another program")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="for every configuration")
+    parser.add_argument("--against", metavar="COMMIT", help="also run this commit of Facet, with its own defaults")
     parser.add_argument("--program", default=str(ROOT / "build" / "facet"))
     parser.add_argument("--jobs", type=int, default=1, help="runs at the same time, one core each")
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "all", help="where the results go")
@@ -283,6 +311,12 @@ def main():
     sequences = find_sequences(arguments.folders)
     common = [word for item in arguments.set for word in ("--set", item)]
     configs = [parse_config(c, arguments.program, common) for c in arguments.config or ["default"]]
+    if arguments.against:
+        process = subprocess.run([ROOT / "scripts" / "build_commit.sh", arguments.against], stdout=subprocess.PIPE,
+                                 text=True, check=False)
+        if process.returncode != 0:
+            sys.exit(f"run_all: commit {arguments.against} could not be built")
+        configs = [Config(arguments.against, process.stdout.strip(), common), *configs]
     for config in configs:
         if not os.access(config.program, os.X_OK):
             sys.exit(f"run_all: {config.program}: no such program; run 'make build'")
@@ -296,7 +330,7 @@ def main():
     execute_all(runs, arguments.jobs)
     rows = [summarise(groups[s, c.name]) for s in sequences for c in configs]
     print_table([table_cells(row) for row in rows])
-    comparison = compare(groups, sequences, configs)
+    comparison = compare(groups, sequences, configs) + compare_costs(groups, sequences, configs)
     if arguments.json:
         arguments.json.parent.mkdir(parents=True, exist_ok=True)
         arguments.json.write_text(json.dumps({"rows": rows, "comparison": comparison}, indent=1), encoding="utf-8")

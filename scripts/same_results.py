@@ -21,6 +21,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+import debian_python  # noqa: F401 (first: it may start another Python)
+
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import trajectories  # noqa: E402
 

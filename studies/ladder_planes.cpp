@@ -29,7 +29,7 @@ void OraclePlanes::EndOld(Timestamp now, PlaneAssignments& out) {
   if (options_.max_age_s <= 0) return;
   std::erase_if(known_, [&](const auto& entry) {
     if (ToSeconds(now - entry.second.since) < options_.max_age_s) return false;
-    out.ended.push_back(entry.second.id);
+    out.retired.push_back(entry.second.id);
     return true;
   });
 }
@@ -60,7 +60,7 @@ PlaneAssignments OraclePlanes::operator()(const FrameObservations& /*observation
       out.created.push_back({known->second.id, fit.plane, fit.centroid});
     }
     for (const LandmarkEstimate* landmark : landmarks)
-      out.joined.push_back({landmark->id, known->second.id});
+      out.attached.push_back({landmark->id, known->second.id});
   }
   return out;
 }
@@ -70,7 +70,7 @@ PlaneAssignments PlaceboPlanes::operator()(const FrameObservations& observations
   PlaneAssignments out = oracle_(observations, snapshot);
   for (const NewPlane& plane : out.created)
     planes_.push_back(plane.id);
-  for (PlaneJoin& join : out.joined) {
+  for (PlaneAttachment& join : out.attached) {
     const auto own = std::find(planes_.begin(), planes_.end(), join.plane) - planes_.begin();
     join.plane = planes_[static_cast<std::size_t>(own + 1) % planes_.size()];
   }
@@ -90,7 +90,7 @@ PlaneAssignments SpoiledPlanes::operator()(const FrameObservations& observations
     const auto number = static_cast<std::size_t>(landmark.id.value);
     const PlaneId plane = snapshot.planes[number % snapshot.planes.size()].id;
     if (landmark.id.value % kEvery == 0 && !landmark.IsOn(plane))
-      out.joined.push_back({landmark.id, plane, kAnyDistance_m});
+      out.attached.push_back({landmark.id, plane, kAnyDistance_m});
   }
   return out;
 }
@@ -109,7 +109,7 @@ void WrongReassociation::Begin(const PlaneAssignments& out, const MapSnapshot& s
     const auto seen = last_seen_.find(back.id);
     if (seen == last_seen_.end() || ToSeconds(now - seen->second) < kAway_s) continue;
     std::vector<Vector3d> points_W;
-    for (const PlaneJoin& join : out.joined) {
+    for (const PlaneAttachment& join : out.attached) {
       const auto landmark = place_of(join.landmark);
       if (join.plane == back.id && landmark != snapshot.landmarks.end())
         points_W.push_back(landmark->p_W);
@@ -145,7 +145,7 @@ PlaneAssignments WrongReassociation::operator()(const FrameObservations& observa
     }
   }
   if (!began_ || ToSeconds(snapshot.latest.t - *began_) > kLasts_s) return out;
-  for (PlaneJoin& join : out.joined) {
+  for (PlaneAttachment& join : out.attached) {
     if (join.plane == returned_) join = {join.landmark, neighbour_, kAnyDistance_m};
   }
   return out;
@@ -154,7 +154,7 @@ PlaneAssignments WrongReassociation::operator()(const FrameObservations& observa
 OwnSearch::OwnSearch(const SimulatedRun& run,
                      const MeshOptions& mesh,
                      const RegularityOptions& options,
-                     Sightings sightings,
+                     Measurements measurements,
                      SearchQuality& quality)
     : run_(run),
       options_(options),
@@ -162,7 +162,7 @@ OwnSearch::OwnSearch(const SimulatedRun& run,
       mesh_(WithSupportPoints(mesh)),
       tracker_(
           options,
-          sightings == Sightings::kDetected
+          measurements == Measurements::kDetected
               ? FindPlanes()
               : [this](const SurfaceFaces& faces,
                        const std::vector<char>& taken) { return SeeTrueSurfaces(faces, taken); }),
@@ -232,7 +232,7 @@ PlaneAssignments OwnSearch::operator()(const FrameObservations& observations,
 
 void OwnSearch::Judge(const PlaneAssignments& found) {
   quality_.num_created += static_cast<int>(found.created.size());
-  for (const PlaneJoin& join : found.joined) {
+  for (const PlaneAttachment& join : found.attached) {
     const auto truth = run_.landmarks.find(join.landmark);
     if (truth == run_.landmarks.end()) continue;
     std::map<PlaneId, int>& surfaces = surfaces_of_plane_[join.plane];

@@ -102,7 +102,7 @@ class WrongReassociation {
   PlaneId returned_, neighbour_;
 };
 
-enum class Sightings {
+enum class Measurements {
   kDetected,  ///< by the product
   kTrue       ///< of all true surfaces, with their true planes as seen from the camera
 };
@@ -114,7 +114,7 @@ class OwnSearch {
   OwnSearch(const SimulatedRun& run,
             const MeshOptions& mesh,
             const RegularityOptions& options,
-            Sightings sightings,
+            Measurements measurements,
             SearchQuality& quality);
   OwnSearch(const OwnSearch&) = delete;
   OwnSearch& operator=(const OwnSearch&) = delete;

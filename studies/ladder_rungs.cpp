@@ -24,10 +24,11 @@ MakePolicy Oracle(double max_age_s) {
   };
 }
 
-MakePolicy Search(const SearchOptions& options, Sightings sightings = Sightings::kDetected) {
-  return [options, sightings](const SimulatedRun& run, SearchQuality& quality) -> PlanePolicy {
+MakePolicy Search(const SearchOptions& options,
+                  Measurements measurements = Measurements::kDetected) {
+  return [options, measurements](const SimulatedRun& run, SearchQuality& quality) -> PlanePolicy {
     const auto policy =
-        std::make_shared<OwnSearch>(run, options.mesh, options.regularities, sightings, quality);
+        std::make_shared<OwnSearch>(run, options.mesh, options.regularities, measurements, quality);
     return [policy](const FrameObservations& observations, const MapSnapshot& snapshot) {
       return (*policy)(observations, snapshot);
     };
@@ -61,7 +62,7 @@ std::vector<Rung> MakeRungs(const SearchOptions& search) {
       {"S", "S", nullptr, ""},
       {"oracle", "true planes, kept", Oracle(0), ""},
       {"oracle-6s", "true planes, 6 s", Oracle(6), ""},
-      {"own-association", "true planes, own members", Search(handed_over, Sightings::kTrue), ""},
+      {"own-association", "true planes, own members", Search(handed_over, Measurements::kTrue), ""},
       {"SPR", "SPR", Search(search), "oracle"},
       {"no-relations", "SPR, no relations", Search(unrelated), "SPR"},
       {"SPR-6s", "SPR, 6 s", Search(short_lived), "SPR"},

@@ -81,15 +81,15 @@ class RelatedOracle {
     const std::pair<const PlaneId, PlaneId>* first_wall = nullptr;
     for (const auto& entry : surfaces_) {
       const Vector3d& n = Normal(entry.second);
-      if (std::abs(n.z()) > 0.999) out.related.push_back({kHorizontal, entry.first});
+      if (std::abs(n.z()) > 0.999) out.relations.push_back({kHorizontal, entry.first});
       if (std::abs(n.z()) > 1e-3) continue;
-      out.related.push_back({kVertical, entry.first});
+      out.relations.push_back({kVertical, entry.first});
       if (first_wall == nullptr) first_wall = &entry;
       const double cosine = std::abs(Normal(first_wall->second).dot(n));
       if (cosine > 1 - 1e-6)
-        out.related.push_back({kHeadingParallel, first_wall->first, entry.first});
+        out.relations.push_back({kHeadingParallel, first_wall->first, entry.first});
       if (cosine < 1e-3)
-        out.related.push_back({kHeadingOrthogonal, first_wall->first, entry.first});
+        out.relations.push_back({kHeadingOrthogonal, first_wall->first, entry.first});
     }
   }
 

@@ -21,11 +21,13 @@ struct ImuOptions {
     v.Field("gyro_noise_scale",
             gyro_noise_scale,
             Range{0.1, 100},
-            "times the calibration's gyro noise density");
+            "times the calibration's gyro noise density",
+            Audience::kUsers);
     v.Field("accel_noise_scale",
             accel_noise_scale,
             Range{0.1, 100},
-            "times the calibration's accelerometer noise density");
+            "times the calibration's accelerometer noise density",
+            Audience::kUsers);
     v.Field(
         "gyro_walk_scale", gyro_walk_scale, Range{0.01, 100}, "times the gyro bias walk density");
     v.Field("accel_walk_scale",
@@ -55,11 +57,13 @@ struct WindowOptions {
     v.Field("max_full_keyframes",
             max_full_keyframes,
             Range{2, 60},
-            "newest keyframes that keep velocity and biases");
+            "newest keyframes that keep velocity and biases",
+            Audience::kUsers);
     v.Field("max_pose_keyframes",
             max_pose_keyframes,
             Range{0, 60},
-            "older keyframes that keep only their pose");
+            "older keyframes that keep only their pose",
+            Audience::kUsers);
     v.Field("max_start_keyframes",
             max_start_keyframes,
             Range{5, 100},
@@ -137,9 +141,6 @@ struct SolverOptions {
 struct RelationOptions {
   double sigma_deg = 0.7;          ///< parallel, orthogonal, coplanar, heading; 1-sigma
   double gravity_sigma_deg = 0.7;  ///< horizontal, vertical
-  double coplanar_sigma_m = 0.01;  ///< offsets of coplanar planes
-  double huber_sigma = 2.0;        ///< relations violated by more grow linearly
-  double outlier_sigma = 4.0;      ///< relations violated by more after the solve are dropped
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -151,70 +152,27 @@ struct RelationOptions {
             gravity_sigma_deg,
             Range{0.01, 45},
             "1-sigma of horizontal and vertical [deg]");
-    v.Field("coplanar_sigma_m",
-            coplanar_sigma_m,
-            Range{1e-4, 10},
-            "1-sigma of the offsets of coplanar planes [m]");
-    v.Field("huber_sigma",
-            huber_sigma,
-            Range{0.01, 100},
-            "relations violated by more sigma grow linearly");
-    v.Field("outlier_sigma",
-            outlier_sigma,
-            Range{0.1, 1000},
-            "relations violated by more sigma after the solve are dropped");
   }
 };
 
 /// Planes as variables.
 struct PlaneOptions {
-  /// A plane that the prior does not know and that has fewer goes again; one is enough if a
-  /// sighting measures it.
-  int min_landmarks = 5;
-  double join_sigma_m = 0.1;      ///< a landmark less well known across a plane does not join it
-  double join_distance_m = 0.03;  ///< nor one farther off than this and 3 of its sigmas
-  double outlier_sigma = 4.0;     ///< a landmark farther from its plane after the solve leaves it
-  /// 1-sigma below which a plane may take part in marginalisation
-  double settled_normal_deg = 0.5, settled_rim_m = 0.01, settled_offset_m = 0.01;
-  int max_planes = 40;             ///< the least known of more go
-  double anchor_distance_m = 3.0;  ///< an anchor farther from its plane's landmarks follows them
+  int max_planes = 40;  ///< the least certain of more are removed
   RelationOptions relations;
+
+  // Not listed: tests need other values, users do not.
+
+  /// A plane that the prior does not contain and that fewer landmarks lie on is removed; one
+  /// landmark is enough if a measurement determines the plane. Fewer than a plane has when it is
+  /// confirmed (PlaneTrackingOptions), so that it may lose some.
+  int min_landmarks = 5;
+  /// An anchor farther from its plane's landmarks follows them: beyond a few metres normal and
+  /// offset become correlated, at less the prior is transformed for nothing.
+  double anchor_distance_m = 3.0;
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("min_landmarks",
-            min_landmarks,
-            Range{3, 1000},
-            "a plane not in the prior with fewer goes again, unless sightings measure it");
-    v.Field("join_sigma_m",
-            join_sigma_m,
-            Range{1e-3, 10},
-            "a landmark less well known across a plane does not join it [m]");
-    v.Field("join_distance_m",
-            join_distance_m,
-            Range{0, 10},
-            "nor one farther off than this and three of its sigmas [m]");
-    v.Field("outlier_sigma",
-            outlier_sigma,
-            Range{1, 1000},
-            "a landmark this many sigma from its plane leaves it");
-    v.Field("settled_normal_deg",
-            settled_normal_deg,
-            Range{0.01, 45},
-            "1-sigma of a plane's normal below which it may stay for good [deg]");
-    v.Field("settled_rim_m",
-            settled_rim_m,
-            Range{0, 1},
-            "or 1-sigma of its distance where its landmarks are, for planes of little extent [m]");
-    v.Field("settled_offset_m",
-            settled_offset_m,
-            Range{1e-4, 1},
-            "1-sigma of a plane's offset below which it may stay for good [m]");
-    v.Field("max_planes", max_planes, Range{1, 64}, "the least known of more go");
-    v.Field("anchor_distance_m",
-            anchor_distance_m,
-            Range{0.1, 1e6},
-            "an anchor farther from its plane's landmarks follows them [m]");
+    v.Field("max_planes", max_planes, Range{1, 64}, "the least certain of more are removed");
     v.Group("relations", relations);
   }
 };
@@ -242,7 +200,6 @@ struct ProjectionOptions {
 /// What is assumed before anything was measured: wide, so that the data decide.
 struct StartOptions {
   int min_frames = 7;        ///< stereo frames before the first pose
-  double enough_s = 0.28;    ///< fewer of them are enough when they span this
   double max_wait_s = 0.45;  ///< IMU gravity fit with larger uncertainty is accepted from here on
   double max_tilt_deg =
       2.0;  ///< 1-sigma tilt that is good enough for the first pose before max_wait_s
@@ -250,13 +207,16 @@ struct StartOptions {
   double sigma_velocity = 3.0;    ///< m/s
   double sigma_gyro_bias = 0.2;   ///< rad/s
   double sigma_accel_bias = 0.2;  ///< m/s^2
-  double sigma_position = 1e-3;   ///< fixes the origin [m]
-  double sigma_yaw = 1e-3;        ///< fixes the heading [rad]
+
+  // Not listed: they fix the gauge, and any value far below the errors of a run does. Tests and
+  // consistency studies take others.
+
+  double sigma_position = 1e-3;  ///< of the origin [m]
+  double sigma_yaw = 1e-3;       ///< of the heading [rad]
 
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Field("min_frames", min_frames, Range{3, 60}, "stereo frames before the first pose");
-    v.Field("enough_s", enough_s, Range{0, 10}, "fewer of them are enough when they span this [s]");
     v.Field("max_wait_s",
             max_wait_s,
             Range{0.1, 10},
@@ -273,8 +233,6 @@ struct StartOptions {
             sigma_accel_bias,
             Range{1e-3, 10},
             "prior of the accelerometer bias [m/s^2]");
-    v.Field("sigma_position", sigma_position, Range{1e-6, 1}, "fixes the origin [m]");
-    v.Field("sigma_yaw", sigma_yaw, Range{1e-6, 1}, "fixes the heading [rad]");
   }
 };
 

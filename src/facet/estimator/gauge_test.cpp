@@ -51,7 +51,7 @@ struct GaugeHistory {
   int num_marginalizations = 0;
   int num_planes = 0;
   int num_relations = 0, num_relations_used = 0, num_moved_anchors = 0;
-  int num_sightings = 0;
+  int num_measurements = 0;
 };
 
 GaugeHistory RunSmoother(const SimulatedRun& run,
@@ -86,7 +86,7 @@ GaugeHistory RunSmoother(const SimulatedRun& run,
   history.num_planes = static_cast<int>(smoother.window().planes.size());
   history.num_relations = static_cast<int>(smoother.window().relations.size());
   history.num_relations_used = smoother.num_relations_used();
-  history.num_sightings = smoother.num_sightings();
+  history.num_measurements = smoother.num_measurements();
   history.num_moved_anchors = smoother.num_moved_anchors();
   history.position_error =
       (smoother.window().frames.back().x.T_WB.p - run.truth[i - 1].T_WB.p).norm();
@@ -149,12 +149,12 @@ TEST(GaugeTest, PlanesThatStayGainNothingEither) {
   ExpectNothingGained(history, 0.9);
 }
 
-TEST(GaugeTest, NorDoTheirSightings) {
+TEST(GaugeTest, NorDoTheirMeasurements) {
   const SimulatedRun run = Simulate();
-  const GaugeHistory history = RunSmoother(run, true, 500, SmootherPlanes::kSighted);
-  Print("with sightings", history);
+  const GaugeHistory history = RunSmoother(run, true, 500, SmootherPlanes::kMeasured);
+  Print("with measurements", history);
   EXPECT_GE(history.num_planes, 5);
-  EXPECT_GE(history.num_sightings, 500);
+  EXPECT_GE(history.num_measurements, 500);
   ExpectNothingGained(history, 0.95);
 }
 

@@ -91,7 +91,7 @@ FactorNoise WithPlanes() {
   return noise;
 }
 
-// Three planes through groups of landmarks, related in every way and sighted by every frame, and
+// Three planes through groups of landmarks, related in every way and measured by every frame, and
 // some landmarks of pipeline SP. The landmarks are moved onto the planes and observed anew, some a
 // little beside them.
 void AddPlanes(TestWindow& test, Rng& rng) {
@@ -126,8 +126,8 @@ void AddPlanes(TestWindow& test, Rng& rng) {
   }
   for (const WindowFrame& frame : window.frames) {
     for (const WindowPlane& plane : window.planes) {
-      window.sightings.push_back(
-          testing::MakeSighting(frame, plane, centre_W + rng.Normal3(), 1.5, rng));
+      window.measurements.push_back(
+          testing::MakeMeasurement(frame, plane, centre_W + rng.Normal3(), 1.5, rng));
     }
   }
   WeighPlanes(WithPlanes(), window);
@@ -212,13 +212,13 @@ void LeavePlanes(TestWindow& test) {
   PlaneAssignments leave;
   for (const WindowLandmark& landmark : test.window.landmarks()) {
     for (const WindowPlane& plane : test.window.planes)
-      leave.left.emplace_back(landmark.id, plane.id);
+      leave.detached.emplace_back(landmark.id, plane.id);
   }
   FrameGeometry geometry(test.rig);
   geometry.Update(test.window.frames);
-  ApplyAssignments(leave, PlaneOptions{}, WithPlanes(), geometry, test.window);
-  test.window.sightings.clear();
-  RemoveUnsupportedPlanes(1, test.window);
+  ApplyAssignments(leave, AttachmentLimits{}, WithPlanes(), geometry, test.window);
+  test.window.measurements.clear();
+  RemoveSparsePlanes(1, test.window);
 }
 
 // The states are not the same to the last bit: the landmarks were on their planes for one solve, so

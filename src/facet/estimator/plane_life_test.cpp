@@ -62,7 +62,7 @@ PlaneAssignments TruePlanes(const VioEstimator& estimator, std::int64_t per_surf
     const PlaneId surface = TheRun().landmarks.at(landmark.id).surface;
     const PlaneId plane{surface.value * per_surface + landmark.id.value % per_surface};
     points[plane].push_back(landmark.p_W);
-    out.joined.push_back({landmark.id, plane});
+    out.attached.push_back({landmark.id, plane});
   }
   for (const auto& [plane, on_plane] : points) {
     const PlaneFit fit = FitPlane(on_plane);
@@ -73,22 +73,22 @@ PlaneAssignments TruePlanes(const VioEstimator& estimator, std::int64_t per_surf
 }
 
 // What the newest keyframe sees of these planes, exactly, although with sigmas.
-std::vector<PlaneSighting> TrueSightings(const VioEstimator& estimator,
-                                         const std::vector<NewPlane>& planes) {
+std::vector<PlaneMeasurement> TrueMeasurements(const VioEstimator& estimator,
+                                               const std::vector<NewPlane>& planes) {
   const KeyframePose newest = estimator.Snapshot().keyframes.back();
   const auto& truth = TheRun().truth;
   const auto state =
       std::find_if(truth.begin(), truth.end(), [&](const NavState& x) { return x.t == newest.t; });
   const SE3 T_BW = state->T_WB.Inverse();
-  std::vector<PlaneSighting> out;
+  std::vector<PlaneMeasurement> out;
   for (const NewPlane& plane : planes) {
     const Surface& surface = TheRun().surfaces[static_cast<std::size_t>(plane.id.value)];
-    PlaneSighting sighting{newest.id, plane.id};
-    sighting.centre_B = T_BW * surface.center_W;
-    sighting.along_B = {T_BW.q * surface.u_W, T_BW.q * surface.v_W};
-    sighting.sigma_m = 0.005;
-    sighting.sigma_rad = {0.005, 0.005};
-    out.push_back(sighting);
+    PlaneMeasurement measurement{newest.id, plane.id};
+    measurement.centre_B = T_BW * surface.center_W;
+    measurement.along_B = {T_BW.q * surface.u_W, T_BW.q * surface.v_W};
+    measurement.sigma_m = 0.005;
+    measurement.sigma_rad = {0.005, 0.005};
+    out.push_back(measurement);
   }
   return out;
 }
@@ -149,14 +149,14 @@ TEST(PlaneLifeTest, PlanesThatNoLandmarkLiesOnLeaveNoTrace) {
       {},
       [](const VioEstimator& estimator) {
         PlaneAssignments out = TruePlanes(estimator);
-        for (const PlaneJoin& join : out.joined)
-          out.left.emplace_back(join.landmark, join.plane);
-        out.joined.clear();
-        const std::vector<PlaneSighting> sighted = TrueSightings(estimator, out.created);
-        out.sighted.insert(out.sighted.end(), sighted.begin(), sighted.end());
+        for (const PlaneAttachment& join : out.attached)
+          out.detached.emplace_back(join.landmark, join.plane);
+        out.attached.clear();
+        const std::vector<PlaneMeasurement> measured = TrueMeasurements(estimator, out.created);
+        out.measurements.insert(out.measurements.end(), measured.begin(), measured.end());
         for (const NewPlane& plane : out.created) {
-          out.related.push_back({PlaneRelationKind::kVertical, plane.id});
-          out.related.push_back({PlaneRelationKind::kParallel, out.created.front().id, plane.id});
+          out.relations.push_back({PlaneRelationKind::kVertical, plane.id});
+          out.relations.push_back({PlaneRelationKind::kParallel, out.created.front().id, plane.id});
         }
         return out;
       },
@@ -181,7 +181,7 @@ TEST(PlaneLifeTest, LandmarksThatAreDetachedBeforeTheSolveLeaveNoTrace) {
         [](const VioEstimator& estimator) {
           PlaneAssignments out = TruePlanes(estimator);
           std::map<PlaneId, int> members;
-          std::erase_if(out.joined,
+          std::erase_if(out.attached,
                         [&](const auto& join) { return ++members[join.plane] > kMembers; });
           return out;
         },
@@ -196,15 +196,15 @@ TEST(PlaneLifeTest, LandmarksThatAreDetachedBeforeTheSolveLeaveNoTrace) {
   EXPECT_GT(most_planes, 0u) << "they did join";
 }
 
-TEST(PlaneLifeTest, SightingsDetermineThePlanes) {
-  const auto run = [](bool is_sighted) {
+TEST(PlaneLifeTest, MeasurementsDetermineThePlanes) {
+  const auto run = [](bool is_measured) {
     double error = 0;
     std::size_t num_planes = 0;
     Estimate(
         {},
         [&](const VioEstimator& estimator) {
           PlaneAssignments out = TruePlanes(estimator);
-          if (is_sighted) out.sighted = TrueSightings(estimator, out.created);
+          if (is_measured) out.measurements = TrueMeasurements(estimator, out.created);
           return out;
         },
         [&](const VioEstimator& estimator) {
@@ -231,7 +231,7 @@ TEST(PlaneLifeTest, NoMoreThanTheBudgetStay) {
         for (const WindowPlane& plane : estimator.window().planes) {
           for (const WindowPlane& other : estimator.window().planes) {
             if (plane.id.value / 3 == other.id.value / 3)
-              out.related.push_back({PlaneRelationKind::kCoplanar, plane.id, other.id});
+              out.relations.push_back({PlaneRelationKind::kCoplanar, plane.id, other.id});
           }
         }
         return out;
@@ -265,8 +265,8 @@ TEST(PlaneLifeTest, ARelationThatDoesNotHoldIsDropped) {
         for (const NewPlane& plane : out.created) {
           const Vector3d& n = TheRun().surfaces[static_cast<std::size_t>(plane.id.value)].n_W;
           const bool is_flat = std::abs(n.z()) > 0.5;
-          out.related.push_back({PlaneRelationKind::kHorizontal, plane.id});
-          if (!is_flat) out.related.push_back({PlaneRelationKind::kVertical, plane.id});
+          out.relations.push_back({PlaneRelationKind::kHorizontal, plane.id});
+          if (!is_flat) out.relations.push_back({PlaneRelationKind::kVertical, plane.id});
         }
         return out;
       },
@@ -290,7 +290,7 @@ TEST(PlaneLifeTest, LandmarksOfPipelineSP) {
   int most = 0;
   const auto project = [](const VioEstimator& estimator) {
     PlaneAssignments out;
-    for (const PlaneJoin& join : TruePlanes(estimator).joined) {
+    for (const PlaneAttachment& join : TruePlanes(estimator).attached) {
       if (join.plane.value < 3) out.projected.push_back(join.landmark);
     }
     return out;

@@ -26,12 +26,12 @@ int NumSeenInNewest(const SlidingWindow& window) {
 }
 
 bool HasImu(const WindowFrame& frame) {
-  return !frame.imu_link || !frame.imu_link->is_invented;
+  return !frame.imu_link || !frame.imu_link->is_synthetic;
 }
 
 std::optional<double> NewestImuError(const SlidingWindow& window) {
   const std::optional<ImuLink>& link = window.frames.back().imu_link;
-  if (!link || link->is_invented) return std::nullopt;
+  if (!link || link->is_synthetic) return std::nullopt;
   const auto newest = window.frames.rbegin();
   return ImuErrorSigma(*link, std::next(newest)->x, newest->x);
 }
@@ -68,12 +68,13 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
     AppendFrame(observations, imu);
   }
   if (!is_initialised()) return Start(observations, times);
-  return passing_ ? TrackPassingFrame(observations, times) : TrackKeyframe(observations, times);
+  return intermediate_ ? TrackIntermediateFrame(observations, times)
+                       : TrackKeyframe(observations, times);
 }
 
 bool VioEstimator::IsAfterNewest(Timestamp t) const {
   if (window_.frames.empty()) return true;
-  return t > (passing_ ? passing_->x : window_.frames.back().x).t;
+  return t > (intermediate_ ? intermediate_->x : window_.frames.back().x).t;
 }
 
 // The new frame is where the IMU predicts it. Until the next keyframe it stays beside the window if
@@ -89,13 +90,13 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
     VioStart::AppendFirstFrame(std::move(frame), imu, options_.start, window_);
     return;
   }
-  const NavState last = passing_ ? passing_->x : window_.frames.back().x;
+  const NavState last = intermediate_ ? intermediate_->x : window_.frames.back().x;
   std::optional<ImuLink> passing;
-  if (passing_) passing = std::move(passing_->link);
-  passing_.reset();
+  if (intermediate_) passing = std::move(intermediate_->link);
+  intermediate_.reset();
   PredictedFrame predicted = imu_.Next(last, std::move(passing), observations.t, imu);
   if (!frame.is_keyframe) {
-    passing_ = std::move(predicted);
+    intermediate_ = std::move(predicted);
     return;
   }
   frame.x = frame.lin = predicted.x;
@@ -155,14 +156,18 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   return result;
 }
 
-EstimatorResult VioEstimator::TrackPassingFrame(const FrameObservations& observations,
-                                                StageTimes& times) {
+EstimatorResult VioEstimator::TrackIntermediateFrame(const FrameObservations& observations,
+                                                     StageTimes& times) {
   ScopedStage stage(times, Stage::kOptimize);
   EstimatorResult result;
-  const FrameUpdateResult update =
-      updater_.Update(Prepare(observations), passing_->link, optimizer_.noise(), passing_->x);
+  const FrameUpdateResult update = updater_.Update(
+      Prepare(observations), intermediate_->link, optimizer_.noise(), intermediate_->x);
   if (update.ok) newest_covariance_ = update.covariance;
-  SetState(passing_->x, newest_covariance_, update.num_used, !passing_->link.is_invented, result);
+  SetState(intermediate_->x,
+           newest_covariance_,
+           update.num_used,
+           !intermediate_->link.is_synthetic,
+           result);
   return result;
 }
 
@@ -170,7 +175,8 @@ SolveSummary VioEstimator::Solve() {
   if (!window_.planes.empty()) before_solve_.Save(window_);
   const SolveSummary summary = optimizer_.Solve(window_, options_.solver.keyframe_iterations);
   if (window_.planes.empty() ||
-      !planes_.DropWrongMembers(optimizer_.noise(), optimizer_.UpdateGeometry(window_), window_)) {
+      !planes_.DetachWrongLandmarks(
+          optimizer_.noise(), optimizer_.UpdateGeometry(window_), window_)) {
     return summary;
   }
   before_solve_.Restore(window_);
@@ -185,13 +191,13 @@ void VioEstimator::RemoveOutliers() {
 }
 
 void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
-  planes_.RemoveEnded(window_);
+  planes_.RemoveRetired(window_);
   if (!start_.IsOver(newest_covariance_, imu_, optimizer_, window_, finished)) return;
   while (true) {
     MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
-    planes_.EndIn(window_, plan);
+    planes_.RetireIn(window_, plan);
     if (plan.IsEmpty()) return;
-    PlaneLifecycle::CutUnsettled(plan, window_);
+    PlaneLifecycle::CutNonPersistent(plan, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
       if (plan.drop_frame[i]) Report(window_.frames[i], finished);
     }
@@ -204,7 +210,7 @@ void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
   for (int i = 0; i < window_.newest_frame(); ++i)
     Report(window_.frames[i], finished);
   window_ = SlidingWindow(rig_.T_BC[0]);
-  passing_.reset();
+  intermediate_.reset();
   newest_covariance_.setZero();
   start_ = VioStart(rig_, options_);
   optimizer_ = WindowOptimizer(rig_, options_);
@@ -214,7 +220,7 @@ void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
 MapSnapshot VioEstimator::Snapshot() const {
   if (window_.frames.empty()) return {};
   MapSnapshot snapshot = SnapshotWindow(window_, rig_, planes_.covariances());
-  if (passing_) snapshot.latest = passing_->x;
+  if (intermediate_) snapshot.latest = intermediate_->x;
   return snapshot;
 }
 

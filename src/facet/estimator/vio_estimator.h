@@ -41,7 +41,7 @@ class VioEstimator {
   const SlidingWindow& window() const { return window_; }
 
   /// How many point-on-plane rows are in force.
-  int NumPlaneConstraints() const { return window_.NumMembers(); }
+  int NumPlaneConstraints() const { return window_.NumPlaneLandmarks(); }
 
   /// Latest state, keyframe poses, planes and landmarks.
   MapSnapshot Snapshot() const;
@@ -53,7 +53,7 @@ class VioEstimator {
 
   EstimatorResult Start(const FrameObservations& observations, StageTimes& times);
   EstimatorResult TrackKeyframe(const FrameObservations& observations, StageTimes& times);
-  EstimatorResult TrackPassingFrame(const FrameObservations& observations, StageTimes& times);
+  EstimatorResult TrackIntermediateFrame(const FrameObservations& observations, StageTimes& times);
 
   SolveSummary Solve();
   void RemoveOutliers();
@@ -66,7 +66,7 @@ class VioEstimator {
   EstimatorOptions options_;
   SlidingWindow window_;
   /// The newest frame when it is not a keyframe; its link leads to the newest keyframe.
-  std::optional<PredictedFrame> passing_;
+  std::optional<PredictedFrame> intermediate_;
   Matrix<15, 15> newest_covariance_ = Matrix<15, 15>::Zero();
   std::optional<NavState> last_good_;  ///< newest keyframe that was not lost; survives StartOver
   ImuIntervals imu_;

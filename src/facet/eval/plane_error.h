@@ -17,8 +17,8 @@ struct PlaneErrorOptions {
   double max_offset_m = 0.10;  ///< distance of the support's centre from the true plane
   /// A plane whose support is this many times as large as a true surface is not that surface.
   double max_area_ratio = 4;
-  /// Less than this is a rim seen by chance. Such a surface cannot be found, and must not take an
-  /// estimate: the back of a thin board fits as well as its front.
+  /// Less than this is a boundary seen by chance. Such a surface cannot be found, and must not take
+  /// an estimate: the back of a thin board fits as well as its front.
   double min_visible_area_m2 = 0.01;
   double min_area_m2 = 1;       ///< true surfaces count for the recall if they are larger ...
   double min_seen_area_m2 = 1;  ///< ... and at least so much of them was seen

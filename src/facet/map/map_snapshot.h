@@ -36,7 +36,7 @@ struct PlaneEstimate {
   Vector3d anchor_W = Vector3d::Zero();  ///< a point near its landmarks
   int num_landmarks = 0;                 ///< that lie on it, in the window
   double row_sigma_m = 0.02;             ///< 1-sigma of the rows that hold landmarks on it
-  bool is_settled = false;               ///< known well enough to stay for the whole run
+  bool is_persistent = false;            ///< known well enough to stay for the whole run
   /// Joint with the newest keyframe's pose: theta and p of the pose, then how the normal moves
   /// [rad, along the axes of W] and n . (p - anchor) [m]. Zero until the plane was solved for.
   Matrix<10, 10> covariance = Matrix<10, 10>::Zero();

@@ -8,8 +8,8 @@
 
 #include "facet/base/types.h"
 #include "facet/geometry/plane.h"
+#include "facet/map/plane_measurement.h"
 #include "facet/map/plane_relation.h"
-#include "facet/map/plane_sighting.h"
 
 namespace facet {
 
@@ -22,7 +22,7 @@ struct NewPlane {
 
 /// A landmark that is on a plane from now on, unless it is hardly known across the plane or is
 /// farther from it than its uncertainty and max_distance_m allow.
-struct PlaneJoin {
+struct PlaneAttachment {
   LandmarkId landmark;
   PlaneId plane;
   double max_distance_m = 0;
@@ -30,18 +30,18 @@ struct PlaneJoin {
 
 struct PlaneAssignments {
   std::vector<NewPlane> created;
-  std::vector<PlaneJoin> joined;
-  std::vector<std::pair<LandmarkId, PlaneId>> left;  ///< landmarks that are no longer
-  std::vector<PlaneId> ended;                        ///< planes that leave the estimator
-  std::vector<PlaneRelation> related;                ///< hold from now on
-  std::vector<PlaneSighting> sighted;                ///< by the newest keyframe
+  std::vector<PlaneAttachment> attached;
+  std::vector<std::pair<LandmarkId, PlaneId>> detached;  ///< landmarks that no longer lie there
+  std::vector<PlaneId> retired;                          ///< planes that leave the estimator
+  std::vector<PlaneRelation> relations;                  ///< hold from now on
+  std::vector<PlaneMeasurement> measurements;            ///< by the newest keyframe
   /// Pipeline SP: landmarks that count with the paper's projection noise and loss from now on, and
   /// those that no longer do. These need no plane.
   std::vector<LandmarkId> projected, unprojected;
 
   bool IsEmpty() const {
-    return created.empty() && joined.empty() && left.empty() && ended.empty() && related.empty() &&
-           sighted.empty() && projected.empty() && unprojected.empty();
+    return created.empty() && attached.empty() && detached.empty() && retired.empty() &&
+           relations.empty() && measurements.empty() && projected.empty() && unprojected.empty();
   }
 };
 

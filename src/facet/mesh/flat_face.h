@@ -73,7 +73,7 @@ struct FlatFace {
 };
 
 /// The columns of the grid along which a face is merged: its own, and what is expected beyond its
-/// rim.
+/// boundary.
 class Footprint {
  public:
   /// Faces reach this many voxels beyond their border: neighbours must meet.
@@ -81,15 +81,15 @@ class Footprint {
 
   Footprint(const FlatFace& flat,
             const std::array<Vector3d, 3>& p,
-            const std::array<bool, 3>& is_rim,
-            double rim)
+            const std::array<bool, 3>& is_boundary,
+            double boundary)
       : own_(flat.Inside({kBorderVoxels, kBorderVoxels, kBorderVoxels})), all_(own_) {
     double widest = kBorderVoxels;
-    if (is_rim[0] || is_rim[1] || is_rim[2]) {
-      widest = std::max(kBorderVoxels, rim);
-      const auto border = [&](std::size_t i) { return is_rim[i] ? widest : kBorderVoxels; };
+    if (is_boundary[0] || is_boundary[1] || is_boundary[2]) {
+      widest = std::max(kBorderVoxels, boundary);
+      const auto border = [&](std::size_t i) { return is_boundary[i] ? widest : kBorderVoxels; };
       all_ = flat.Inside({border(0), border(1), border(2)});
-      has_rim_ = true;
+      has_boundary_ = true;
     }
     const Vector3d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]) - Vector3d::Constant(widest);
     const Vector3d high = p[0].cwiseMax(p[1]).cwiseMax(p[2]) + Vector3d::Constant(widest);
@@ -103,13 +103,13 @@ class Footprint {
   WholeNumbers Columns(int row) const { return all_.Columns(row, columns_); }
   /// Those of them that are the face's own.
   WholeNumbers Own(int row, const WholeNumbers& columns) const {
-    return has_rim_ ? own_.Columns(row, columns) : columns;
+    return has_boundary_ ? own_.Columns(row, columns) : columns;
   }
 
  private:
   TriangleRows own_, all_;
   WholeNumbers columns_, rows_;
-  bool has_rim_ = false;
+  bool has_boundary_ = false;
 };
 
 }  // namespace facet

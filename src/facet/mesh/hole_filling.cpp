@@ -12,8 +12,9 @@
 namespace facet {
 namespace {
 
-constexpr std::size_t kMaxRim = 200;       // vertices
-constexpr double kMinSameDirection = 0.9;  // cosine between the rim's plane and the faces around it
+constexpr std::size_t kMaxBoundary = 200;  // vertices
+constexpr double kMinSameDirection =
+    0.9;  // cosine between the boundary's plane and the faces around it
 
 /// One side of a face; `from` to `to` runs against the face, so that a hole lies on the left.
 struct BorderSide {
@@ -21,7 +22,7 @@ struct BorderSide {
 };
 
 /// A closed chain of border sides.
-using Rim = std::vector<BorderSide>;
+using Boundary = std::vector<BorderSide>;
 
 std::uint64_t KeyOf(int from, int to) {
   return (static_cast<std::uint64_t>(from) << 32) | static_cast<std::uint32_t>(to);
@@ -49,8 +50,8 @@ std::vector<BorderSide> FindBorder(const TriangleMesh& mesh) {
   return border;
 }
 
-/// Rims without a vertex where two borders meet.
-std::vector<Rim> FindRims(const std::vector<BorderSide>& border) {
+/// Boundaries without a vertex where two borders meet.
+std::vector<Boundary> FindBoundaries(const std::vector<BorderSide>& border) {
   const auto first_from = [&](int vertex) {
     return std::lower_bound(
         border.begin(), border.end(), vertex, [](const BorderSide& side, int v) {
@@ -58,36 +59,36 @@ std::vector<Rim> FindRims(const std::vector<BorderSide>& border) {
         });
   };
   std::vector<char> is_used(border.size(), 0);
-  std::vector<Rim> rims;
+  std::vector<Boundary> boundaries;
   for (std::size_t start = 0; start < border.size(); ++start) {
     if (is_used[start] != 0) continue;
-    Rim rim;
+    Boundary boundary;
     std::size_t at = start;
     bool is_simple = true;
     while (is_used[at] == 0) {
       is_used[at] = 1;
-      rim.push_back(border[at]);
+      boundary.push_back(border[at]);
       const auto next = first_from(border[at].to);
       is_simple = next != border.end() && next->from == border[at].to &&
                   (next + 1 == border.end() || (next + 1)->from != next->from);
       if (!is_simple) break;
       at = static_cast<std::size_t>(next - border.begin());
     }
-    if (is_simple && at == start && rim.size() >= 3) rims.push_back(std::move(rim));
+    if (is_simple && at == start && boundary.size() >= 3) boundaries.push_back(std::move(boundary));
   }
-  return rims;
+  return boundaries;
 }
 
 /// Ear clipping of one hole.
 class Patch {
  public:
-  Patch(const Rim& rim, TriangleMesh& mesh) : mesh_(mesh) {
-    for (const BorderSide& side : rim)
+  Patch(const Boundary& boundary, TriangleMesh& mesh) : mesh_(mesh) {
+    for (const BorderSide& side : boundary)
       ring_.push_back(side.from);
   }
 
-  /// Whether the rim is plane and the faces around it continue that plane.
-  bool IsPlane(const Rim& rim, double tolerance_m) {
+  /// Whether the boundary is plane and the faces around it continue that plane.
+  bool IsPlane(const Boundary& boundary, double tolerance_m) {
     Vector3d mean = Vector3d::Zero();
     for (int v : ring_)
       mean += mesh_.vertices[v] / static_cast<double>(ring_.size());
@@ -97,15 +98,15 @@ class Patch {
     const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(scatter);
     n_ = solver.eigenvectors().col(0);
     Vector3d around = Vector3d::Zero();
-    for (const BorderSide& side : rim)
-      around += FaceNormal(mesh_, side.face) / static_cast<double>(rim.size());
+    for (const BorderSide& side : boundary)
+      around += FaceNormal(mesh_, side.face) / static_cast<double>(boundary.size());
     if (n_.dot(around) < 0) n_ = -n_;
     const double rms =
         std::sqrt(std::max(solver.eigenvalues()[0], 0.0) / static_cast<double>(ring_.size()));
     return rms <= tolerance_m && n_.dot(around) >= kMinSameDirection && TwiceArea() > 0;
   }
 
-  /// Adds faces; leaves the mesh as it is and returns false when the rim crosses itself.
+  /// Adds faces; leaves the mesh as it is and returns false when the boundary crosses itself.
   bool Fill(int plane_id) {
     std::vector<std::array<int, 3>> faces;
     while (ring_.size() > 3) {
@@ -159,17 +160,17 @@ class Patch {
 
 int CloseHoles(double max_perimeter_m, double tolerance_m, TriangleMesh& mesh) {
   int num_closed = 0;
-  for (const Rim& rim : FindRims(FindBorder(mesh))) {
+  for (const Boundary& boundary : FindBoundaries(FindBorder(mesh))) {
     double perimeter = 0;
-    for (const BorderSide& side : rim)
+    for (const BorderSide& side : boundary)
       perimeter += (mesh.vertices[side.to] - mesh.vertices[side.from]).norm();
-    if (rim.size() > kMaxRim || perimeter > max_perimeter_m) continue;
-    int plane_id = mesh.plane_ids.empty() ? -1 : mesh.plane_ids[rim.front().face];
-    for (const BorderSide& side : rim) {
+    if (boundary.size() > kMaxBoundary || perimeter > max_perimeter_m) continue;
+    int plane_id = mesh.plane_ids.empty() ? -1 : mesh.plane_ids[boundary.front().face];
+    for (const BorderSide& side : boundary) {
       if (!mesh.plane_ids.empty() && mesh.plane_ids[side.face] != plane_id) plane_id = -1;
     }
-    Patch patch(rim, mesh);
-    if (patch.IsPlane(rim, tolerance_m) && patch.Fill(plane_id)) ++num_closed;
+    Patch patch(boundary, mesh);
+    if (patch.IsPlane(boundary, tolerance_m) && patch.Fill(plane_id)) ++num_closed;
   }
   return num_closed;
 }

@@ -6,7 +6,7 @@
 
 namespace facet {
 
-/// Adds faces over the holes whose rim has at most `max_perimeter_m`, lies on one plane within
+/// Adds faces over the holes whose boundary has at most `max_perimeter_m`, lies on one plane within
 /// `tolerance_m` (RMS) and continues the surface around it. No vertices are added. Outer borders
 /// stay open. The new faces take the plane id that their neighbours share, otherwise -1. Returns
 /// the number of holes closed.

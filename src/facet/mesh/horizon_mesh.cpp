@@ -17,7 +17,7 @@ void SortCorners(MeshFace& face) {
   const auto swap_if = [&](int i, int j) {
     if (c[i] <= c[j]) return;
     std::swap(c[i], c[j]);
-    std::swap(face.is_rim[i], face.is_rim[j]);
+    std::swap(face.is_boundary[i], face.is_boundary[j]);
     face.is_flipped = !face.is_flipped;
   };
   swap_if(0, 1);
@@ -31,7 +31,7 @@ HorizonMesh::HorizonMesh(const MeshOptions& options, bool keeps_rejected)
     : options_(options), keeps_rejected_(keeps_rejected), triangulation_(options) {}
 
 void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, const SE3& T_BC) {
-  lost_.clear();
+  expired_.clear();
   rejected_.clear();
   if (!IsUsable(view)) return;
   newest_ = {view.frame, view.T_WC.p};
@@ -49,9 +49,9 @@ void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, cons
 }
 
 void HorizonMesh::Clear() {
-  lost_.clear();
+  expired_.clear();
   for (const MeshFace& face : faces_)
-    lost_.push_back(MakeLost(face));
+    expired_.push_back(MakeLost(face));
   faces_.clear();
   rejected_.clear();
   vertices_.Clear();
@@ -62,13 +62,13 @@ std::array<Vector3d, 3> HorizonMesh::Corners(const MeshFace& face) const {
   return {vertices_[a].p_W, vertices_[b].p_W, vertices_[c].p_W};
 }
 
-LostFace HorizonMesh::MakeLost(const MeshFace& face) const {
-  LostFace lost;
+ExpiredFace HorizonMesh::MakeLost(const MeshFace& face) const {
+  ExpiredFace lost;
   lost.p_W = Corners(face);
   lost.plane_id = face.plane_id;
   lost.eye_W = face.eye_W.cast<double>();
-  lost.is_rim = face.is_rim;
-  if (face.is_flipped) std::swap(lost.is_rim[1], lost.is_rim[2]);
+  lost.is_boundary = face.is_boundary;
+  if (face.is_flipped) std::swap(lost.is_boundary[1], lost.is_boundary[2]);
   const std::array<int, 3> corners = face.CounterClockwise();
   for (std::size_t i = 0; i < 3; ++i) {
     lost.intensity[i] = vertices_[corners[i]].intensity;
@@ -85,7 +85,7 @@ void HorizonMesh::DropFaces() {
     const bool has_good_shape = triangulation_.HasGoodShape(Corners(face));
     if (!vertices_.IsExpired(a) && !vertices_.IsExpired(b) && !vertices_.IsExpired(c))
       return !has_good_shape;
-    if (has_good_shape) lost_.push_back(MakeLost(face));
+    if (has_good_shape) expired_.push_back(MakeLost(face));
     return true;
   });
 }
@@ -96,7 +96,7 @@ HorizonMesh::ViewFace HorizonMesh::MakeViewFace(const ViewTriangulation::Triangl
   for (std::size_t i = 0; i < 3; ++i) {
     made.face.corners[i] = vertices_.VertexOfPoint(triangle.points[i]);
     if (made.is_accepted || keeps_rejected_)
-      made.face.is_rim[i] = triangulation_.IsRim(triangle, i);
+      made.face.is_boundary[i] = triangulation_.IsBoundary(triangle, i);
   }
   // In the image y points down: turning from x to y is clockwise seen by the camera.
   made.face.is_flipped = true;
@@ -158,8 +158,8 @@ void HorizonMesh::DropContradicted(const MeshView& view) {
         check_.Judge(projection(face), {vertices_[a].id, vertices_[b].id, vertices_[c].id});
     face.num_seen_through += visibility.num_seen_through;
     if (visibility.is_covered) {
-      lost_.push_back(MakeLost(face));
-      lost_.back().is_rim.fill(false);
+      expired_.push_back(MakeLost(face));
+      expired_.back().is_boundary.fill(false);
     }
     return visibility.is_covered || face.num_seen_through >= kMaxSeenThrough;
   });

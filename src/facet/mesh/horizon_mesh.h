@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The mesh over the landmarks of the estimator's horizon (paper II-A.1 and II-A.2): each keyframe's
 // triangles are lifted, filtered and merged in; faces go when a vertex leaves the horizon or when
-// newer sightings contradict them.
+// newer views contradict them.
 #pragma once
 
 #include <array>
@@ -52,7 +52,7 @@ class HorizonMesh {
   const std::vector<MeshFace>& faces() const { return faces_; }
   /// Faces that the last call took away because a vertex left the horizon, or because newer faces
   /// cover them.
-  const std::vector<LostFace>& lost() const { return lost_; }
+  const std::vector<ExpiredFace>& lost() const { return expired_; }
   /// How the triangles of the last view were judged.
   const auto& verdicts() const { return triangulation_.verdicts(); }
 
@@ -79,7 +79,7 @@ class HorizonMesh {
   void SetFacePlanes(std::span<const int> planes);
   void SetDepthScales(std::span<const double> scales);
   void SetVerdicts(std::span<const TriangleVerdict> verdicts);
-  LostFace MakeLost(const MeshFace& face) const;
+  ExpiredFace MakeLost(const MeshFace& face) const;
   std::array<Vector3d, 3> Corners(const MeshFace& face) const;
 
   MeshOptions options_;
@@ -89,7 +89,7 @@ class HorizonMesh {
   HorizonVertices vertices_;
   std::vector<MeshFace> faces_;
   std::vector<MeshFace> rejected_;  // of the newest view, sorted by corners
-  std::vector<LostFace> lost_;
+  std::vector<ExpiredFace> expired_;
   struct {
     FrameId frame;
     Vector3d camera_W = Vector3d::Zero();

@@ -110,7 +110,7 @@ TEST(HorizonMesh, CoversAWallAndLooksAtTheCamera) {
       mesh.faces().begin(), mesh.faces().end(), [](const MeshFace& f) { return f.may_vote; }));
 }
 
-TEST(HorizonMesh, LostFacesKnowTheRimOfTheirSurface) {
+TEST(HorizonMesh, ExpiredFacesKnowTheBoundaryOfTheirSurface) {
   HorizonMesh mesh{MeshOptions()};
   const MeshView view = ViewOf(WallPoints(2));
   mesh.Update(view, SnapshotOf(view), SE3());
@@ -120,17 +120,17 @@ TEST(HorizonMesh, LostFacesKnowTheRimOfTheirSurface) {
     return (std::abs(a.x()) > 0.59 && std::abs(a.x() - b.x()) < 0.01) ||
            (std::abs(a.y()) > 0.59 && std::abs(a.y() - b.y()) < 0.01);
   };
-  int rims = 0;
-  for (const LostFace& face : mesh.lost()) {
+  int boundaries = 0;
+  for (const ExpiredFace& face : mesh.lost()) {
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_EQ(face.is_rim[i], on_same_border(face.p_W[(i + 1) % 3], face.p_W[(i + 2) % 3]));
-      rims += face.is_rim[i] ? 1 : 0;
+      EXPECT_EQ(face.is_boundary[i], on_same_border(face.p_W[(i + 1) % 3], face.p_W[(i + 2) % 3]));
+      boundaries += face.is_boundary[i] ? 1 : 0;
     }
   }
-  EXPECT_EQ(rims, 16);
+  EXPECT_EQ(boundaries, 16);
 }
 
-TEST(HorizonMesh, FacesThatNewerOnesCoverHaveNoRim) {
+TEST(HorizonMesh, FacesThatNewerOnesCoverHaveNoBoundary) {
   HorizonMesh mesh{MeshOptions()};
   MeshView view = ViewOf(WallPoints(2));
   mesh.Update(view, SnapshotOf(view), SE3());
@@ -141,8 +141,8 @@ TEST(HorizonMesh, FacesThatNewerOnesCoverHaveNoRim) {
   mesh.Update(view, SnapshotOf(view), SE3());
   EXPECT_EQ(mesh.faces().size(), 32u);
   ASSERT_EQ(mesh.lost().size(), 32u);
-  for (const LostFace& face : mesh.lost())
-    EXPECT_EQ(face.is_rim, (std::array<bool, 3>{}));
+  for (const ExpiredFace& face : mesh.lost())
+    EXPECT_EQ(face.is_boundary, (std::array<bool, 3>{}));
 }
 
 TEST(HorizonMesh, FacesOfALandmarkThatLeftTheHorizonLeaveToo) {
@@ -223,10 +223,10 @@ TEST(HorizonMesh, AFaceThatLandmarksAreSeenThroughGoesAfterSeveralVotes) {
   const MapSnapshot both = SnapshotOf(view);
   snapshot.landmarks.insert(
       snapshot.landmarks.begin(), both.landmarks.begin(), both.landmarks.end());
-  for (int sighting = 1; sighting <= 3; ++sighting) {
-    behind.frame = FrameId{sighting};
+  for (int view = 1; view <= 3; ++view) {
+    behind.frame = FrameId{view};
     mesh.Update(behind, snapshot, SE3());
-    EXPECT_EQ(mesh.faces().size(), sighting < 3 ? 1u : 0u);
+    EXPECT_EQ(mesh.faces().size(), view < 3 ? 1u : 0u);
   }
   EXPECT_TRUE(mesh.lost().empty()) << "a face that was proven wrong is not kept for the map";
 }
@@ -381,7 +381,7 @@ TEST(HorizonMesh, ShowsSupportPointsAtTheirBetterDepths) {
   mesh.Clear();
   ASSERT_FALSE(mesh.lost().empty());
   double farthest = 0;
-  for (const LostFace& face : mesh.lost())
+  for (const ExpiredFace& face : mesh.lost())
     farthest = std::max({farthest, face.p_W[0].z(), face.p_W[1].z(), face.p_W[2].z()});
   EXPECT_NEAR(farthest, 2 + 0.02, 1e-9);
 }

@@ -23,7 +23,7 @@ struct MeshFace {
   bool is_hidden = false;  ///< known planes say that there is no surface
   /// Of the sides opposite to the corners: whether the newest view that has it shows nothing
   /// beyond.
-  std::array<bool, 3> is_rim{};
+  std::array<bool, 3> is_boundary{};
   /// The camera of the newest keyframe whose triangulation has it.
   Eigen::Vector3f eye_W = Eigen::Vector3f::Zero();
 
@@ -40,15 +40,15 @@ inline bool ComesBefore(const MeshFace& a, const MeshFace& b) {
 }
 
 /// A face that left the horizon, with its last estimate, without having been proven wrong.
-struct LostFace {
+struct ExpiredFace {
   std::array<Vector3d, 3> p_W;  ///< counter-clockwise seen by the camera
   std::array<std::uint8_t, 3> intensity{};
   double sigma_depth_m = 0;  ///< mean of the vertices
   int plane_id = -1;
   std::optional<Vector3d> eye_W;  ///< the camera that saw it last, if known
   /// Of the sides opposite to p_W: no surface was seen beyond. Faces that newer ones cover have no
-  /// rim, as it is for these to say what lies beyond.
-  std::array<bool, 3> is_rim{};
+  /// boundary, as it is for these to say what lies beyond.
+  std::array<bool, 3> is_boundary{};
 };
 
 }  // namespace facet

@@ -102,14 +102,15 @@ struct SurfaceMapOptions {
   /// Side of a voxel [m]. Smaller: finer, and memory grows with its inverse square. (!)
   double voxel_m = 0.08;
   /// Beyond a side where nothing was seen a surface is expected to go on this far [m]: the corners
-  /// between which faces hang are rarely at the rim of things. More: more complete, less exact. (!)
-  double rim_m = 0.2;
+  /// between which faces hang are rarely at the boundary of things. More: more complete, less
+  /// exact. (!)
+  double boundary_m = 0.2;
   /// That part counts by this share of the face's weight.
-  double rim_weight = 0.2;
+  double boundary_weight = 0.2;
   /// What each sight line takes from the weight of a surface that it passes through. More: wrong
   /// surfaces go sooner, and with them some of the thin and the seldom seen ones. 0: nothing.
   double carving_weight = 1;
-  /// Holes with at most this perimeter are closed if their rim is plane [m]; 0: none.
+  /// Holes with at most this perimeter are closed if their boundary is plane [m]; 0: none.
   double max_hole_m = 2.0;
   /// When the map is this large it grows no more; where it exists it is still improved [MB]. 1000
   /// m2 need about 60.
@@ -120,8 +121,8 @@ struct SurfaceMapOptions {
     v.Field(
         "enabled", enabled, Range{}, "keep the surfaces that leave the horizon", Audience::kUsers);
     v.Field("voxel_m", voxel_m, Range{0.01, 1}, "side of a voxel [m]", Audience::kUsers);
-    v.Field("rim_m", rim_m, Range{0, 5}, "surfaces go on beyond what was seen [m]");
-    v.Field("rim_weight", rim_weight, Range{0, 1}, "weight of that part over the face's");
+    v.Field("boundary_m", boundary_m, Range{0, 5}, "surfaces go on beyond what was seen [m]");
+    v.Field("boundary_weight", boundary_weight, Range{0, 1}, "weight of that part over the face's");
     v.Field("carving_weight",
             carving_weight,
             Range{0, 1e6},

@@ -34,8 +34,8 @@ class Extraction {
     for (const SurfaceMap::Block& block : map_.blocks())
       VisitCorners(block, [this](const CubeIndex& c) { AddQuads(c); });
     CleanUp(mesh_);
-    constexpr double kRimTolerance = 0.25;  // voxels
-    CloseHoles(map_.options().max_hole_m, kRimTolerance * map_.options().voxel_m, mesh_);
+    constexpr double kBoundaryTolerance = 0.25;  // voxels
+    CloseHoles(map_.options().max_hole_m, kBoundaryTolerance * map_.options().voxel_m, mesh_);
     SetVertexNormals(mesh_);
     return std::move(mesh_);
   }

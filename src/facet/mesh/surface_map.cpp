@@ -50,7 +50,7 @@ int BitOf(const CubeIndex& c) {
 }
 
 // A corner that moved across its face since the camera saw it.
-bool IsSeenFromBehind(const LostFace& face, const Vector3d& n_W) {
+bool IsSeenFromBehind(const ExpiredFace& face, const Vector3d& n_W) {
   return face.eye_W && face.eye_W->allFinite() && n_W.dot(*face.eye_W - face.p_W[0]) < 0;
 }
 
@@ -237,16 +237,16 @@ void SurfaceMap::FollowSights(const Vector3d& eye_W,
 }
 
 // Columns that meet the face, and what lies within the truncation along each.
-void SurfaceMap::FollowColumns(const LostFace& face,
+void SurfaceMap::FollowColumns(const ExpiredFace& face,
                                const std::array<Vector3d, 3>& p,
                                const FlatFace& flat,
                                const Columns& all) {
   const double sigma = std::max(face.sigma_depth_m, 1e-3);
   const auto weight = static_cast<float>(
       std::clamp(std::pow(kUnitSigma_m / sigma, 2), kMinFaceWeight, kMaxFaceWeight));
-  const float rim_weight = weight * static_cast<float>(options_.rim_weight);
-  const double rim = rim_weight > 0 ? options_.rim_m / options_.voxel_m : 0;
-  const Footprint footprint(flat, p, face.is_rim, rim);
+  const float boundary_weight = weight * static_cast<float>(options_.boundary_weight);
+  const double boundary = boundary_weight > 0 ? options_.boundary_m / options_.voxel_m : 0;
+  const Footprint footprint(flat, p, face.is_boundary, boundary);
   const auto [darkest, brightest] =
       std::minmax_element(face.intensity.begin(), face.intensity.end());
   const ColumnFunction intensity = flat.Interpolate(face.intensity);
@@ -263,7 +263,7 @@ void SurfaceMap::FollowColumns(const LostFace& face,
       column.first[w] = FloorOf(centre - reach) + 1;
       column.end = FloorOf(centre + reach) + 1;
       column.distance = static_cast<float>(step * (column.first[w] - centre));
-      column.weight = own.first <= x && x <= own.last ? weight : rim_weight;
+      column.weight = own.first <= x && x <= own.last ? weight : boundary_weight;
       column.intensity =
           static_cast<float>(std::clamp<double>(intensity(x, y), *darkest, *brightest));
       SplitColumn(all, column);
@@ -273,7 +273,7 @@ void SurfaceMap::FollowColumns(const LostFace& face,
 
 // Which voxels are meant is found out first: meanwhile the processor fetches them, which takes
 // longer than all that is done with them.
-void SurfaceMap::Add(const LostFace& face) {
+void SurfaceMap::Add(const ExpiredFace& face) {
   std::array<Vector3d, 3> p = face.p_W;
   for (Vector3d& corner : p)
     corner /= options_.voxel_m;
@@ -296,7 +296,7 @@ void SurfaceMap::Add(const LostFace& face) {
 
 SurfaceMap WithHorizon(SurfaceMap map, HorizonMesh horizon) {
   horizon.Clear();
-  for (const LostFace& face : horizon.lost())
+  for (const ExpiredFace& face : horizon.lost())
     map.Add(face);
   return map;
 }

@@ -48,7 +48,7 @@ class SurfaceMap {
   /// Merges a face, as far as options().max_memory_mb allows, and weakens what its camera has seen
   /// it through. Faces that are not finite, or whose back their camera sees, are
   /// ignored.
-  void Add(const LostFace& face);
+  void Add(const ExpiredFace& face);
 
   /// Null where nothing is known.
   const Voxel* Find(const CubeIndex& corner) const;
@@ -94,7 +94,7 @@ class SurfaceMap {
   /// CubeMap::kNone where a new block would be more than the map may have.
   int BlockAt(const CubeIndex& index);
   int AddBlock(const CubeIndex& index);
-  void FollowColumns(const LostFace& face,
+  void FollowColumns(const ExpiredFace& face,
                      const std::array<Vector3d, 3>& p,
                      const FlatFace& flat,
                      const Columns& all);

@@ -15,12 +15,12 @@
 namespace facet {
 namespace {
 
-LostFace FaceOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  LostFace face;
+ExpiredFace FaceOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  ExpiredFace face;
   face.p_W = {a, b, c};
   face.intensity = {50, 100, 150};
   face.sigma_depth_m = 0.02;
-  face.is_rim = {true, true, true};
+  face.is_boundary = {true, true, true};
   return face;
 }
 
@@ -28,8 +28,8 @@ LostFace FaceOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
 /// of the grid are extracted.
 SurfaceMapOptions EndingWithTheFaces() {
   SurfaceMapOptions options;
-  options.rim_m = 0.75 * options.voxel_m;
-  options.rim_weight = 1;
+  options.boundary_m = 0.75 * options.voxel_m;
+  options.boundary_weight = 1;
   return options;
 }
 
@@ -49,8 +49,8 @@ void AddFloor(double z,
   for (int y = 0; y < cells; ++y) {
     for (int x = 0; x < cells; ++x) {
       const int i = y * (cells + 1) + x;
-      for (LostFace face : {FaceOf(p[i], p[i + 1], p[i + cells + 2]),
-                            FaceOf(p[i], p[i + cells + 2], p[i + cells + 1])}) {
+      for (ExpiredFace face : {FaceOf(p[i], p[i + 1], p[i + cells + 2]),
+                               FaceOf(p[i], p[i + cells + 2], p[i + cells + 1])}) {
         face.eye_W = eye_W;
         map.Add(face);
       }
@@ -112,18 +112,18 @@ double LowestY(const SurfaceMap& map) {
   return low;
 }
 
-TEST(SurfaceMap, ASurfaceGoesOnBeyondItsRimAndOnlyThere) {
-  LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+TEST(SurfaceMap, ASurfaceGoesOnBeyondItsBoundaryAndOnlyThere) {
+  ExpiredFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
   const SurfaceMapOptions options;
   SurfaceMap plain{options}, grown{options}, other{options};
-  face.is_rim = {};
+  face.is_boundary = {};
   plain.Add(face);
-  face.is_rim = {false, false, true};  // the side at y = -1
+  face.is_boundary = {false, false, true};  // the side at y = -1
   grown.Add(face);
-  face.is_rim = {true, false, false};
+  face.is_boundary = {true, false, false};
   other.Add(face);
   EXPECT_NEAR(LowestY(plain), -1, 1.01 * options.voxel_m);
-  EXPECT_NEAR(LowestY(grown), -1 - options.rim_m, options.voxel_m);
+  EXPECT_NEAR(LowestY(grown), -1 - options.boundary_m, options.voxel_m);
   EXPECT_DOUBLE_EQ(LowestY(other), LowestY(plain));
   for (const Vector3d& p : ExtractSurface(grown).vertices)
     ASSERT_NEAR(p.z(), 0, 1e-5);
@@ -132,11 +132,11 @@ TEST(SurfaceMap, ASurfaceGoesOnBeyondItsRimAndOnlyThere) {
 TEST(SurfaceMap, ARimWithoutWeightIsNoRim) {
   for (const double weight : {0.0, 1e-60}) {  // as a float both are nothing
     SurfaceMapOptions options;
-    options.rim_weight = weight;
-    const auto area = [&](bool is_rim) {
+    options.boundary_weight = weight;
+    const auto area = [&](bool is_boundary) {
       SurfaceMap map(options);
-      LostFace small = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
-      small.is_rim.fill(is_rim);
+      ExpiredFace small = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+      small.is_boundary.fill(is_boundary);
       map.Add(small);
       map.Add(FaceOf({-2, -2, 0}, {2, -2, 0}, {0, 2, 0}));
       return AreaOf(ExtractSurface(map));
@@ -148,9 +148,9 @@ TEST(SurfaceMap, ARimWithoutWeightIsNoRim) {
 
 TEST(SurfaceMap, WhatWasSeenCountsMoreThanWhatWasExpected) {
   // The floor ends at y = -1 as far as it was seen; beyond that it is 4 cm lower.
-  LostFace floor = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
-  floor.is_rim = {false, false, true};
-  const LostFace step = FaceOf({-1.5, -0.9, -0.04}, {0, -3, -0.04}, {1.5, -0.9, -0.04});
+  ExpiredFace floor = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+  floor.is_boundary = {false, false, true};
+  const ExpiredFace step = FaceOf({-1.5, -0.9, -0.04}, {0, -3, -0.04}, {1.5, -0.9, -0.04});
   const SurfaceMapOptions options;
   SurfaceMap map{options};
   map.Add(floor);
@@ -158,7 +158,7 @@ TEST(SurfaceMap, WhatWasSeenCountsMoreThanWhatWasExpected) {
   int beyond = 0;
   for (const Vector3d& p : ExtractSurface(map).vertices) {
     if (p.y() > -1.1 || std::abs(p.x()) > 0.8) continue;
-    EXPECT_LT(p.z(), -0.04 / (1 + options.rim_weight) + 1e-3) << p.transpose();
+    EXPECT_LT(p.z(), -0.04 / (1 + options.boundary_weight) + 1e-3) << p.transpose();
     EXPECT_GT(p.z(), -0.041) << p.transpose();
     ++beyond;
   }
@@ -251,15 +251,15 @@ TEST(SurfaceMap, ASmallFaceIsLookedThroughOnceAtMost) {
   for (double side = 0.25; side < 4; side += 0.25) {
     SurfaceMapOptions options = EndingWithTheFaces();
     SurfaceMap map(options);
-    const LostFace wall = FaceOf({-0.5, -0.5, 1}, {0.5, -0.5, 1}, {0, 0.5, 1});
+    const ExpiredFace wall = FaceOf({-0.5, -0.5, 1}, {0.5, -0.5, 1}, {0, 0.5, 1});
     for (int i = 0; i < 3; ++i)
       map.Add(wall);
     const double area = AreaOf(ExtractSurface(map));
-    LostFace far = FaceOf({100, 0, 0}, {100 + side, 0, 0}, {100, side, 0});
+    ExpiredFace far = FaceOf({100, 0, 0}, {100 + side, 0, 0}, {100, side, 0});
     far.eye_W = Vector3d(100, 0, 5);
     map.Add(far);
     const double with_far = AreaOf(ExtractSurface(map));
-    LostFace near = FaceOf({0, 0, 0}, {0.06, 0, 0}, {0, 0.06, 0});
+    ExpiredFace near = FaceOf({0, 0, 0}, {0.06, 0, 0}, {0, 0.06, 0});
     near.eye_W = Vector3d(0, 0, 2);
     map.Add(near);
     // One sight line takes 1 of 3 from what it meets: nothing goes.
@@ -274,10 +274,10 @@ double AreaOfTwoWalls(const SurfaceMapOptions& options) {
   for (int view = 0; view < 50; ++view) {
     for (int i = 0; i < 8; ++i) {
       const double y = 0.5 * i, x = 0.25 * i;
-      for (LostFace face : {FaceOf({0, y, 0}, {0, y + 0.5, 0}, {0, y + 0.5, 2}),
-                            FaceOf({0, y, 0}, {0, y + 0.5, 2}, {0, y, 2}),
-                            FaceOf({x, 4, 0}, {x + 0.25, 4, 0}, {x, 4, 2}),
-                            FaceOf({x + 0.25, 4, 0}, {x + 0.25, 4, 2}, {x, 4, 2})}) {
+      for (ExpiredFace face : {FaceOf({0, y, 0}, {0, y + 0.5, 0}, {0, y + 0.5, 2}),
+                               FaceOf({0, y, 0}, {0, y + 0.5, 2}, {0, y, 2}),
+                               FaceOf({x, 4, 0}, {x + 0.25, 4, 0}, {x, 4, 2}),
+                               FaceOf({x + 0.25, 4, 0}, {x + 0.25, 4, 2}, {x, 4, 2})}) {
         face.eye_W = Vector3d(1, 0, 1.2);
         map.Add(face);
       }
@@ -298,7 +298,7 @@ TEST(SurfaceMap, CarvingLeavesWallsBesideTheSightLinesAlone) {
 TEST(SurfaceMap, NoSightLineIsTooStrange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   SurfaceMap map{EndingWithTheFaces()};
-  LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+  ExpiredFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
   map.Add(face);
   for (const Vector3d& eye : {Vector3d(nan, 0, 1),
                               Vector3d(0, 0, 1e300),
@@ -320,8 +320,8 @@ double AreaOfBoard(double thickness_m) {
       const auto corner = [&](double dx, double y) {
         return Vector3d(0.25 * (x + dx) - 1, y, 0.04 + 0.003 * rng.Normal());
       };
-      for (LostFace face : {FaceOf(corner(0, -1), corner(1, -1), corner(1, 1)),
-                            FaceOf(corner(0, -1), corner(1, 1), corner(0, 1))}) {
+      for (ExpiredFace face : {FaceOf(corner(0, -1), corner(1, -1), corner(1, 1)),
+                               FaceOf(corner(0, -1), corner(1, 1), corner(0, 1))}) {
         map.Add(face);
         std::swap(face.p_W[1], face.p_W[2]);
         for (Vector3d& p : face.p_W)
@@ -340,7 +340,7 @@ TEST(SurfaceMap, ThinThingsStay) {
 
 TEST(SurfaceMap, FacesSeenFromBehindAreLeftOut) {
   SurfaceMap map{EndingWithTheFaces()};
-  LostFace face = FaceOf({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
+  ExpiredFace face = FaceOf({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
   face.eye_W = Vector3d(0, 0, -2);
   map.Add(face);
   EXPECT_TRUE(map.blocks().empty());
@@ -369,7 +369,7 @@ TEST(SurfaceMap, FacesHaveAreaAndAreThereOnce) {
 
 TEST(SurfaceMap, PlaneIdsReachTheFaces) {
   SurfaceMap map{EndingWithTheFaces()};
-  LostFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+  ExpiredFace face = FaceOf({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
   face.plane_id = 7;
   map.Add(face);
   const TriangleMesh mesh = ExtractSurface(map);

@@ -121,7 +121,7 @@ bool ViewTriangulation::HasPlaneCorner(const MeshView& view, const Triangle& tri
   return false;
 }
 
-bool ViewTriangulation::IsRim(const Triangle& triangle, std::size_t corner) const {
+bool ViewTriangulation::IsBoundary(const Triangle& triangle, std::size_t corner) const {
   const int from = triangle.points[(corner + 1) % 3], to = triangle.points[(corner + 2) % 3];
   const std::span<const int> star = stars_.Around(from);
   return std::none_of(star.begin(), star.end(), [&](int t) {

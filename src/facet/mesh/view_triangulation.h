@@ -43,7 +43,7 @@ class ViewTriangulation {
     return triangle.IsAccepted() && voting_.Judge(triangle.seen) == FaceVerdict::kAccepted;
   }
   /// Whether no accepted triangle lies beyond the side opposite to a corner.
-  bool IsRim(const Triangle& triangle, std::size_t corner) const;
+  bool IsBoundary(const Triangle& triangle, std::size_t corner) const;
 
   /// Whether a face of an older view still has a shape that is accepted.
   bool HasGoodShape(const std::array<Vector3d, 3>& p_W) const {

@@ -31,7 +31,7 @@ void SceneStage::UpdateMesh(const TrackedFrame& frame, VioOutput& out) {
   if (!IsWorked(out)) return;
   const ScopedStage stage(out.times, Stage::kMesh);
   horizon_.Update(view_builder_.Build(frame.frontend, *out.snapshot), *out.snapshot, T_BC_);
-  KeepLostFaces();
+  KeepExpiredFaces();
 }
 
 RegularityResult SceneStage::FindPlanes(VioOutput& out) {
@@ -52,14 +52,14 @@ void SceneStage::ShowPlanes(const MeshRegularities& regularities, VioOutput& out
 // What was in the horizon stays in the map as it is.
 void SceneStage::Reset() {
   horizon_.Clear();
-  KeepLostFaces();
+  KeepExpiredFaces();
   if (planes_) planes_->Reset();
   if (projections_) projections_->Reset();
 }
 
-void SceneStage::KeepLostFaces() {
+void SceneStage::KeepExpiredFaces() {
   if (!options_.map.enabled) return;
-  for (const LostFace& face : horizon_.lost())
+  for (const ExpiredFace& face : horizon_.lost())
     map_.Add(face);
 }
 

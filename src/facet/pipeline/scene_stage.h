@@ -45,7 +45,7 @@ class SceneStage {
  private:
   bool IsWorked(const VioOutput& out) const { return options_.enabled && out.snapshot; }
   void Reset();
-  void KeepLostFaces();
+  void KeepExpiredFaces();
 
   MeshOptions options_;
   SE3 T_BC_;

@@ -47,7 +47,7 @@ RegularityResult PlaneTracker::Process(const SearchMesh& mesh, const MapSnapshot
   ExtendPlanes(faces_, plane_index_of_face_, now_, planes_);
   DetachFromForeignSurface(map, planes_, out);
   if (options_.measurements.enabled) {
-    out.sighted =
+    out.measurements =
         MeasurePlanes(mesh, faces_, plane_index_of_face_, planes_, map, options_.measurements);
   }
   Relate(out);
@@ -77,7 +77,7 @@ void PlaneTracker::TakeEstimates(const MapSnapshot& map, PlaneAssignments& out) 
     plane.UpdateOrientation(options_.detection.max_plane_lean_deg);
     const double max_age = options_.tracking.max_age_s;
     if (max_age > 0 && ToSeconds(now_ - plane.confirmed_at) >= max_age) {
-      out.ended.push_back(plane.id);
+      out.retired.push_back(plane.id);
       Retire(k);
     }
   }
@@ -93,7 +93,7 @@ void PlaneTracker::Retire(std::size_t plane) {
 void PlaneTracker::Revise(const MapSnapshot& map, PlaneAssignments& out) {
   RemoveMisfits(map, faces_.camera.sigma_direction, planes_, out);
   MergeSameSurfaces(map, planes_, out);
-  for (const PlaneId plane : out.ended)
+  for (const PlaneId plane : out.retired)
     relations_.Forget(plane);
 }
 
@@ -273,7 +273,7 @@ void PlaneTracker::Relate(PlaneAssignments& out) {
                         plane.extent.area_m2(),
                         plane.extent.Centroid(plane.estimate.plane_W)});
   }
-  relations_.Update(planes, out.related);
+  relations_.Update(planes, out.relations);
 }
 
 std::vector<int> PlaneTracker::FacePlaneIds() const {

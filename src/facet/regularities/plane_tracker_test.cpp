@@ -45,7 +45,7 @@ class PlaneTrackerTest : public ::testing::Test {
       Step(patches);
   }
   void UseOptions(const RegularityOptions& options) { tracker_ = PlaneTracker(options); }
-  int NumMembers(PlaneId plane) const {
+  int NumPlaneLandmarks(PlaneId plane) const {
     int count = 0;
     for (const auto& [landmark, planes] : estimator_.memberships)
       count += static_cast<int>(std::count(planes.begin(), planes.end(), plane));
@@ -62,7 +62,7 @@ class PlaneTrackerTest : public ::testing::Test {
   Patch floor_ = MakeFloor({2, 0, 0}, 2, 3);
 };
 
-TEST_F(PlaneTrackerTest, APlaneIsHandedOverAfterEnoughSightings) {
+TEST_F(PlaneTrackerTest, APlaneIsConfirmedAfterEnoughDetections) {
   const int needed = PlaneTrackingOptions().min_detections;
   for (int k = 1; k < needed; ++k) {
     EXPECT_TRUE(Step({wall_}).IsEmpty());
@@ -75,9 +75,9 @@ TEST_F(PlaneTrackerTest, APlaneIsHandedOverAfterEnoughSightings) {
   EXPECT_NEAR(found.created[0].plane_W.SignedDistance(wall_.centre_W), 0, 0.02);
   EXPECT_LT((found.created[0].centroid_W - wall_.centre_W).norm(), 0.4);
   // All its landmarks come with it, and none twice.
-  EXPECT_GT(found.joined.size(), 0.9 * static_cast<double>(mesh_.vertex_ids.size()));
+  EXPECT_GT(found.attached.size(), 0.9 * static_cast<double>(mesh_.vertex_ids.size()));
   std::set<LandmarkId> landmarks;
-  for (const PlaneJoin& join : found.joined) {
+  for (const PlaneAttachment& join : found.attached) {
     EXPECT_EQ(join.plane, PlaneId{0});
     EXPECT_TRUE(landmarks.insert(join.landmark).second);
   }
@@ -174,7 +174,7 @@ TEST_F(PlaneTrackerTest, RecordsTellWhatWasSeen) {
     EXPECT_EQ(record.label, is_wall ? PlaneLabel::kWall : PlaneLabel::kFloor);
     EXPECT_NEAR(record.area_m2, 6, 0.8);
     EXPECT_LT((record.centroid_W - (is_wall ? wall_ : floor_).centre_W).norm(), 0.1);
-    EXPECT_NEAR(record.num_landmarks, NumMembers(record.id), 3) << "but for the newest";
+    EXPECT_NEAR(record.num_landmarks, NumPlaneLandmarks(record.id), 3) << "but for the newest";
     EXPECT_NEAR(ToSeconds(record.first_seen - Timestamp{0}), kKeyframe_s, 1e-9);
     EXPECT_EQ(record.last_seen, mesh_.t);
     EXPECT_GE(record.outline_W.size(), 4u);
@@ -238,8 +238,8 @@ TEST_F(PlaneTrackerTest, LandmarksOfARecognisedPlaneMayBeAsFarOffAsItWas) {
   Patch displaced = wall_;
   displaced.centre_W.x() += 0.15;
   const PlaneAssignments found = Step({displaced});
-  ASSERT_GT(found.joined.size(), 50u);
-  for (const PlaneJoin& join : found.joined) {
+  ASSERT_GT(found.attached.size(), 50u);
+  for (const PlaneAttachment& join : found.attached) {
     if (join.plane == PlaneId{0}) {
       EXPECT_NEAR(join.max_distance_m, 0.3, 0.05);
     }
@@ -266,7 +266,7 @@ TEST_F(PlaneTrackerTest, PlanesEndAfterTheirTimeAndMayComeBackAsOthers) {
   for (int k = 0; k < 40; ++k) {
     const PlaneAssignments found = Step({wall_});
     if (created_s == 0 && !found.created.empty()) created_s = view_.time_s;
-    for (const PlaneId id : found.ended) {
+    for (const PlaneId id : found.retired) {
       EXPECT_EQ(id, PlaneId{0});
       ended_s.push_back(view_.time_s);
     }
@@ -284,7 +284,7 @@ TEST_F(PlaneTrackerTest, WhatTheEstimatorDroppedGoesOnUnderItsNameWhenItIsSeenAg
   estimator_.planes.clear();
   estimator_.memberships.clear();
   const PlaneAssignments found = Step({floor_});
-  EXPECT_TRUE(found.ended.empty());
+  EXPECT_TRUE(found.retired.empty());
   ASSERT_EQ(tracker_.Records().size(), 1u);
   EXPECT_EQ(tracker_.Records()[0].id, PlaneId{0});
   const Timestamp first_seen = tracker_.Records()[0].first_seen;
@@ -305,10 +305,11 @@ TEST_F(PlaneTrackerTest, WhatItsSupportPointsMeasureIsHandedOver) {
   MapSnapshot map = estimator_.Snapshot(mesh_);
   map.keyframes.push_back({FrameId{31}, mesh_.t, map.latest.T_WB});
   const PlaneAssignments found = tracker_.Process(mesh_, map).assignments;
-  ASSERT_EQ(found.sighted.size(), 1u);
-  EXPECT_EQ(found.sighted[0].plane, PlaneId{0});
-  EXPECT_EQ(found.sighted[0].frame, FrameId{31});
-  EXPECT_NEAR(wall_.ToPlane().SignedDistance(map.latest.T_WB * found.sighted[0].centre_B), 0, 0.01);
+  ASSERT_EQ(found.measurements.size(), 1u);
+  EXPECT_EQ(found.measurements[0].plane, PlaneId{0});
+  EXPECT_EQ(found.measurements[0].frame, FrameId{31});
+  EXPECT_NEAR(
+      wall_.ToPlane().SignedDistance(map.latest.T_WB * found.measurements[0].centre_B), 0, 0.01);
 }
 
 // Seen from one room, then from the other, then again, however badly the way between them is known.
@@ -374,7 +375,7 @@ TEST_F(PlaneTrackerTest, LandmarksThatTheEstimatorRefusesAreNotCounted) {
   }
   const std::vector<PlaneRecord> records = tracker_.Records();
   ASSERT_EQ(records.size(), 1u);
-  EXPECT_EQ(records[0].num_landmarks, NumMembers(records[0].id));
+  EXPECT_EQ(records[0].num_landmarks, NumPlaneLandmarks(records[0].id));
   EXPECT_GT(records[0].num_landmarks, 5);
 }
 
@@ -481,15 +482,15 @@ TEST_F(PlaneTrackerTest, PartsOfAWallThatMeetAreMerged) {
   std::vector<PlaneId> ended;
   for (double y = -3; y <= 3; y += 0.25) {
     const PlaneAssignments found = Step({MakeWall({3, y, 1.4}, 0, 1.5, 2)});
-    ended.insert(ended.end(), found.ended.begin(), found.ended.end());
+    ended.insert(ended.end(), found.retired.begin(), found.retired.end());
   }
   EXPECT_EQ(ended, std::vector{PlaneId{1}});
   const auto records = tracker_.Records();
   ASSERT_EQ(records.size(), 1u);
   EXPECT_EQ(records[0].id, PlaneId{0});
   EXPECT_NEAR(records[0].area_m2, 15, 1.5);
-  EXPECT_GT(NumMembers(PlaneId{0}), 50);
-  EXPECT_EQ(NumMembers(PlaneId{1}), 0);
+  EXPECT_GT(NumPlaneLandmarks(PlaneId{0}), 50);
+  EXPECT_EQ(NumPlaneLandmarks(PlaneId{1}), 0);
 }
 
 TEST_F(PlaneTrackerTest, APlaneThatDoesNotFitItsLandmarksEndsAndItsPartsAreFound) {
@@ -504,7 +505,7 @@ TEST_F(PlaneTrackerTest, APlaneThatDoesNotFitItsLandmarksEndsAndItsPartsAreFound
   std::vector<PlaneId> ended;
   for (int k = 0; k < 10; ++k) {
     const PlaneAssignments found = Step(parts);
-    ended.insert(ended.end(), found.ended.begin(), found.ended.end());
+    ended.insert(ended.end(), found.retired.begin(), found.retired.end());
   }
   EXPECT_EQ(ended, std::vector{PlaneId{0}});
   const auto records = tracker_.Records();

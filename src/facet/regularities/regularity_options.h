@@ -86,7 +86,7 @@ struct PlaneTrackingOptions {
         "min_detections", min_detections, Range{1, 100}, "keyframes that must have detected it");
     v.Field("min_landmarks",
             min_landmarks,
-            Range{3, 1000},
+            Range{5, 1000},
             "landmarks of a new plane, if they are close together");
     v.Field("max_normal_sigma_deg",
             max_normal_sigma_deg,
@@ -94,7 +94,7 @@ struct PlaneTrackingOptions {
             "1-sigma of a new plane's normal by its landmarks [deg]");
     v.Field("min_spread_landmarks",
             min_spread_landmarks,
-            Range{3, 1000},
+            Range{5, 1000},
             "landmarks of a new plane, if they are far apart");
     v.Field("max_spread_sigma_deg",
             max_spread_sigma_deg,

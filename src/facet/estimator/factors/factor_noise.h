@@ -4,7 +4,7 @@
 #pragma once
 
 #include "facet/estimator/estimator_options.h"
-#include "facet/estimator/factors/usual_error.h"
+#include "facet/estimator/factors/residual_scale.h"
 #include "facet/geometry/angles.h"
 
 namespace facet {
@@ -13,14 +13,12 @@ namespace facet {
 struct RelationNoise {
   double sigma_rad;          ///< parallel, orthogonal, coplanar, heading; 1-sigma
   double gravity_sigma_rad;  ///< horizontal and vertical
-  double sigma_m;            ///< offsets of coplanar planes
-  double huber_sigma;        ///< relations violated by more grow linearly
+  double sigma_m = 0.01;     ///< offsets of coplanar planes: what a wall's parts differ by
+  double huber_sigma = 2.0;  ///< relations violated by more grow linearly
 
   explicit RelationNoise(const RelationOptions& options)
       : sigma_rad(options.sigma_deg * kDegree),
-        gravity_sigma_rad(options.gravity_sigma_deg * kDegree),
-        sigma_m(options.coplanar_sigma_m),
-        huber_sigma(options.huber_sigma) {}
+        gravity_sigma_rad(options.gravity_sigma_deg * kDegree) {}
 };
 
 /// Landmarks of pipeline SP: noise and loss of the paper's projection factors.
@@ -41,11 +39,12 @@ struct FactorNoise {
   double plane_common_sigma_m;  ///< the same, what those of one plane have in common
   /// Distances to planes beyond this many of their rows' sigmas grow linearly.
   double plane_huber_sigma;
-  double sighting_huber_sigma = 2.0;  ///< sightings of planes beyond this grow linearly
+  double measurement_huber_sigma = 2.0;  ///< measurements of planes beyond this grow linearly
   RelationNoise relations;
   ProjectionNoise projection;
 
-  explicit FactorNoise(const EstimatorOptions& options, const UsualError& usual = UsualError())
+  explicit FactorNoise(const EstimatorOptions& options,
+                       const ResidualScale& usual = ResidualScale())
       : reprojection_width(options.solver.loss_width * usual.sigma()),
         plane_sigma_m(options.solver.plane_sigma_m),
         plane_common_sigma_m(options.solver.plane_common_sigma_m),

@@ -23,8 +23,6 @@ TEST(FactorNoiseTest, EveryValueIsTheOptions) {
   options.solver.plane_huber_sigma = 4;
   options.planes.relations.sigma_deg = 5;
   options.planes.relations.gravity_sigma_deg = 6;
-  options.planes.relations.coplanar_sigma_m = 7;
-  options.planes.relations.huber_sigma = 8;
   options.projection.sigma_px = 9;
   options.projection.tukey_sigma = 10;
   const FactorNoise noise(options);
@@ -34,14 +32,12 @@ TEST(FactorNoiseTest, EveryValueIsTheOptions) {
   EXPECT_EQ(noise.plane_huber_sigma, 4);
   EXPECT_EQ(noise.relations.sigma_rad, 5 * kDegree);
   EXPECT_EQ(noise.relations.gravity_sigma_rad, 6 * kDegree);
-  EXPECT_EQ(noise.relations.sigma_m, 7);
-  EXPECT_EQ(noise.relations.huber_sigma, 8);
   EXPECT_EQ(noise.projection.sigma_px, 9);
   EXPECT_EQ(noise.projection.tukey_sigma, 10);
 }
 
-TEST(FactorNoiseTest, TheLossIsAsWideAsTheUsualErrors) {
-  UsualError usual;
+TEST(FactorNoiseTest, TheLossIsAsWideAsTheResidualScales) {
+  ResidualScale usual;
   for (int i = 0; i < 100; ++i)
     usual.Add(0.5);
   const EstimatorOptions options;
@@ -50,8 +46,8 @@ TEST(FactorNoiseTest, TheLossIsAsWideAsTheUsualErrors) {
               1e-6);
 }
 
-TEST(UsualErrorTest, FollowsWithinAFewKeyframesAndStaysUseful) {
-  UsualError usual;
+TEST(ResidualScaleTest, FollowsWithinAFewKeyframesAndStaysUseful) {
+  ResidualScale usual;
   EXPECT_EQ(usual.sigma(), 1.0);
   for (int i = 0; i < 10; ++i)
     usual.Add(0.4);

@@ -5,15 +5,17 @@
 
 #include "facet/estimator/factors/factor_noise.h"
 #include "facet/estimator/factors/imu_factor.h"
+#include "facet/estimator/factors/plane_measurement_factor.h"
 #include "facet/estimator/factors/prior_factor.h"
 #include "facet/estimator/factors/relation_factor.h"
-#include "facet/estimator/factors/sighting_factor.h"
 #include "facet/estimator/factors/start_prior_factor.h"
 
 namespace facet {
 
 template <class Visitor>
-void VisitAllButSightings(const SlidingWindow& window, const FactorNoise& noise, Visitor&& visit) {
+void VisitAllButPlaneMeasurements(const SlidingWindow& window,
+                                  const FactorNoise& noise,
+                                  Visitor&& visit) {
   if (window.prior.dim() > 0) visit(PriorFactor(window));
   if (window.start_prior) visit(StartPriorFactor(window));
   for (int j = 1; j <= window.newest_frame(); ++j) {
@@ -23,11 +25,13 @@ void VisitAllButSightings(const SlidingWindow& window, const FactorNoise& noise,
     visit(RelationFactor(window, relation, noise.relations));
 }
 
-/// Apart, because one wants to know what the sightings alone say of the planes.
+/// Apart, because one wants to know what the measurements alone say of the planes.
 template <class Visitor>
-void VisitSightings(const SlidingWindow& window, const FactorNoise& noise, Visitor&& visit) {
-  for (const PlaneSighting& sighting : window.sightings)
-    visit(SightingFactor(window, sighting, noise.sighting_huber_sigma));
+void VisitPlaneMeasurements(const SlidingWindow& window,
+                            const FactorNoise& noise,
+                            Visitor&& visit) {
+  for (const PlaneMeasurement& measurement : window.measurements)
+    visit(PlaneMeasurementFactor(window, measurement, noise.measurement_huber_sigma));
 }
 
 /// Calls `visit` with every factor in the window. They are of different types (see factor.h), so a
@@ -35,8 +39,8 @@ void VisitSightings(const SlidingWindow& window, const FactorNoise& noise, Visit
 /// taken.
 template <class Visitor>
 void VisitFactors(const SlidingWindow& window, const FactorNoise& noise, Visitor&& visit) {
-  VisitAllButSightings(window, noise, visit);
-  VisitSightings(window, noise, visit);
+  VisitAllButPlaneMeasurements(window, noise, visit);
+  VisitPlaneMeasurements(window, noise, visit);
 }
 
 }  // namespace facet

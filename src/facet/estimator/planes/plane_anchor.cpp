@@ -33,7 +33,7 @@ void MoveAnchor(const Vector3d& anchor_W, int index, SlidingWindow& window) {
   }
 }
 
-int FollowSupport(double max_distance_m, SlidingWindow& window) {
+int FollowLandmarks(double max_distance_m, SlidingWindow& window) {
   constexpr int kMinMembers = 3;
   std::vector<Vector3d> sums(window.planes.size(), Vector3d::Zero());
   std::vector<int> counts(window.planes.size(), 0);

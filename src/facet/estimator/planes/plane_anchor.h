@@ -14,6 +14,6 @@ void MoveAnchor(const Vector3d& anchor_W, int plane, SlidingWindow& window);
 
 /// Moves the anchors that are farther than `max_distance_m` from the mean of the landmarks on their
 /// planes to that mean. Planes with fewer than three landmarks stay. Returns how many moved.
-int FollowSupport(double max_distance_m, SlidingWindow& window);
+int FollowLandmarks(double max_distance_m, SlidingWindow& window);
 
 }  // namespace facet

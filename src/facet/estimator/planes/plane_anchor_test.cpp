@@ -139,8 +139,8 @@ TEST(PlaneAnchorTest, APlaneThatIsNotFrozenMovesToo) {
 
 TEST(PlaneAnchorTest, AnchorsFollowTheLandmarks) {
   TestWindow test = MakeWindow(10);
-  EXPECT_EQ(FollowSupport(1e3, test.window), 0);
-  EXPECT_EQ(FollowSupport(0.0, test.window), 2);
+  EXPECT_EQ(FollowLandmarks(1e3, test.window), 0);
+  EXPECT_EQ(FollowLandmarks(0.0, test.window), 2);
   for (int k = 0; k < 2; ++k) {
     Vector3d sum = Vector3d::Zero();
     int count = 0;
@@ -152,11 +152,11 @@ TEST(PlaneAnchorTest, AnchorsFollowTheLandmarks) {
     EXPECT_LT((test.window.planes[static_cast<std::size_t>(k)].anchor_W - sum / count).norm(),
               1e-9);
   }
-  EXPECT_EQ(FollowSupport(1e-6, test.window), 0);
+  EXPECT_EQ(FollowLandmarks(1e-6, test.window), 0);
   // Without landmarks a plane keeps its anchor.
   for (WindowLandmark& landmark : test.window.landmarks())
     landmark.planes = PlaneLinks();
-  EXPECT_EQ(FollowSupport(0.0, test.window), 0);
+  EXPECT_EQ(FollowLandmarks(0.0, test.window), 0);
 }
 
 }  // namespace

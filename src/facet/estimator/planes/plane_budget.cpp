@@ -30,11 +30,11 @@ std::vector<PlaneId> ExcessPlanes(const SlidingWindow& window,
     bool has_chance = false;
     auto Key() const { return std::tie(determinant, id); }
   };
-  const std::vector<int> members = window.CountMembers();
+  const std::vector<int> num_landmarks = window.CountPlaneLandmarks();
   std::vector<Rank> ranks;
   for (std::size_t k = 0; k < window.planes.size(); ++k) {
     const WindowPlane& plane = window.planes[k];
-    ranks.push_back({known[k].determinant(), plane.id, members[k] > 0 && !plane.settled});
+    ranks.push_back({known[k].determinant(), plane.id, num_landmarks[k] > 0 && !plane.persistent});
   }
   std::sort(
       ranks.begin(), ranks.end(), [](const Rank& a, const Rank& b) { return a.Key() < b.Key(); });

@@ -34,7 +34,7 @@ TEST(PlaneBudgetTest, NothingGoesWithinTheBudget) {
 TEST(PlaneBudgetTest, TheLeastKnownGoes) {
   SlidingWindow window = MakeWindow({0, 1, 2, 3});
   for (WindowPlane& plane : window.planes)
-    plane.settled = true;
+    plane.persistent = true;
   EXPECT_EQ(ExcessPlanes(window, Information({5, 2, 3, 4}), 3), std::vector{PlaneId{11}});
   EXPECT_EQ(ExcessPlanes(window, Information({5, 2, 3, 4}), 2),
             (std::vector{PlaneId{11}, PlaneId{12}}));
@@ -43,7 +43,7 @@ TEST(PlaneBudgetTest, TheLeastKnownGoes) {
 TEST(PlaneBudgetTest, AWellKnownPlaneStaysThoughItIsUnseen) {
   SlidingWindow window = MakeWindow({1, 2});
   for (WindowPlane& plane : window.planes)
-    plane.settled = true;
+    plane.persistent = true;
   EXPECT_EQ(ExcessPlanes(window, Information({9, 1, 2, 8}), 2),
             (std::vector{PlaneId{11}, PlaneId{12}}));
 }
@@ -51,9 +51,9 @@ TEST(PlaneBudgetTest, AWellKnownPlaneStaysThoughItIsUnseen) {
 // One in ten, at least one, and the best known of them.
 TEST(PlaneBudgetTest, APlaneThatIsBeingDeterminedHasAChance) {
   SlidingWindow window = MakeWindow({1, 2});
-  window.planes[1].settled = true;
+  window.planes[1].persistent = true;
   EXPECT_EQ(ExcessPlanes(window, Information({9, 3, 1, 8}), 3), std::vector{PlaneId{11}});
-  window.planes[1].settled = false;
+  window.planes[1].persistent = false;
   EXPECT_EQ(ExcessPlanes(window, Information({9, 3, 1, 8}), 3), std::vector{PlaneId{12}});
   EXPECT_EQ(ExcessPlanes(window, Information({9, 3, 1, 8}), 2),
             (std::vector{PlaneId{12}, PlaneId{13}}));

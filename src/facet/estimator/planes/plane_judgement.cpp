@@ -24,9 +24,10 @@ std::vector<double> SquaredExtents(const SlidingWindow& window) {
           (p_W - window.planes[plane].anchor_W).squaredNorm();
     }
   }
-  const std::vector<int> members = window.CountMembers();
+  const std::vector<int> num_landmarks = window.CountPlaneLandmarks();
   for (std::size_t k = 0; k < extents.size(); ++k)
-    extents[k] = members[k] > 0 ? extents[k] / members[k] : std::numeric_limits<double>::infinity();
+    extents[k] = num_landmarks[k] > 0 ? extents[k] / num_landmarks[k]
+                                      : std::numeric_limits<double>::infinity();
   return extents;
 }
 
@@ -37,13 +38,13 @@ bool AreAtTheSamePlace(const SE3& a, const SE3& b) {
 
 }  // namespace
 
-void MarkSettledPlanes(const std::vector<Matrix3d>& information,
-                       const PlaneOptions& options,
-                       SlidingWindow& window) {
+void MarkPersistentPlanes(const std::vector<Matrix3d>& information,
+                          const PersistenceLimits& limits,
+                          SlidingWindow& window) {
   const auto square = [](double x) { return x * x; };
-  const double max_normal = square(options.settled_normal_deg * kDegree);
-  const double max_rim = square(options.settled_rim_m);
-  const double max_offset = square(options.settled_offset_m);
+  const double max_normal = square(limits.max_normal_deg * kDegree);
+  const double max_boundary = square(limits.max_boundary_m);
+  const double max_offset = square(limits.max_offset_m);
   const std::vector<double> extents = SquaredExtents(window);
   for (std::size_t k = 0; k < window.planes.size(); ++k) {
     const Eigen::LLT<Matrix3d> factor(information[k]);
@@ -51,8 +52,8 @@ void MarkSettledPlanes(const std::vector<Matrix3d>& information,
     const Matrix3d covariance = factor.solve(Matrix3d::Identity());
     const double normal = covariance(0, 0) + covariance(1, 1);
     // Of a plane of little extent the normal only needs to be good enough where its landmarks are.
-    const bool has_normal = normal < max_normal || normal * extents[k] < max_rim;
-    if (has_normal && covariance(2, 2) < max_offset) window.planes[k].settled = true;
+    const bool has_normal = normal < max_normal || normal * extents[k] < max_boundary;
+    if (has_normal && covariance(2, 2) < max_offset) window.planes[k].persistent = true;
   }
 }
 
@@ -62,41 +63,42 @@ int DropViolatedRelations(const RelationNoise& noise, double max_sigma, SlidingW
   }));
 }
 
-void CutUnsettledLinks(const std::vector<char>& leaving_landmarks, SlidingWindow& window) {
+void CutNonPersistentLinks(const std::vector<char>& leaving_landmarks, SlidingWindow& window) {
   for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
     if (leaving_landmarks[l] == 0) continue;
     PlaneLinks& links = window.landmarks()[l].planes;
     for (int k = links.count() - 1; k >= 0; --k) {
       const int plane = links[k];
-      if (!window.planes[plane].settled) links.Remove(plane);
+      if (!window.planes[plane].persistent) links.Remove(plane);
     }
   }
 }
 
-void CutSightings(const std::vector<char>& leaving_frames, SlidingWindow& window) {
-  const auto frame_of = [&](const PlaneSighting& s) { return window.IndexOf(s.frame); };
-  const auto leaves = [&](const PlaneSighting& s) {
+void CutMeasurements(const std::vector<char>& leaving_frames, SlidingWindow& window) {
+  const auto frame_of = [&](const PlaneMeasurement& s) { return window.IndexOf(s.frame); };
+  const auto leaves = [&](const PlaneMeasurement& s) {
     return leaving_frames[static_cast<std::size_t>(frame_of(s))] != 0;
   };
-  const auto pose_of = [&](const PlaneSighting& s) -> const SE3& {
+  const auto pose_of = [&](const PlaneMeasurement& s) -> const SE3& {
     return window.frames[frame_of(s)].x.T_WB;
   };
-  std::vector<PlaneSighting> staying = window.sightings;
+  std::vector<PlaneMeasurement> staying = window.measurements;
   std::erase_if(staying, leaves);
-  std::erase_if(window.sightings, [&](const PlaneSighting& sighting) {
-    if (!leaves(sighting)) return false;
-    if (!window.planes[window.IndexOf(sighting.plane)].settled) return true;
-    return std::any_of(staying.begin(), staying.end(), [&](const PlaneSighting& other) {
-      return other.plane == sighting.plane && AreAtTheSamePlace(pose_of(other), pose_of(sighting));
+  std::erase_if(window.measurements, [&](const PlaneMeasurement& measurement) {
+    if (!leaves(measurement)) return false;
+    if (!window.planes[window.IndexOf(measurement.plane)].persistent) return true;
+    return std::any_of(staying.begin(), staying.end(), [&](const PlaneMeasurement& other) {
+      return other.plane == measurement.plane &&
+             AreAtTheSamePlace(pose_of(other), pose_of(measurement));
     });
   });
 }
 
-void CutUnsettledRelations(const std::vector<char>& leaving_planes, SlidingWindow& window) {
-  const auto is_unsettled = [&](PlaneId id) {
+void CutNonPersistentRelations(const std::vector<char>& leaving_planes, SlidingWindow& window) {
+  const auto is_only_confirmed = [&](PlaneId id) {
     const int plane = window.IndexOf(id);
     const WindowPlane& p = window.planes[plane];
-    return leaving_planes[static_cast<std::size_t>(plane)] == 0 && !p.settled && !p.frozen;
+    return leaving_planes[static_cast<std::size_t>(plane)] == 0 && !p.persistent && !p.frozen;
   };
   const auto leaves = [&](PlaneId id) {
     return leaving_planes[static_cast<std::size_t>(window.IndexOf(id))] != 0;
@@ -104,7 +106,7 @@ void CutUnsettledRelations(const std::vector<char>& leaving_planes, SlidingWindo
   std::erase_if(window.relations, [&](const WindowRelation& w) {
     const PlaneRelation& r = w.relation;
     if (r.IsUnary()) return false;
-    return (leaves(r.a) && is_unsettled(r.b)) || (leaves(r.b) && is_unsettled(r.a));
+    return (leaves(r.a) && is_only_confirmed(r.b)) || (leaves(r.b) && is_only_confirmed(r.a));
   });
 }
 

@@ -12,8 +12,11 @@ namespace facet {
 
 namespace {
 
-// So many wrong members never bend a window.
-constexpr int kFewWrongMembers = 5;
+// So many wrong landmarks never bend a window.
+// Landmarks farther from their plane, and relations violated by more, are wrong: one in 10000 of
+// those that are right.
+constexpr double kMaxLandmarkSigma = 4.0, kMaxRelationSigma = 4.0;
+constexpr int kFewWrongLandmarks = 5;
 
 }  // namespace
 
@@ -22,11 +25,11 @@ void PlaneLifecycle::Announce(const PlaneAssignments& assignments) {
     to.insert(to.end(), from.begin(), from.end());
   };
   append(assignments.created, waiting_.created);
-  append(assignments.joined, waiting_.joined);
-  append(assignments.left, waiting_.left);
-  append(assignments.ended, ended_);
-  append(assignments.related, waiting_.related);
-  append(assignments.sighted, waiting_.sighted);
+  append(assignments.attached, waiting_.attached);
+  append(assignments.detached, waiting_.detached);
+  append(assignments.retired, retired_);
+  append(assignments.relations, waiting_.relations);
+  append(assignments.measurements, waiting_.measurements);
   append(assignments.projected, waiting_.projected);
   append(assignments.unprojected, waiting_.unprojected);
 }
@@ -35,21 +38,21 @@ void PlaneLifecycle::TakeEffect(const FactorNoise& noise,
                                 const FrameGeometry& geometry,
                                 SlidingWindow& window) {
   if (window.planes.empty() && waiting_.IsEmpty()) return;
-  ApplyAssignments(waiting_, options_, noise, geometry, window);
+  ApplyAssignments(waiting_, AttachmentLimits(), noise, geometry, window);
   ApplyProjections(waiting_, convert_back_, window);
   waiting_ = {};
-  RemoveUnsupportedPlanes(options_.min_landmarks, window);
-  FollowSupport(options_.anchor_distance_m, window);
+  RemoveSparsePlanes(options_.min_landmarks, window);
+  FollowLandmarks(options_.anchor_distance_m, window);
   WeighPlanes(noise, window);
 }
 
-bool PlaneLifecycle::DropWrongMembers(const FactorNoise& noise,
-                                      const FrameGeometry& geometry,
-                                      SlidingWindow& window) const {
-  const int before = window.NumMembers();
+bool PlaneLifecycle::DetachWrongLandmarks(const FactorNoise& noise,
+                                          const FrameGeometry& geometry,
+                                          SlidingWindow& window) const {
+  const int before = window.NumPlaneLandmarks();
   if (before == 0) return false;
-  const int dropped = DetachOutliers(geometry, noise, options_.outlier_sigma, window);
-  return dropped > std::max(kFewWrongMembers, before / 10);
+  const int dropped = DetachOutliers(geometry, noise, kMaxLandmarkSigma, window);
+  return dropped > std::max(kFewWrongLandmarks, before / 10);
 }
 
 void PlaneLifecycle::Judge(const std::vector<Matrix3d>& information,
@@ -57,10 +60,10 @@ void PlaneLifecycle::Judge(const std::vector<Matrix3d>& information,
                            const FactorNoise& noise,
                            SlidingWindow& window) {
   if (!window.planes.empty()) {
-    MarkSettledPlanes(information, options_, window);
-    DropViolatedRelations(noise.relations, options_.relations.outlier_sigma, window);
+    MarkPersistentPlanes(information, PersistenceLimits(), window);
+    DropViolatedRelations(noise.relations, kMaxRelationSigma, window);
     for (const PlaneId id : ExcessPlanes(window, information, options_.max_planes))
-      ended_.push_back(id);
+      retired_.push_back(id);
   }
   KeepCovariances(covariances, window);
 }
@@ -82,12 +85,12 @@ void PlaneLifecycle::FollowOutlierRemoval(const FactorNoise& noise,
                                           const FrameGeometry& geometry,
                                           SlidingWindow& window) const {
   if (window.planes.empty()) return;
-  DetachOutliers(geometry, noise, options_.outlier_sigma, window);
-  RemoveUnsupportedPlanes(options_.min_landmarks, window);
+  DetachOutliers(geometry, noise, kMaxLandmarkSigma, window);
+  RemoveSparsePlanes(options_.min_landmarks, window);
 }
 
-void PlaneLifecycle::RemoveEnded(SlidingWindow& window) {
-  std::erase_if(ended_, [&](PlaneId id) {
+void PlaneLifecycle::RemoveRetired(SlidingWindow& window) {
+  std::erase_if(retired_, [&](PlaneId id) {
     const int plane = window.IndexOf(id);
     if (plane < 0) return true;
     if (window.planes[plane].frozen) return false;
@@ -96,18 +99,18 @@ void PlaneLifecycle::RemoveEnded(SlidingWindow& window) {
   });
 }
 
-void PlaneLifecycle::EndIn(const SlidingWindow& window, MarginalizationPlan& plan) {
-  for (const PlaneId id : ended_) {
+void PlaneLifecycle::RetireIn(const SlidingWindow& window, MarginalizationPlan& plan) {
+  for (const PlaneId id : retired_) {
     const int plane = window.IndexOf(id);
     if (plane >= 0) plan.drop_plane[plane] = 1;
   }
-  ended_.clear();
+  retired_.clear();
 }
 
-void PlaneLifecycle::CutUnsettled(const MarginalizationPlan& plan, SlidingWindow& window) {
-  CutUnsettledLinks(plan.drop_landmark, window);
-  CutSightings(plan.drop_frame, window);
-  CutUnsettledRelations(plan.drop_plane, window);
+void PlaneLifecycle::CutNonPersistent(const MarginalizationPlan& plan, SlidingWindow& window) {
+  CutNonPersistentLinks(plan.drop_landmark, window);
+  CutMeasurements(plan.drop_frame, window);
+  CutNonPersistentRelations(plan.drop_plane, window);
 }
 
 }  // namespace facet

@@ -33,11 +33,11 @@ class PlaneLifecycle {
   /// so many that they bent the window: it has to be weighed and solved again without them, from
   /// where it was (a few iterations do not lead back from far off), before their pull is frozen or
   /// good observations look wrong. `geometry` must be up to date.
-  bool DropWrongMembers(const FactorNoise& noise,
-                        const FrameGeometry& geometry,
-                        SlidingWindow& window) const;
+  bool DetachWrongLandmarks(const FactorNoise& noise,
+                            const FrameGeometry& geometry,
+                            SlidingWindow& window) const;
 
-  /// After the solve: which planes are settled or too many, which relations do not hold.
+  /// After the solve: which planes are persistent or too many, which relations do not hold.
   /// `information` and `covariances` as from WindowSolver.
   void Judge(const std::vector<Matrix3d>& information,
              const std::vector<Matrix<9, 9>>& covariances,
@@ -51,12 +51,12 @@ class PlaneLifecycle {
                             SlidingWindow& window) const;
 
   /// Of the planes that were ended, those that the prior does not know go at once ...
-  void RemoveEnded(SlidingWindow& window);
+  void RemoveRetired(SlidingWindow& window);
   /// ... and the others are marginalised.
-  void EndIn(const SlidingWindow& window, MarginalizationPlan& plan);
+  void RetireIn(const SlidingWindow& window, MarginalizationPlan& plan);
 
   /// Before the plan is carried out: cuts off what the prior must not contain.
-  static void CutUnsettled(const MarginalizationPlan& plan, SlidingWindow& window);
+  static void CutNonPersistent(const MarginalizationPlan& plan, SlidingWindow& window);
 
   /// After the newest keyframe's solve.
   std::span<const PlaneCovariance> covariances() const { return covariances_; }
@@ -67,7 +67,7 @@ class PlaneLifecycle {
   PlaneOptions options_;
   bool convert_back_;
   PlaneAssignments waiting_;
-  std::vector<PlaneId> ended_;
+  std::vector<PlaneId> retired_;
   std::vector<PlaneCovariance> covariances_;
 };
 

@@ -10,10 +10,7 @@ namespace {
 
 class PlaneLifecycleTest : public ::testing::Test {
  protected:
-  PlaneLifecycleTest() : scene_(1) {
-    options_.planes = scene_.limits;
-    options_.planes.min_landmarks = 1;
-  }
+  PlaneLifecycleTest() : scene_(1) { options_.planes.min_landmarks = 1; }
 
   SlidingWindow& window() { return scene_.window(); }
   void TakeEffect(PlaneLifecycle& life) {
@@ -24,7 +21,7 @@ class PlaneLifecycleTest : public ::testing::Test {
     PlaneAssignments assignments;
     for (const std::int64_t id : ids) {
       assignments.created.push_back(scene_.PlaneAt(id, 0.0));
-      assignments.joined.push_back({scene_.landmark, PlaneId{id}});
+      assignments.attached.push_back({scene_.landmark, PlaneId{id}});
     }
     life.Announce(assignments);
     TakeEffect(life);
@@ -52,12 +49,12 @@ TEST_F(PlaneLifecycleTest, AnnouncementsAddUpAndTakeEffectOnce) {
   PlaneLifecycle life(options_);
   PlaneAssignments create, join;
   create.created = {scene_.PlaneAt(7, 0.0)};
-  join.joined = {{scene_.landmark, PlaneId{7}}};
+  join.attached = {{scene_.landmark, PlaneId{7}}};
   life.Announce(create);
   life.Announce(join);
   EXPECT_TRUE(window().planes.empty()) << "they wait for the next keyframe";
   TakeEffect(life);
-  EXPECT_EQ(window().CountMembers(), std::vector<int>{1});
+  EXPECT_EQ(window().CountPlaneLandmarks(), std::vector<int>{1});
   EXPECT_EQ(window().planes[0].row_sigma_m,
             std::hypot(scene_.noise.plane_sigma_m, scene_.noise.plane_common_sigma_m));
   window().RemovePlane(0);
@@ -77,15 +74,15 @@ TEST_F(PlaneLifecycleTest, WhatIsEndedGoesAtOnceUnlessThePriorKnowsIt) {
   AddPlanes(life, {1, 2, 3});
   window().planes[1].Freeze();
   PlaneAssignments end;
-  end.ended = {PlaneId{1}, PlaneId{2}, PlaneId{9}};
+  end.retired = {PlaneId{1}, PlaneId{2}, PlaneId{9}};
   life.Announce(end);
-  life.RemoveEnded(window());
+  life.RemoveRetired(window());
   EXPECT_EQ(Ids(), (std::vector<std::int64_t>{2, 3}));
   MarginalizationPlan plan(window());
-  life.EndIn(window(), plan);
+  life.RetireIn(window(), plan);
   EXPECT_EQ(plan.drop_plane, (std::vector<char>{1, 0}));
   MarginalizationPlan later(window());
-  life.EndIn(window(), later);
+  life.RetireIn(window(), later);
   EXPECT_TRUE(later.IsEmpty());
 }
 
@@ -95,7 +92,7 @@ TEST_F(PlaneLifecycleTest, OfTooManyPlanesTheLeastKnownAreEnded) {
   AddPlanes(life, {1, 2, 3});
   Judge(life);
   EXPECT_EQ(Ids().size(), 3u);
-  life.RemoveEnded(window());
+  life.RemoveRetired(window());
   EXPECT_EQ(Ids().size(), 2u);
 }
 
@@ -105,7 +102,7 @@ TEST_F(PlaneLifecycleTest, JudgingSettlesPlanesAndKeepsTheirCovariances) {
   Judge(life);
   ASSERT_EQ(life.covariances().size(), 2u);
   for (std::size_t k = 0; k < 2; ++k) {
-    EXPECT_TRUE(window().planes[k].settled);
+    EXPECT_TRUE(window().planes[k].persistent);
     EXPECT_EQ(life.covariances()[k].first, window().planes[k].id);
     // A unit covariance of two tangent directions is one across the normal.
     const Matrix<10, 10>& covariance = life.covariances()[k].second;
@@ -129,33 +126,33 @@ TEST_F(PlaneLifecycleTest, OnlyManyWrongMembersAskForAnotherSolve) {
     for (std::size_t l = 0; l < num_members; ++l)
       landmarks[l].planes.Add(0);
     WeighPlanes(scene.noise, scene.window());
-    EXPECT_EQ(life.DropWrongMembers(scene.noise, scene.Geometry(), scene.window()), many);
-    EXPECT_LT(scene.window().NumMembers(), static_cast<int>(num_members) / 2);
-    EXPECT_GE(scene.window().NumMembers(), 1) << "the plane goes through the first landmark";
-    EXPECT_FALSE(life.DropWrongMembers(scene.noise, scene.Geometry(), scene.window()));
+    EXPECT_EQ(life.DetachWrongLandmarks(scene.noise, scene.Geometry(), scene.window()), many);
+    EXPECT_LT(scene.window().NumPlaneLandmarks(), static_cast<int>(num_members) / 2);
+    EXPECT_GE(scene.window().NumPlaneLandmarks(), 1) << "the plane goes through the first landmark";
+    EXPECT_FALSE(life.DetachWrongLandmarks(scene.noise, scene.Geometry(), scene.window()));
   }
 }
 
-TEST_F(PlaneLifecycleTest, NothingOfAPlaneThatIsNotSettledLeaves) {
+TEST_F(PlaneLifecycleTest, NothingOfAPlaneThatIsNotPersistentLeaves) {
   PlaneLifecycle life(options_);
   AddPlanes(life, {1, 2});
-  window().planes[0].settled = true;
-  window().sightings = {testing::SightingOf(PlaneId{1}, window().frames[0]),
-                        testing::SightingOf(PlaneId{2}, window().frames[0])};
+  window().planes[0].persistent = true;
+  window().measurements = {testing::MeasurementOf(PlaneId{1}, window().frames[0]),
+                           testing::MeasurementOf(PlaneId{2}, window().frames[0])};
   MarginalizationPlan plan(window());
   plan.drop_frame[0] = 1;
   plan.drop_landmark[0] = 1;
-  PlaneLifecycle::CutUnsettled(plan, window());
-  EXPECT_EQ(window().CountMembers(), (std::vector<int>{1, 0}));
-  ASSERT_EQ(window().sightings.size(), 1u);
-  EXPECT_EQ(window().sightings[0].plane, PlaneId{1});
+  PlaneLifecycle::CutNonPersistent(plan, window());
+  EXPECT_EQ(window().CountPlaneLandmarks(), (std::vector<int>{1, 0}));
+  ASSERT_EQ(window().measurements.size(), 1u);
+  EXPECT_EQ(window().measurements[0].plane, PlaneId{1});
 }
 
 TEST_F(PlaneLifecycleTest, LandmarksThatNoLongerFitLeaveAfterTheRemovalOfOutliers) {
   PlaneLifecycle life(options_);
   AddPlanes(life, {1});
   life.FollowOutlierRemoval(scene_.noise, scene_.Geometry(), window());
-  EXPECT_EQ(window().CountMembers(), std::vector<int>{1});
+  EXPECT_EQ(window().CountPlaneLandmarks(), std::vector<int>{1});
   window().landmarks()[0].inverse_distance *= 0.8;
   life.FollowOutlierRemoval(scene_.noise, scene_.Geometry(), window());
   EXPECT_TRUE(window().planes.empty());

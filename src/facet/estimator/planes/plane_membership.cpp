@@ -35,14 +35,14 @@ double SigmaAlong(const FrameGeometry& geometry,
   return factor.matrixL().solve(J).norm();
 }
 
-void JoinLandmarks(const std::vector<PlaneJoin>& joins,
-                   const PlaneOptions& options,
-                   const FactorNoise& noise,
-                   const FrameGeometry& geometry,
-                   SlidingWindow& window) {
-  for (const PlaneJoin& join : joins) {
-    WindowLandmark* landmark = window.Find(join.landmark);
-    const int index = window.IndexOf(join.plane);
+void AttachLandmarks(const std::vector<PlaneAttachment>& attachments,
+                     const AttachmentLimits& limits,
+                     const FactorNoise& noise,
+                     const FrameGeometry& geometry,
+                     SlidingWindow& window) {
+  for (const PlaneAttachment& attachment : attachments) {
+    WindowLandmark* landmark = window.Find(attachment.landmark);
+    const int index = window.IndexOf(attachment.plane);
     if (landmark == nullptr || index < 0 || landmark->planes.Contains(index)) continue;
     if (!landmark->has_depth || landmark->observations.empty() ||
         landmark->inverse_distance <= WindowLandmark::kMinPlaneInverseDistance) {
@@ -50,10 +50,10 @@ void JoinLandmarks(const std::vector<PlaneJoin>& joins,
     }
     const WindowPlane& plane = window.planes[index];
     const double sigma_m = SigmaAlong(geometry, *landmark, plane.n, noise);
-    if (!(sigma_m <= options.join_sigma_m)) continue;
+    if (!(sigma_m <= limits.max_sigma_m)) continue;
     const double distance_m = std::abs(plane.SignedDistance(window.PositionOf(*landmark)));
-    const double max_distance_m = std::max({options.join_distance_m,
-                                            join.max_distance_m,
+    const double max_distance_m = std::max({limits.max_distance_m,
+                                            attachment.max_distance_m,
                                             3 * std::hypot(sigma_m, noise.plane_sigma_m)});
     if (distance_m <= max_distance_m) landmark->planes.Add(index);
   }
@@ -62,7 +62,7 @@ void JoinLandmarks(const std::vector<PlaneJoin>& joins,
 }  // namespace
 
 void ApplyAssignments(const PlaneAssignments& assignments,
-                      const PlaneOptions& options,
+                      const AttachmentLimits& limits,
                       const FactorNoise& noise,
                       const FrameGeometry& geometry,
                       SlidingWindow& window) {
@@ -71,17 +71,17 @@ void ApplyAssignments(const PlaneAssignments& assignments,
     window.planes.emplace_back(
         created.id, created.plane_W, created.centroid_W, noise.plane_sigma_m);
   }
-  for (const auto& [landmark_id, plane_id] : assignments.left) {
+  for (const auto& [landmark_id, plane_id] : assignments.detached) {
     WindowLandmark* landmark = window.Find(landmark_id);
     const int plane = window.IndexOf(plane_id);
     if (landmark != nullptr && plane >= 0) landmark->planes.Remove(plane);
   }
-  JoinLandmarks(assignments.joined, options, noise, geometry, window);
-  for (const PlaneRelation& relation : assignments.related)
+  AttachLandmarks(assignments.attached, limits, noise, geometry, window);
+  for (const PlaneRelation& relation : assignments.relations)
     window.AddRelation(relation);
-  for (const PlaneSighting& sighting : assignments.sighted) {
-    if (window.IndexOf(sighting.plane) >= 0 && window.IndexOf(sighting.frame) >= 0)
-      window.sightings.push_back(sighting);
+  for (const PlaneMeasurement& measurement : assignments.measurements) {
+    if (window.IndexOf(measurement.plane) >= 0 && window.IndexOf(measurement.frame) >= 0)
+      window.measurements.push_back(measurement);
   }
 }
 
@@ -122,24 +122,24 @@ int DetachOutliers(const FrameGeometry& geometry,
 }
 
 void WeighPlanes(const FactorNoise& noise, SlidingWindow& window) {
-  const std::vector<int> members = window.CountMembers();
-  for (std::size_t k = 0; k < members.size(); ++k) {
+  const std::vector<int> num_landmarks = window.CountPlaneLandmarks();
+  for (std::size_t k = 0; k < num_landmarks.size(); ++k) {
     window.planes[k].row_sigma_m =
-        std::hypot(noise.plane_sigma_m, std::sqrt(members[k]) * noise.plane_common_sigma_m);
+        std::hypot(noise.plane_sigma_m, std::sqrt(num_landmarks[k]) * noise.plane_common_sigma_m);
   }
 }
 
-void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window) {
-  const std::vector<int> members = window.CountMembers();
-  const auto is_sighted = [&](PlaneId id) {
-    return std::any_of(window.sightings.begin(), window.sightings.end(), [&](const auto& sighting) {
-      return sighting.plane == id;
-    });
+void RemoveSparsePlanes(int min_landmarks, SlidingWindow& window) {
+  const std::vector<int> num_landmarks = window.CountPlaneLandmarks();
+  const auto is_measured = [&](PlaneId id) {
+    return std::any_of(window.measurements.begin(),
+                       window.measurements.end(),
+                       [&](const auto& measurement) { return measurement.plane == id; });
   };
   for (int k = static_cast<int>(window.planes.size()) - 1; k >= 0; --k) {
     const WindowPlane& plane = window.planes[k];
-    const int needed = is_sighted(plane.id) ? 1 : min_landmarks;
-    if (!plane.frozen && members[k] < needed) window.RemovePlane(k);
+    const int needed = is_measured(plane.id) ? 1 : min_landmarks;
+    if (!plane.frozen && num_landmarks[k] < needed) window.RemovePlane(k);
   }
 }
 

@@ -9,13 +9,21 @@
 
 namespace facet {
 
-/// Adds the created planes, the links, the relations and the sightings, and takes back what left.
-/// Landmarks that are not in the window, and unknown planes and frames, are passed over. So are
-/// landmarks that are far off their plane or hardly known across it (PlaneOptions::join_sigma_m and
-/// join_distance_m): their rows would be linearised where they mean nothing. `geometry` must be up
-/// to date.
+/// Which landmarks a plane takes on: beyond these limits their rows would be linearised where they
+/// mean nothing.
+struct AttachmentLimits {
+  /// 1-sigma across the plane. Five times what landmarks of a plane scatter.
+  double max_sigma_m = 0.1;
+  /// From the plane, or three of the landmark's sigmas, or what the assignment allows, whichever is
+  /// most. The mesh has said that the landmark lies on the plane; this is about gross errors.
+  double max_distance_m = 0.03;
+};
+
+/// Adds the created planes, the links, the relations and the measurements, and takes back what
+/// left. Landmarks that are not in the window, and unknown planes and frames, are passed over. So
+/// are landmarks beyond `limits`. `geometry` must be up to date.
 void ApplyAssignments(const PlaneAssignments& assignments,
-                      const PlaneOptions& options,
+                      const AttachmentLimits& limits,
                       const FactorNoise& noise,
                       const FrameGeometry& geometry,
                       SlidingWindow& window);
@@ -33,8 +41,8 @@ int DetachOutliers(const FrameGeometry& geometry,
                    SlidingWindow& window);
 
 /// Removes planes that the prior knows nothing of and that fewer than `min_landmarks` lie on, or no
-/// landmark at all if a frame of the window has sighted them: too little would determine them.
-void RemoveUnsupportedPlanes(int min_landmarks, SlidingWindow& window);
+/// landmark at all if a frame of the window has measured them: too little would determine them.
+void RemoveSparsePlanes(int min_landmarks, SlidingWindow& window);
 
 /// Sets the sigma of each plane's rows. What n landmarks have in common (prints, frames and panels
 /// stand in front of a wall) does not become less with n: the mean of rows with the variance

@@ -16,17 +16,17 @@ TEST(PlaneMembershipTest, LandmarksJoinAndLeave) {
   Scene scene(1);
   PlaneAssignments join;
   join.created = {scene.PlaneAt(7, 0.0)};
-  join.joined = {{scene.landmark, PlaneId{7}}, {LandmarkId{999}, PlaneId{7}}};
+  join.attached = {{scene.landmark, PlaneId{7}}, {LandmarkId{999}, PlaneId{7}}};
   scene.Apply(join);
   ASSERT_EQ(scene.window().planes.size(), 1u);
-  EXPECT_EQ(scene.window().CountMembers(), std::vector<int>{1});
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), std::vector<int>{1});
   scene.Apply(join);  // once is enough
   EXPECT_EQ(scene.window().planes.size(), 1u);
-  EXPECT_EQ(scene.window().CountMembers(), std::vector<int>{1});
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), std::vector<int>{1});
   PlaneAssignments leave;
-  leave.left = {{scene.landmark, PlaneId{7}}};
+  leave.detached = {{scene.landmark, PlaneId{7}}};
   scene.Apply(leave);
-  EXPECT_EQ(scene.window().CountMembers(), std::vector<int>{0});
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), std::vector<int>{0});
 }
 
 TEST(PlaneMembershipTest, WhatLandmarksHaveInCommonDoesNotAverageOut) {
@@ -50,28 +50,28 @@ TEST(PlaneMembershipTest, FarOrUncertainLandmarksDoNotJoin) {
   Scene scene(2);
   PlaneAssignments join;
   join.created = {scene.PlaneAt(1, 5.0), scene.PlaneAt(2, 0.0)};
-  join.joined = {{scene.landmark, PlaneId{1}}, {scene.landmark, PlaneId{3}}};
+  join.attached = {{scene.landmark, PlaneId{1}}, {scene.landmark, PlaneId{3}}};
   scene.Apply(join);
-  EXPECT_EQ(scene.window().CountMembers(), (std::vector<int>{0, 0}));
-  join.joined = {{scene.landmark, PlaneId{2}}};
-  const double join_sigma_m = scene.limits.join_sigma_m;
-  scene.limits.join_sigma_m = 1e-9;
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), (std::vector<int>{0, 0}));
+  join.attached = {{scene.landmark, PlaneId{2}}};
+  const double max_sigma_m = scene.limits.max_sigma_m;
+  scene.limits.max_sigma_m = 1e-9;
   scene.Apply(join);
-  EXPECT_EQ(scene.window().CountMembers(), (std::vector<int>{0, 0}));
-  scene.limits.join_sigma_m = join_sigma_m;
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), (std::vector<int>{0, 0}));
+  scene.limits.max_sigma_m = max_sigma_m;
   scene.Apply(join);
-  EXPECT_EQ(scene.window().CountMembers(), (std::vector<int>{0, 1}));
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), (std::vector<int>{0, 1}));
 }
 
 TEST(PlaneMembershipTest, OutliersAreDetached) {
   Scene scene(3);
   PlaneAssignments join;
   join.created = {scene.PlaneAt(1, 0.05), scene.PlaneAt(2, 0.0)};
-  join.joined = {{scene.landmark, PlaneId{1}}, {scene.landmark, PlaneId{2}}};
+  join.attached = {{scene.landmark, PlaneId{1}}, {scene.landmark, PlaneId{2}}};
   scene.Apply(join);
-  ASSERT_EQ(scene.window().CountMembers(), (std::vector<int>{1, 1}));
+  ASSERT_EQ(scene.window().CountPlaneLandmarks(), (std::vector<int>{1, 1}));
   EXPECT_EQ(DetachOutliers(scene.Geometry(), scene.noise, 4.0, scene.window()), 1);
-  EXPECT_EQ(scene.window().CountMembers(), (std::vector<int>{0, 1}));
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), (std::vector<int>{0, 1}));
 }
 
 // The looser the row, the less it has drawn the landmark, and the nearer vision alone would put it.
@@ -80,7 +80,7 @@ TEST(PlaneMembershipTest, WhatARowHasDrawnIsTakenBack) {
     Scene scene(3);
     PlaneAssignments join;
     join.created = {scene.PlaneAt(1, 0.02)};
-    join.joined = {{scene.landmark, PlaneId{1}}};
+    join.attached = {{scene.landmark, PlaneId{1}}};
     scene.Apply(join);
     scene.window().planes[0].row_sigma_m = row_sigma_m;
     EXPECT_EQ(DetachOutliers(scene.Geometry(), scene.noise, 4.0, scene.window()),
@@ -92,36 +92,36 @@ TEST(PlaneMembershipTest, UnsupportedPlanesGoUnlessThePriorKnowsThem) {
   Scene scene(4);
   PlaneAssignments join;
   join.created = {scene.PlaneAt(1, 0.0), scene.PlaneAt(2, 0.0), scene.PlaneAt(3, 0.0)};
-  join.joined = {{scene.landmark, PlaneId{3}}};
+  join.attached = {{scene.landmark, PlaneId{3}}};
   scene.Apply(join);
   scene.window().planes[0].Freeze();
-  RemoveUnsupportedPlanes(1, scene.window());
+  RemoveSparsePlanes(1, scene.window());
   ASSERT_EQ(scene.window().planes.size(), 2u);
   EXPECT_EQ(scene.window().planes[0].id, PlaneId{1});
   EXPECT_EQ(scene.window().planes[1].id, PlaneId{3});
-  EXPECT_EQ(scene.window().CountMembers(), (std::vector<int>{0, 1}));
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), (std::vector<int>{0, 1}));
 }
 
-TEST(PlaneMembershipTest, ASightedPlaneNeedsOneLandmark) {
+TEST(PlaneMembershipTest, AMeasuredPlaneNeedsOneLandmark) {
   Scene scene(7);
   const WindowFrame& frame = scene.window().frames[1];
   WindowFrame unknown;
   unknown.id = FrameId{999};
   PlaneAssignments assignments;
   assignments.created = {scene.PlaneAt(1, 0.0), scene.PlaneAt(2, 0.0), scene.PlaneAt(3, 0.0)};
-  assignments.joined = {{scene.landmark, PlaneId{2}}, {scene.landmark, PlaneId{3}}};
-  assignments.sighted = {testing::SightingOf(PlaneId{1}, frame),
-                         testing::SightingOf(PlaneId{2}, frame),
-                         testing::SightingOf(PlaneId{9}, frame),
-                         testing::SightingOf(PlaneId{2}, unknown)};
+  assignments.attached = {{scene.landmark, PlaneId{2}}, {scene.landmark, PlaneId{3}}};
+  assignments.measurements = {testing::MeasurementOf(PlaneId{1}, frame),
+                              testing::MeasurementOf(PlaneId{2}, frame),
+                              testing::MeasurementOf(PlaneId{9}, frame),
+                              testing::MeasurementOf(PlaneId{2}, unknown)};
   scene.Apply(assignments);
-  EXPECT_EQ(scene.window().sightings.size(), 2u);
-  RemoveUnsupportedPlanes(3, scene.window());
+  EXPECT_EQ(scene.window().measurements.size(), 2u);
+  RemoveSparsePlanes(3, scene.window());
   ASSERT_EQ(scene.window().planes.size(), 1u);
   EXPECT_EQ(scene.window().planes[0].id, PlaneId{2});
-  EXPECT_EQ(scene.window().sightings.size(), 1u);
+  EXPECT_EQ(scene.window().measurements.size(), 1u);
   scene.window().RemovePlane(0);
-  EXPECT_TRUE(scene.window().sightings.empty());
+  EXPECT_TRUE(scene.window().measurements.empty());
 }
 
 TEST(PlaneMembershipTest, LandmarksConvertAndConvertBack) {

@@ -38,7 +38,7 @@ std::vector<Matrix<9, 9>> PlaneCovariances(const ReducedSystem& reduced,
 }
 
 std::vector<Matrix3d> PlaneInformation(const LinearizedWindow& linear) {
-  std::vector<Matrix3d> information = linear.sighted;
+  std::vector<Matrix3d> information = linear.measured;
   for (int k = 0; k < linear.num_landmarks; ++k) {
     const LandmarkBlock& block = linear.landmarks[k];
     for (int p = 0; p < block.num_plane_views; ++p) {

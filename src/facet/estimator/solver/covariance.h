@@ -15,7 +15,7 @@ Matrix<15, 15> NewestFrameCovariance(const ReducedSystem& reduced, const StateLa
 /// Joint covariance of the newest pose and each plane: theta p, two tangent directions, offset.
 std::vector<Matrix<9, 9>> PlaneCovariances(const ReducedSystem& reduced, const StateLayout& layout);
 
-/// What landmarks and sightings say about each plane, poses given: information on two tangent
+/// What landmarks and measurements say about each plane, poses given: information on two tangent
 /// directions and offset. The landmarks must have been eliminated (ReducedSystem::Solve).
 std::vector<Matrix3d> PlaneInformation(const LinearizedWindow& linear);
 

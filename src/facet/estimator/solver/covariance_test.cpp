@@ -11,7 +11,7 @@ namespace {
 
 using testing::TestWindow;
 
-// Two planes: every landmark lies on one of them, the second frame has sighted the first one.
+// Two planes: every landmark lies on one of them, the second frame has measured the first one.
 TestWindow MakeWindow(Rng& rng) {
   TestWindow test = testing::MakeTestWindow({}, rng);
   SlidingWindow& window = test.window;
@@ -23,8 +23,8 @@ TestWindow MakeWindow(Rng& rng) {
   }
   for (std::size_t l = 0; l < window.landmarks().size(); ++l)
     window.landmarks()[l].planes.Add(static_cast<int>(l % 2));
-  window.sightings.push_back(
-      testing::MakeSighting(window.frames[1], window.planes[0], centre_W, 0, rng));
+  window.measurements.push_back(
+      testing::MakeMeasurement(window.frames[1], window.planes[0], centre_W, 0, rng));
   return test;
 }
 
@@ -66,7 +66,7 @@ TEST(CovarianceTest, BlocksAreThoseOfTheInverse) {
   }
 }
 
-// Landmarks and sightings, but neither relations nor the prior.
+// Landmarks and measurements, but neither relations nor the prior.
 TEST(CovarianceTest, PlaneInformationIsThatOfMeasurementsAlone) {
   Rng rng(4);
   TestWindow test = MakeWindow(rng);
@@ -86,26 +86,27 @@ TEST(CovarianceTest, PlaneInformationIsThatOfMeasurementsAlone) {
   const std::vector<Matrix3d> after = information();
   for (std::size_t k = 0; k < 2; ++k)
     EXPECT_LT((after[k] - before[k]).norm(), 1e-9 * before[k].norm());
-  test.window.sightings.clear();
+  test.window.measurements.clear();
   EXPECT_GT((information()[0] - before[0]).norm(), 0.1 * before[0].norm());
 }
 
 // Poses given, the information on normal and offset is that of a measurement with these sigmas.
-TEST(CovarianceTest, PlaneInformationOfASightingIsThatOfItsSigmas) {
+TEST(CovarianceTest, PlaneInformationOfAMeasurementIsThatOfItsSigmas) {
   Rng rng(5);
   TestWindow test = MakeWindow(rng);
   SlidingWindow& window = test.window;
   for (WindowLandmark& landmark : window.landmarks())
     landmark.planes = PlaneLinks();
-  PlaneSighting& sighting = window.sightings[0];
+  PlaneMeasurement& measurement = window.measurements[0];
   // About the centre normal and offset are independent.
-  window.planes[0].anchor_W = window.frames[1].x.T_WB * sighting.centre_B;
+  window.planes[0].anchor_W = window.frames[1].x.T_WB * measurement.centre_B;
   window.planes[0].offset = 0;
-  sighting.sigma_rad = {0.02, 0.02};
+  measurement.sigma_rad = {0.02, 0.02};
   LinearizedWindow linear;
   testing::Linearize(test, FactorNoise(EstimatorOptions{}), linear);
   const Matrix3d expected =
-      Vector3d(1 / (0.02 * 0.02), 1 / (0.02 * 0.02), 1 / (sighting.sigma_m * sighting.sigma_m))
+      Vector3d(
+          1 / (0.02 * 0.02), 1 / (0.02 * 0.02), 1 / (measurement.sigma_m * measurement.sigma_m))
           .asDiagonal();
   EXPECT_LT((PlaneInformation(linear)[0] - expected).norm(), 1e-6 * expected.norm());
 }

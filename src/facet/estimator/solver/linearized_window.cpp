@@ -27,20 +27,22 @@ void AddCouplings(const auto& factor, LinearizedWindow& linear) {
   });
 }
 
-// What the sightings add to the planes' blocks is their information.
-void AddSightings(const SlidingWindow& window, const FactorNoise& noise, LinearizedWindow& linear) {
+// What the measurements add to the planes' blocks is their information.
+void AddMeasurements(const SlidingWindow& window,
+                     const FactorNoise& noise,
+                     LinearizedWindow& linear) {
   NormalEquations& equations = linear.equations;
   const auto on_diagonal = [&](std::size_t plane) {
     const int column = equations.layout.plane_column[plane];
     return equations.H.block<3, 3>(column, column);
   };
-  linear.sighted.resize(window.planes.size());
-  for (std::size_t k = 0; k < linear.sighted.size(); ++k)
-    linear.sighted[k] = -on_diagonal(k);
-  VisitSightings(
+  linear.measured.resize(window.planes.size());
+  for (std::size_t k = 0; k < linear.measured.size(); ++k)
+    linear.measured[k] = -on_diagonal(k);
+  VisitPlaneMeasurements(
       window, noise, [&](const Factor auto& factor) { linear.cost += factor.AddTo(equations); });
-  for (std::size_t k = 0; k < linear.sighted.size(); ++k)
-    linear.sighted[k] += on_diagonal(k);
+  for (std::size_t k = 0; k < linear.measured.size(); ++k)
+    linear.measured[k] += on_diagonal(k);
 }
 
 void AddLandmarks(const SlidingWindow& window,
@@ -70,11 +72,11 @@ void Linearize(const SlidingWindow& window,
   linear.equations.Clear(window);
   ClearCouplings(window, linear);
   linear.cost = 0;
-  VisitAllButSightings(window, noise, [&](const Factor auto& factor) {
+  VisitAllButPlaneMeasurements(window, noise, [&](const Factor auto& factor) {
     linear.cost += factor.AddTo(linear.equations);
     AddCouplings(factor, linear);
   });
-  AddSightings(window, noise, linear);
+  AddMeasurements(window, noise, linear);
   AddLandmarks(window, geometry, noise, linear);
 }
 

@@ -21,8 +21,8 @@ struct LinearizedWindow {
   int num_landmarks = 0;
   /// For each frame with a motion: what the factors on that motion touch.
   std::vector<VariableSet> coupled_with_motion;
-  /// Information of the sightings on each plane, poses given: two tangent directions, offset.
-  std::vector<Matrix3d> sighted;
+  /// Information of the measurements on each plane, poses given: two tangent directions, offset.
+  std::vector<Matrix3d> measured;
   double cost = 0;
 
   const StateLayout& layout() const { return equations.layout; }

@@ -10,7 +10,7 @@ namespace facet {
 
 /// Carries out the plan. Every factor that touches a leaving variable is used once, here, and
 /// removed: the IMU links of leaving motions, all observations of leaving landmarks, the relations
-/// of leaving planes, what leaving frames have sighted, the old prior. A landmark that stays but
+/// of leaving planes, what leaving frames have measured, the old prior. A landmark that stays but
 /// was seen in a leaving frame loses that one observation. Variables that the new prior touches are
 /// frozen at the present estimate, unless they already are.
 void Marginalize(const MarginalizationPlan& plan,

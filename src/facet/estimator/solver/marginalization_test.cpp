@@ -51,9 +51,9 @@ SlidingWindow WithoutLostObservations(SlidingWindow window, const Marginalizatio
     if (landmark.observations.empty()) continue;
     if (plan.drop_frame[landmark.host]) window.Rehost(landmark, landmark.observations[0].frame);
   }
-  std::erase_if(window.sightings, [&](const PlaneSighting& sighting) {
-    return plan.drop_plane[window.IndexOf(sighting.plane)] &&
-           !plan.drop_frame[window.IndexOf(sighting.frame)];
+  std::erase_if(window.measurements, [&](const PlaneMeasurement& measurement) {
+    return plan.drop_plane[window.IndexOf(measurement.plane)] &&
+           !plan.drop_frame[window.IndexOf(measurement.frame)];
   });
   return window;
 }
@@ -100,8 +100,8 @@ void AddPlanes(TestWindow& test, int num_planes, std::uint64_t seed) {
       if (is_near(landmark, n, p_W)) landmark.planes.Add(k);
     }
     for (const WindowFrame& frame : test.window.frames) {
-      test.window.sightings.push_back(
-          testing::MakeSighting(frame, test.window.planes.back(), p_W + rng.Normal3(), 0.1, rng));
+      test.window.measurements.push_back(testing::MakeMeasurement(
+          frame, test.window.planes.back(), p_W + rng.Normal3(), 0.1, rng));
     }
     ++k;
   }

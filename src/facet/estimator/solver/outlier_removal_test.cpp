@@ -63,7 +63,7 @@ TEST_F(OutlierRemovalTest, AWrongMatchToTheRightGoesAlone) {
   EXPECT_EQ(victim().observations.size(), num_observations);
 }
 
-TEST_F(OutlierRemovalTest, AWrongSightingGoes) {
+TEST_F(OutlierRemovalTest, AWrongMeasurementGoes) {
   const int frame = victim().observations.back().frame;
   victim().observations.back().xy[0].y() += 0.05;
   EXPECT_GE(Remove(), 1);

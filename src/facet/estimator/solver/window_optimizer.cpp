@@ -18,8 +18,8 @@ OutlierRemoval WindowOptimizer::RemoveOutliers(SlidingWindow& window) {
 
 void WindowOptimizer::LearnFrom(const OutlierRemoval& removal) {
   if (!removal.median_sigma) return;
-  usual_error_.Add(*removal.median_sigma);
-  noise_ = FactorNoise(options_, usual_error_);
+  residual_scale_.Add(*removal.median_sigma);
+  noise_ = FactorNoise(options_, residual_scale_);
 }
 
 }  // namespace facet

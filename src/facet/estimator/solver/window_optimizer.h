@@ -35,7 +35,7 @@ class WindowOptimizer {
 
  private:
   EstimatorOptions options_;
-  UsualError usual_error_;
+  ResidualScale residual_scale_;
   FactorNoise noise_;
   WindowSolver solver_;
   FrameGeometry geometry_;

@@ -44,12 +44,12 @@ TEST(WindowOptimizerTest, OptionsOtherThanTheWidthStay) {
   Rng rng(3);
   testing::TestWindow test = testing::MakeTestWindow({}, rng);
   EstimatorOptions options;
-  options.planes.relations.huber_sigma = 7;
+  options.planes.relations.sigma_deg = 7;
   options.solver.plane_sigma_m = 0.3;
   options.projection.sigma_px = 2.5;
   WindowOptimizer optimizer(test.rig, options);
   optimizer.LearnFrom(optimizer.RemoveOutliers(test.window));
-  EXPECT_EQ(optimizer.noise().relations.huber_sigma, 7);
+  EXPECT_EQ(optimizer.noise().relations.sigma_rad, 7 * kDegree);
   EXPECT_EQ(optimizer.noise().plane_sigma_m, 0.3);
   EXPECT_EQ(optimizer.noise().projection.sigma_px, 2.5);
 }

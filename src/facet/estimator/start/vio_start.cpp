@@ -19,12 +19,15 @@ constexpr int kStartIterations = 25;
 constexpr int kMinStartFrames = 8;
 // Of a slow camera: velocity and gravity from positions need three.
 constexpr int kFewestStartFrames = 4;
+// Fewer than min_frames are enough when they span this: gravity and velocity show in time, not in
+// frames.
+constexpr double kEnoughSpan_s = 0.28;
 // A start needs gravity: at most this many intervals of its window may be without IMU.
-constexpr int kMaxInventedIntervals = 1;
+constexpr int kMaxSyntheticIntervals = 1;
 constexpr double kMaxDeadReckoning_s = 1.0;
 
-bool HasInventedImu(const WindowFrame& frame) {
-  return frame.imu_link && frame.imu_link->is_invented;
+bool HasSyntheticImu(const WindowFrame& frame) {
+  return frame.imu_link && frame.imu_link->is_synthetic;
 }
 
 double SpanOf(const SlidingWindow& window) {
@@ -48,7 +51,7 @@ void DropFirstFrame(SlidingWindow& window) {
 
 // Frames at the beginning that say nothing of the others: dark ones, or without IMU after them.
 void DropUselessBeginning(SlidingWindow& window) {
-  while (window.frames.size() > 1 && (HasInventedImu(window.frames[1]) || IsDark(0, window)))
+  while (window.frames.size() > 1 && (HasSyntheticImu(window.frames[1]) || IsDark(0, window)))
     DropFirstFrame(window);
 }
 
@@ -117,7 +120,7 @@ StartAttempt VioStart::Try(const std::optional<NavState>& last_good,
                            WindowOptimizer& optimizer,
                            SlidingWindow& window) {
   StartAttempt attempt;
-  attempt.reason = HasInventedImu(window.frames.back()) ? "no IMU" : "collecting frames";
+  attempt.reason = HasSyntheticImu(window.frames.back()) ? "no IMU" : "collecting frames";
   DropUselessBeginning(window);
   InitializeDepths(optimizer.UpdateGeometry(window), window);
   attempt.num_constraining = static_cast<int>(
@@ -147,13 +150,13 @@ StartAttempt VioStart::Try(const std::optional<NavState>& last_good,
 bool VioStart::HasEnoughFrames(const SlidingWindow& window) const {
   const int num_frames = static_cast<int>(window.frames.size());
   return num_frames >= options_.start.min_frames ||
-         (num_frames >= kFewestStartFrames && SpanOf(window) >= options_.start.enough_s);
+         (num_frames >= kFewestStartFrames && SpanOf(window) >= kEnoughSpan_s);
 }
 
 // First values of all states; if there are none, why not.
 std::string VioStart::FindFirstValues(int num_constraining, SlidingWindow& window) const {
-  if (std::count_if(window.frames.begin(), window.frames.end(), HasInventedImu) >
-      kMaxInventedIntervals) {
+  if (std::count_if(window.frames.begin(), window.frames.end(), HasSyntheticImu) >
+      kMaxSyntheticIntervals) {
     return "too little IMU";
   }
   if (num_constraining < options_.start.min_landmarks) return "too few stereo landmarks";

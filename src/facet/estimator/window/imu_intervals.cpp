@@ -56,14 +56,14 @@ PredictedFrame ImuIntervals::Next(const NavState& last,
                                   Timestamp t,
                                   const ImuInterval& imu) {
   const Timestamp t1 = t + time_offset_;
-  const bool is_invented = !IsUsable(imu.samples, end_, t1);
+  const bool is_synthetic = !IsUsable(imu.samples, end_, t1);
   std::vector<ImuSample> invented;
-  if (is_invented) invented = ConstantVelocity(last, end_, t1);
-  const std::span<const ImuSample> samples = is_invented ? invented : imu.samples;
-  const double scale = is_invented ? kNoImuNoiseScale : imu.has_hole ? kGapNoiseScale : 1.0;
+  if (is_synthetic) invented = ConstantVelocity(last, end_, t1);
+  const std::span<const ImuSample> samples = is_synthetic ? invented : imu.samples;
+  const double scale = is_synthetic ? kNoImuNoiseScale : imu.has_hole ? kGapNoiseScale : 1.0;
 
   PredictedFrame frame;
-  frame.link.is_invented = is_invented;
+  frame.link.is_synthetic = is_synthetic;
   ImuPreintegration& measured = frame.link.measured;
   measured = ImuPreintegration(last.bias, Scaled(noise_, scale));
   measured.Integrate(samples);
@@ -85,7 +85,7 @@ PredictedFrame ImuIntervals::Next(const NavState& last,
 
 ImuLink ImuIntervals::Join(ImuLink first, const ImuLink& second) const {
   first.measured.Integrate(second.measured.samples());
-  first.is_invented = second.is_invented;
+  first.is_synthetic = second.is_synthetic;
   UpdateSqrtInfo(first);
   return first;
 }

@@ -50,7 +50,7 @@ class ImuIntervalsTest : public ::testing::Test {
 TEST_F(ImuIntervalsTest, TheNewFrameIsWhereTheSamplesLead) {
   for (const double t : {0.1, 0.2, 0.3}) {
     const PredictedFrame frame = Next(t, Samples(t - kStep_s, t));
-    EXPECT_FALSE(frame.link.is_invented);
+    EXPECT_FALSE(frame.link.is_synthetic);
     EXPECT_EQ(frame.x.t, StampOf(t));
     EXPECT_NEAR(frame.link.measured.dt(), kStep_s, 1e-9);
     EXPECT_LT(testing::Difference(motion_.At(t), frame.x).norm(), 1e-3);
@@ -62,7 +62,7 @@ TEST_F(ImuIntervalsTest, WithoutSamplesTheVelocityStaysAndLittleIsKnown) {
   const PredictedFrame seen = Next(0.1, Samples(0, 0.1));
   intervals_.Begin(StampOf(0));
   const PredictedFrame invented = Next(0.1, ImuInterval{});
-  EXPECT_TRUE(invented.link.is_invented);
+  EXPECT_TRUE(invented.link.is_synthetic);
   const NavState last = motion_.At(0);
   EXPECT_LT((invented.x.v_WB - last.v_WB).norm(), 1e-9);
   EXPECT_LT((invented.x.T_WB.p - last.T_WB.p - kStep_s * last.v_WB).norm(), 1e-9);
@@ -88,7 +88,7 @@ TEST_F(ImuIntervalsTest, SamplesThatMakeNoSenseAreAsGoodAsNone) {
     ImuInterval imu = Samples(0, 0.1);
     spoil(imu.samples);
     intervals_.Begin(StampOf(0));
-    EXPECT_TRUE(Next(0.1, imu).link.is_invented);
+    EXPECT_TRUE(Next(0.1, imu).link.is_synthetic);
   }
 }
 
@@ -103,13 +103,13 @@ TEST_F(ImuIntervalsTest, AHoleMakesTheIntervalLessCertain) {
 
 TEST_F(ImuIntervalsTest, AnIntervalBeginsWhereTheOneBeforeEnded) {
   ImuInterval longer = Samples(0, 0.105);
-  EXPECT_FALSE(Next(0.1, longer).link.is_invented) << "nearly to the frame is good enough";
+  EXPECT_FALSE(Next(0.1, longer).link.is_synthetic) << "nearly to the frame is good enough";
   const PredictedFrame next = Next(0.2, Samples(0.105, 0.2));
-  EXPECT_FALSE(next.link.is_invented);
+  EXPECT_FALSE(next.link.is_synthetic);
   EXPECT_NEAR(next.link.measured.dt(), 0.095, 1e-9);
   // Also after one that was made up.
-  EXPECT_TRUE(Next(0.3, ImuInterval{}).link.is_invented);
-  EXPECT_FALSE(Next(0.4, Samples(0.3, 0.4)).link.is_invented);
+  EXPECT_TRUE(Next(0.3, ImuInterval{}).link.is_synthetic);
+  EXPECT_FALSE(Next(0.4, Samples(0.3, 0.4)).link.is_synthetic);
 }
 
 TEST_F(ImuIntervalsTest, TheLinkOfAPassingFrameGoesOn) {
@@ -134,7 +134,7 @@ TEST_F(ImuIntervalsTest, AfterAPassingFrameNoImuMakesAllOfItUncertain) {
   const NavState middle = passing.x;
   const PredictedFrame frame =
       intervals_.Next(middle, std::move(passing.link), StampOf(0.2), ImuInterval{});
-  EXPECT_TRUE(frame.link.is_invented);
+  EXPECT_TRUE(frame.link.is_synthetic);
   EXPECT_NEAR(frame.link.measured.dt(), 0.2, 1e-9);
   EXPECT_GT(std::sqrt(frame.link.measured.Covariance()(8, 8)), 1.0);  // m/s
 }

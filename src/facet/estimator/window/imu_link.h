@@ -23,7 +23,7 @@ struct ImuLink {
   ImuPreintegration measured;
   Matrix<15, 15> sqrt_info = Matrix<15, 15>::Zero();  ///< see ImuSqrtInfo
   /// There were no samples: constant velocity stands in for them, with very wide noise.
-  bool is_invented = false;
+  bool is_synthetic = false;
 };
 
 /// Inverse Cholesky factor of the covariance of `measured` and of the walk of the biases (theta p v

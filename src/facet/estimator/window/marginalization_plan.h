@@ -14,7 +14,7 @@ struct MarginalizationPlan {
   std::vector<char> drop_frame;     ///< pose (and motion, if any) leave
   std::vector<char> drop_motion;    ///< velocity and biases leave, the pose stays
   std::vector<char> drop_landmark;  ///< leaves with all its observations and plane rows
-  std::vector<char> drop_plane;     ///< leaves; rows and sightings of what stays go with it
+  std::vector<char> drop_plane;     ///< leaves; rows and measurements of what stays go with it
 
   explicit MarginalizationPlan(const SlidingWindow& window)
       : drop_frame(window.frames.size(), 0),

@@ -103,7 +103,7 @@ void SlidingWindow::RemoveFrame(int index) {
   for (WindowRelation& relation : relations) {
     if (relation.frame == id) AttachRelation(relation, index);
   }
-  std::erase_if(sightings, [&](const PlaneSighting& s) { return s.frame == id; });
+  std::erase_if(measurements, [&](const PlaneMeasurement& s) { return s.frame == id; });
   frames.erase(frames.begin() + index);
   if (frames.empty()) relations.clear();
   RemoveLandmarks(gone);
@@ -131,7 +131,7 @@ void SlidingWindow::RemovePlane(int index) {
   for (WindowLandmark& landmark : landmarks_)
     landmark.planes.RemoveFromWindow(index);
   std::erase_if(relations, [&](const WindowRelation& r) { return r.relation.Involves(id); });
-  std::erase_if(sightings, [&](const PlaneSighting& s) { return s.plane == id; });
+  std::erase_if(measurements, [&](const PlaneMeasurement& s) { return s.plane == id; });
   planes.erase(planes.begin() + index);
 }
 
@@ -162,19 +162,19 @@ Vector3d SlidingWindow::PositionOf(const WindowLandmark& landmark) const {
   return T_WH * (landmark.bearing_H / landmark.inverse_distance);
 }
 
-std::vector<int> SlidingWindow::CountMembers() const {
-  std::vector<int> members(planes.size(), 0);
+std::vector<int> SlidingWindow::CountPlaneLandmarks() const {
+  std::vector<int> num_landmarks(planes.size(), 0);
   for (const WindowLandmark& landmark : landmarks_) {
     if (!landmark.IsOnPlanes()) continue;
     for (const int plane : landmark.planes)
-      ++members[static_cast<std::size_t>(plane)];
+      ++num_landmarks[static_cast<std::size_t>(plane)];
   }
-  return members;
+  return num_landmarks;
 }
 
-int SlidingWindow::NumMembers() const {
-  const std::vector<int> members = CountMembers();
-  return std::accumulate(members.begin(), members.end(), 0);
+int SlidingWindow::NumPlaneLandmarks() const {
+  const std::vector<int> num_landmarks = CountPlaneLandmarks();
+  return std::accumulate(num_landmarks.begin(), num_landmarks.end(), 0);
 }
 
 void SlidingWindow::RebuildIndex() {

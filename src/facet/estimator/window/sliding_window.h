@@ -11,7 +11,7 @@
 #include "facet/estimator/window/window_frame.h"
 #include "facet/estimator/window/window_landmark.h"
 #include "facet/estimator/window/window_priors.h"
-#include "facet/map/plane_sighting.h"
+#include "facet/map/plane_measurement.h"
 
 namespace facet {
 
@@ -25,7 +25,7 @@ class SlidingWindow {
   std::vector<WindowFrame> frames;  ///< oldest first
   std::vector<WindowPlane> planes;
   std::vector<WindowRelation> relations;
-  std::vector<PlaneSighting> sightings;  ///< of these frames and planes
+  std::vector<PlaneMeasurement> measurements;  ///< of these frames and planes
   MarginalPrior prior;
   std::optional<StartPrior> start_prior;
   SE3 T_BC0;
@@ -47,7 +47,7 @@ class SlidingWindow {
   /// Removes the landmarks for which `flags[i]` is set.
   void RemoveLandmarks(const std::vector<char>& flags);
 
-  /// Removes a frame with its IMU links, its sightings and every observation in it; landmarks
+  /// Removes a frame with its IMU links, its measurements and every observation in it; landmarks
   /// hosted there move to their next observation, those without any observation go; relations tied
   /// to it are tied to another frame. The prior must not contain the frame.
   void RemoveFrame(int index);
@@ -56,8 +56,8 @@ class SlidingWindow {
   /// contain them.
   void RemoveMotion(int index);
 
-  /// Removes a plane, the links to it, its relations and its sightings. The prior must not contain
-  /// it.
+  /// Removes a plane, the links to it, its relations and its measurements. The prior must not
+  /// contain it.
   void RemovePlane(int index);
 
   /// False if the relation exists, or a plane of it does not, or there is no frame to tie it to.
@@ -75,8 +75,8 @@ class SlidingWindow {
   void Rehost(WindowLandmark& landmark, int new_host);
 
   /// How many landmarks lie on each plane, and in all: one on two planes counts twice.
-  std::vector<int> CountMembers() const;
-  int NumMembers() const;
+  std::vector<int> CountPlaneLandmarks() const;
+  int NumPlaneLandmarks() const;
 
  private:
   void CutImuLinks(int frame);

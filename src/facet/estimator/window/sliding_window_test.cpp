@@ -186,8 +186,8 @@ TEST(SlidingWindowTest, LandmarksKnowTheirPlanesByIndex) {
   EXPECT_TRUE(links.Add(0) && links.Add(2) && links.Add(1));
   EXPECT_FALSE(links.Add(3)) << "there is no room for a fourth";
   test.window.landmarks()[1].planes.Add(1);
-  EXPECT_EQ(test.window.CountMembers(), (std::vector<int>{1, 2, 1}));
-  EXPECT_EQ(test.window.NumMembers(), 4);
+  EXPECT_EQ(test.window.CountPlaneLandmarks(), (std::vector<int>{1, 2, 1}));
+  EXPECT_EQ(test.window.NumPlaneLandmarks(), 4);
   test.window.RemovePlane(1);
   EXPECT_EQ(std::vector<int>(links.begin(), links.end()), (std::vector<int>{0, 1}));
   EXPECT_EQ(test.window.landmarks()[1].planes.count(), 0);

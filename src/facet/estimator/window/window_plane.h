@@ -24,7 +24,7 @@ struct WindowPlane {
   /// Once the prior touches it, Jacobians are taken at n_lin, and n = n_lin (+) delta.
   bool frozen = false;
   /// Known well enough to linearise about for good: only then may the prior touch it.
-  bool settled = false;
+  bool persistent = false;
   Vector3d n_lin;
   Vector3d delta = Vector3d::Zero();  ///< two tangent directions at n_lin [rad], offset [m]
 

@@ -41,16 +41,16 @@ void AddLandmarks(const SlidingWindow& window, const StereoRig& rig, MapSnapshot
 void AddPlanes(const SlidingWindow& window,
                std::span<const PlaneCovariance> covariances,
                MapSnapshot& snapshot) {
-  const std::vector<int> members = window.CountMembers();
+  const std::vector<int> num_landmarks = window.CountPlaneLandmarks();
   for (std::size_t k = 0; k < window.planes.size(); ++k) {
     const WindowPlane& plane = window.planes[k];
     PlaneEstimate& estimate = snapshot.planes.emplace_back();
     estimate.id = plane.id;
     estimate.plane_W = plane.plane();
     estimate.anchor_W = plane.anchor_W;
-    estimate.num_landmarks = members[k];
+    estimate.num_landmarks = num_landmarks[k];
     estimate.row_sigma_m = plane.row_sigma_m;
-    estimate.is_settled = plane.settled;
+    estimate.is_persistent = plane.persistent;
     for (const auto& [id, covariance] : covariances) {
       if (id == plane.id) estimate.covariance = covariance;
     }

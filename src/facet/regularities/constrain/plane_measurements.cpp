@@ -70,8 +70,7 @@ WeightedPoints PointsOn(const TrackedPlane& plane,
                         const SurfaceFaces& faces,
                         const PointRange& matched,
                         const PlanesAround& around,
-                        const SE3& T_WB,
-                        const PlaneMeasurementOptions& options) {
+                        const SE3& T_WB) {
   WeightedPoints out;
   const Plane& plane_W = plane.estimate.plane_W;
   const DistanceUncertainty uncertainty(plane.estimate, T_WB);
@@ -90,9 +89,9 @@ WeightedPoints PointsOn(const TrackedPlane& plane,
   return out;
 }
 
-std::optional<PlaneSighting> Measure(const WeightedPoints& points,
-                                     const SE3& T_WB,
-                                     const PlaneMeasurementOptions& options) {
+std::optional<PlaneMeasurement> Measure(const WeightedPoints& points,
+                                        const SE3& T_WB,
+                                        const PlaneMeasurementOptions& options) {
   const auto& [p_W, weights] = points;
   if (static_cast<int>(p_W.size()) < kMinPoints) return std::nullopt;
   const PlaneFit fit = FitPlane(p_W, weights);
@@ -105,7 +104,7 @@ std::optional<PlaneSighting> Measure(const WeightedPoints& points,
   const auto slope_sigma = [&](double extent_m) {
     return std::hypot(sigma_m / extent_m, options.min_sigma_deg * kDegree);
   };
-  PlaneSighting measured;
+  PlaneMeasurement measured;
   const Quaterniond q_BW = T_WB.q.conjugate();
   measured.centre_B = q_BW * (fit.centroid - T_WB.p);
   measured.along_B = {q_BW * fit.major_W, q_BW * fit.plane.n.cross(fit.major_W)};
@@ -117,13 +116,13 @@ std::optional<PlaneSighting> Measure(const WeightedPoints& points,
 
 }  // namespace
 
-std::vector<PlaneSighting> MeasurePlanes(const SearchMesh& mesh,
-                                         const SurfaceFaces& faces,
-                                         const std::vector<int>& plane_index_of_face,
-                                         const std::vector<TrackedPlane>& planes,
-                                         const MapSnapshot& map,
-                                         const PlaneMeasurementOptions& options) {
-  std::vector<PlaneSighting> measurements;
+std::vector<PlaneMeasurement> MeasurePlanes(const SearchMesh& mesh,
+                                            const SurfaceFaces& faces,
+                                            const std::vector<int>& plane_index_of_face,
+                                            const std::vector<TrackedPlane>& planes,
+                                            const MapSnapshot& map,
+                                            const PlaneMeasurementOptions& options) {
+  std::vector<PlaneMeasurement> measurements;
   const PointRange matched = MatchedPoints(mesh);
   if (map.keyframes.empty() || matched.end < matched.begin + kMinPoints) return measurements;
   const PlanesAround around(faces, plane_index_of_face);
@@ -131,8 +130,8 @@ std::vector<PlaneSighting> MeasurePlanes(const SearchMesh& mesh,
     const TrackedPlane& plane = planes[k];
     if (plane.IsTentative() || plane.last_seen < mesh.t) continue;
     const WeightedPoints points =
-        PointsOn(plane, static_cast<int>(k), faces, matched, around, map.latest.T_WB, options);
-    std::optional<PlaneSighting> measured = Measure(points, map.latest.T_WB, options);
+        PointsOn(plane, static_cast<int>(k), faces, matched, around, map.latest.T_WB);
+    std::optional<PlaneMeasurement> measured = Measure(points, map.latest.T_WB, options);
     if (!measured) continue;
     measured->frame = map.keyframes.back().id;
     measured->plane = plane.id;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "facet/map/plane_sighting.h"
+#include "facet/map/plane_measurement.h"
 #include "facet/mesh/search_mesh.h"
 #include "facet/regularities/detect/surface_face.h"
 #include "facet/regularities/regularity_options.h"
@@ -18,11 +18,11 @@ namespace facet {
 /// the plane: with a narrower gate the plane would confirm itself. Points all of whose faces are on
 /// other planes (`plane_index_of_face`, -1: none) are left out. `mesh`, `faces` and `map` are of
 /// one keyframe.
-std::vector<PlaneSighting> MeasurePlanes(const SearchMesh& mesh,
-                                         const SurfaceFaces& faces,
-                                         const std::vector<int>& plane_index_of_face,
-                                         const std::vector<TrackedPlane>& planes,
-                                         const MapSnapshot& map,
-                                         const PlaneMeasurementOptions& options);
+std::vector<PlaneMeasurement> MeasurePlanes(const SearchMesh& mesh,
+                                            const SurfaceFaces& faces,
+                                            const std::vector<int>& plane_index_of_face,
+                                            const std::vector<TrackedPlane>& planes,
+                                            const MapSnapshot& map,
+                                            const PlaneMeasurementOptions& options);
 
 }  // namespace facet

@@ -35,7 +35,8 @@ class PlaneMeasurementsTest : public ::testing::Test {
   }
 
   // No face is on a plane yet; all points are support points that were matched just now.
-  std::vector<PlaneSighting> Sight(const std::vector<Patch>& patches, const TrackedPlane& plane) {
+  std::vector<PlaneMeasurement> Measure(const std::vector<Patch>& patches,
+                                        const TrackedPlane& plane) {
     SearchMesh mesh = MakeMesh(patches, view_);
     mesh.first_match = LandmarkId{first_match_};
     mesh.end_match = LandmarkId{1'000'000};
@@ -57,18 +58,18 @@ class PlaneMeasurementsTest : public ::testing::Test {
 TEST_F(PlaneMeasurementsTest, SaysWhereTheBodySawThePlane) {
   view_.sigma_depth_m = 1e-4;
   view_.pixel_noise = 0;
-  const std::vector<PlaneSighting> found = Sight({wall_}, Known(wall_, PlaneId{6}));
+  const std::vector<PlaneMeasurement> found = Measure({wall_}, Known(wall_, PlaneId{6}));
   ASSERT_EQ(found.size(), 1u);
-  const PlaneSighting& sighting = found[0];
-  EXPECT_EQ(sighting.plane, PlaneId{6});
-  EXPECT_EQ(sighting.frame, FrameId{77});
+  const PlaneMeasurement& measurement = found[0];
+  EXPECT_EQ(measurement.plane, PlaneId{6});
+  EXPECT_EQ(measurement.frame, FrameId{77});
   const Plane plane = wall_.ToPlane();
-  EXPECT_NEAR(plane.SignedDistance(T_WB_ * sighting.centre_B), 0, 1e-3);
-  for (const Vector3d& along_B : sighting.along_B) {
+  EXPECT_NEAR(plane.SignedDistance(T_WB_ * measurement.centre_B), 0, 1e-3);
+  for (const Vector3d& along_B : measurement.along_B) {
     EXPECT_NEAR(along_B.norm(), 1, 1e-12);
     EXPECT_NEAR(plane.n.dot(T_WB_.q * along_B), 0, 1e-3);
   }
-  EXPECT_NEAR(sighting.along_B[0].dot(sighting.along_B[1]), 0, 1e-12);
+  EXPECT_NEAR(measurement.along_B[0].dot(measurement.along_B[1]), 0, 1e-12);
 }
 
 // The points' noise is what the mesh says it is, so the whitened errors have unit variance.
@@ -81,9 +82,9 @@ TEST_F(PlaneMeasurementsTest, ErrorsAreAsLargeAsTheSigmasSay) {
   Vector3d squares = Vector3d::Zero();
   for (int run = 0; run < kRuns; ++run) {
     ++view_.seed;
-    const std::vector<PlaneSighting> found = Sight({wall_}, Known(wall_, PlaneId{0}));
+    const std::vector<PlaneMeasurement> found = Measure({wall_}, Known(wall_, PlaneId{0}));
     ASSERT_EQ(found.size(), 1u);
-    const PlaneSighting& s = found[0];
+    const PlaneMeasurement& s = found[0];
     const Vector3d error(plane.SignedDistance(T_WB_ * s.centre_B) / s.sigma_m,
                          plane.n.dot(T_WB_.q * s.along_B[0]) / s.sigma_rad[0],
                          plane.n.dot(T_WB_.q * s.along_B[1]) / s.sigma_rad[1]);
@@ -98,10 +99,10 @@ TEST_F(PlaneMeasurementsTest, ScaleAndFloorsWidenTheSigmas) {
   const TrackedPlane known = Known(wall_, PlaneId{0});
   options_.sigma_scale = 1;
   options_.min_sigma_m = options_.min_sigma_deg = 0;
-  const PlaneSighting narrow = Sight({wall_}, known).at(0);
+  const PlaneMeasurement narrow = Measure({wall_}, known).at(0);
   options_.sigma_scale = 3;
   options_.min_sigma_m = 0.02;
-  const PlaneSighting wide = Sight({wall_}, known).at(0);
+  const PlaneMeasurement wide = Measure({wall_}, known).at(0);
   EXPECT_NEAR(wide.sigma_m, std::hypot(3 * narrow.sigma_m, 0.02), 1e-12);
   EXPECT_NEAR(wide.sigma_rad[0], 3 * narrow.sigma_rad[0], 1e-12);
 }
@@ -117,7 +118,7 @@ TEST_F(PlaneMeasurementsTest, ADisplacedPlaneDoesNotConfirmItself) {
   double mean_m = 0, sigma_m = 0;
   for (int run = 0; run < kRuns; ++run) {
     ++view_.seed;
-    const std::vector<PlaneSighting> found = Sight({wall_}, displaced);
+    const std::vector<PlaneMeasurement> found = Measure({wall_}, displaced);
     ASSERT_EQ(found.size(), 1u);
     mean_m += plane.SignedDistance(T_WB_ * found[0].centre_B) / kRuns;
     sigma_m += found[0].sigma_m / kRuns;
@@ -129,37 +130,37 @@ TEST_F(PlaneMeasurementsTest, ADisplacedPlaneDoesNotConfirmItself) {
 TEST_F(PlaneMeasurementsTest, LandmarksDoNotCount) {
   const TrackedPlane known = Known(wall_, PlaneId{0});
   first_match_ = 1000;  // no point of the wall
-  EXPECT_TRUE(Sight({wall_}, known).empty());
+  EXPECT_TRUE(Measure({wall_}, known).empty());
   first_match_ = 0;
-  EXPECT_EQ(Sight({wall_}, known).size(), 1u);
+  EXPECT_EQ(Measure({wall_}, known).size(), 1u);
 }
 
 TEST_F(PlaneMeasurementsTest, NeitherDoPointsOfOtherPlanes) {
   const TrackedPlane known = Known(wall_, PlaneId{0});
-  ASSERT_EQ(Sight({wall_}, known).size(), 1u);
+  ASSERT_EQ(Measure({wall_}, known).size(), 1u);
   std::fill(plane_index_of_face_.begin(), plane_index_of_face_.end(), 1);
-  EXPECT_TRUE(Sight({wall_}, known).empty());
+  EXPECT_TRUE(Measure({wall_}, known).empty());
   // Points between faces of both count.
   std::fill_n(plane_index_of_face_.begin(), plane_index_of_face_.size() / 2, 0);
-  EXPECT_EQ(Sight({wall_}, known).size(), 1u);
+  EXPECT_EQ(Measure({wall_}, known).size(), 1u);
 }
 
 TEST_F(PlaneMeasurementsTest, OnlyWhereTheSurfaceIsKnown) {
   TrackedPlane known = Known(wall_, PlaneId{0});
   Patch beside = wall_;
   beside.centre_W += 4 * wall_.half_a_W;
-  EXPECT_TRUE(Sight({beside}, known).empty());
+  EXPECT_TRUE(Measure({beside}, known).empty());
 }
 
 TEST_F(PlaneMeasurementsTest, APlaneThatIsNotSeenNowIsNotMeasured) {
   TrackedPlane known = Known(wall_, PlaneId{0});
   view_.time_s = 0.2;
-  EXPECT_TRUE(Sight({wall_}, known).empty());
+  EXPECT_TRUE(Measure({wall_}, known).empty());
 }
 
 TEST_F(PlaneMeasurementsTest, PointsThatAreHardlyKnownDoNotCount) {
   view_.sigma_depth_m = 0.1;
-  EXPECT_TRUE(Sight({wall_}, Known(wall_, PlaneId{0})).empty());
+  EXPECT_TRUE(Measure({wall_}, Known(wall_, PlaneId{0})).empty());
 }
 
 TEST_F(PlaneMeasurementsTest, TwoSurfacesAreNoPlane) {
@@ -168,20 +169,20 @@ TEST_F(PlaneMeasurementsTest, TwoSurfacesAreNoPlane) {
   view_.sigma_depth_m = 0.03;  // both are within the gates
   TrackedPlane between = Known(wall_, PlaneId{0});
   between.estimate.plane_W.d += 0.04;
-  ASSERT_EQ(Sight({wall_}, between).size(), 1u);
-  EXPECT_TRUE(Sight({wall_, behind}, between).empty());
+  ASSERT_EQ(Measure({wall_}, between).size(), 1u);
+  EXPECT_TRUE(Measure({wall_, behind}, between).empty());
 }
 
 TEST_F(PlaneMeasurementsTest, ANarrowStripSaysNothing) {
   Patch strip = MakeWall({3, 0, 1.4}, 0.1, 3, 0.02);
   strip.step_m = 0.02;
-  EXPECT_TRUE(Sight({strip}, Known(strip, PlaneId{0})).empty());
+  EXPECT_TRUE(Measure({strip}, Known(strip, PlaneId{0})).empty());
 }
 
 TEST_F(PlaneMeasurementsTest, NeitherDoPlanesThatTheEstimatorDoesNotKnow) {
-  EXPECT_TRUE(Sight({wall_}, Known(wall_, PlaneId{})).empty());
+  EXPECT_TRUE(Measure({wall_}, Known(wall_, PlaneId{})).empty());
   map_.keyframes.clear();
-  EXPECT_TRUE(Sight({wall_}, Known(wall_, PlaneId{0})).empty());
+  EXPECT_TRUE(Measure({wall_}, Known(wall_, PlaneId{0})).empty());
 }
 
 }  // namespace

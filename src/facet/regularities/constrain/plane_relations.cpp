@@ -44,19 +44,19 @@ Vector3d Sideways(const Vector3d& n_W) {
 
 void PlaneRelations::Update(const Planes& planes, std::vector<PlaneRelation>& out) {
   if (!options_.enabled) return;
-  Planes settled;
-  std::copy_if(planes.begin(), planes.end(), std::back_inserter(settled), [](const auto& plane) {
-    return plane.estimate->is_settled;
+  Planes persistent;
+  std::copy_if(planes.begin(), planes.end(), std::back_inserter(persistent), [](const auto& plane) {
+    return plane.estimate->is_persistent;
   });
-  std::stable_sort(settled.begin(), settled.end(), [](const auto& a, const auto& b) {
+  std::stable_sort(persistent.begin(), persistent.end(), [](const auto& a, const auto& b) {
     return a.area_m2 > b.area_m2;
   });
   if (options_.gravity) {
-    for (const RelatedPlane& plane : settled)
+    for (const RelatedPlane& plane : persistent)
       RelateToGravity(plane, out);
   }
   const auto star = [&](PlaneOrientation orientation, auto compare, std::vector<PlaneId>& middles) {
-    RelateStar(settled, orientation, std::bind_front(compare, this), middles, out);
+    RelateStar(persistent, orientation, std::bind_front(compare, this), middles, out);
   };
   using enum PlaneOrientation;
   if (options_.headings) star(kVertical, &PlaneRelations::CompareHeadings, headings_);

@@ -13,14 +13,14 @@ namespace {
 
 constexpr int kMinKeyframes = 5;  // in which a relation must hold
 
-/// A handful of planes, all settled and known to 0.3 deg.
+/// A handful of planes, all persistent and known to 0.3 deg.
 class PlaneRelationsTest : public ::testing::Test {
  protected:
   void AddPlane(const Vector3d& n_W, PlaneOrientation orientation, double area_m2 = 5) {
     PlaneEstimate estimate;
     estimate.id = PlaneId{static_cast<std::int64_t>(estimates_.size())};
     estimate.plane_W.n = n_W.normalized();
-    estimate.is_settled = true;
+    estimate.is_persistent = true;
     const Matrix<3, 2> basis = TangentBasis(estimate.plane_W.n);
     estimate.covariance.block<3, 3>(6, 6) =
         std::pow(0.3 * kDegree, 2) * (basis * basis.transpose());
@@ -115,9 +115,9 @@ TEST_F(PlaneRelationsTest, WhatIsOffOrSmallOrObliqueIsNotRelated) {
   AddWall(90, 0, 0.5);  // small: upright only
   AddWall(180, 9);      // leans
   AddPlane({0.5, 0, 0.8}, PlaneOrientation::kOblique);
-  estimates_.push_back(estimates_[0]);  // not settled
+  estimates_.push_back(estimates_[0]);  // not persistent
   estimates_.back().id = PlaneId{5};
-  estimates_.back().is_settled = false;
+  estimates_.back().is_persistent = false;
   orientations_.push_back(PlaneOrientation::kVertical);
   areas_.push_back(5);
   centroids_.push_back(Vector3d::Zero());

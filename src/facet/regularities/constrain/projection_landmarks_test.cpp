@@ -23,7 +23,7 @@ TEST(ProjectionLandmarks, LandmarksOfAWallAreMarkedOnce) {
   ProjectionLandmarks search{DetectionOptions()};
   const PlaneAssignments found = search.Process(mesh, map);
   EXPECT_GT(found.projected.size(), 0.9 * static_cast<double>(map.landmarks.size()));
-  EXPECT_TRUE(found.created.empty() && found.joined.empty() && found.unprojected.empty());
+  EXPECT_TRUE(found.created.empty() && found.attached.empty() && found.unprojected.empty());
   EXPECT_TRUE(search.Process(mesh, map).IsEmpty());
 }
 

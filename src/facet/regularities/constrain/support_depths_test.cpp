@@ -41,7 +41,7 @@ class SupportDepthsTest : public ::testing::Test {
     mesh.in_view = {static_cast<char>(in_view ? 1 : 0)};
     SurfaceFaces faces;
     FillSurfaceFaces(mesh, faces);
-    return SupportDepthScales(mesh, faces, planes_, SE3(), {})[0];
+    return SupportDepthScales(mesh, faces, planes_, SE3())[0];
   }
 
   std::vector<TrackedPlane> planes_;

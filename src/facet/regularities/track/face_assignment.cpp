@@ -150,7 +150,7 @@ void DetachFromForeignSurface(const MapSnapshot& map,
     for (const LandmarkEstimate& landmark : map.landmarks) {
       if (landmark.IsOn(plane.id) && !plane.extent.HasSurface(landmark.p_W) &&
           IsForeign(planes, rivals, plane, landmark.p_W))
-        out.left.emplace_back(landmark.id, plane.id);
+        out.detached.emplace_back(landmark.id, plane.id);
     }
   }
 }

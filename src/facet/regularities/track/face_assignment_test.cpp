@@ -46,7 +46,7 @@ class FaceAssignmentTest : public ::testing::Test {
     ExtendPlanes(faces, std::vector<int>(faces.faces.size(), plane), map_.latest.t, planes_);
   }
   std::vector<int> ClaimStrip() const {
-    return AssignFaces(MakeFaces({strip_}, view_), planes_, map_, PlaneTrackingOptions());
+    return AssignFaces(MakeFaces({strip_}, view_), planes_, map_, RegularityOptions());
   }
   LandmarkEstimate LandmarkAt(const Vector3d& p_W, PlaneId plane) const {
     LandmarkEstimate landmark;
@@ -91,7 +91,7 @@ TEST_F(FaceAssignmentTest, NothingBeyondTheLargestGateIsClaimed) {
       point.p_W.x() = strip_.centre_W.x() - before_m;
       point.sigma_along_m = 0.3;
     }
-    const std::vector<int> claims = AssignFaces(faces, planes_, map_, PlaneTrackingOptions());
+    const std::vector<int> claims = AssignFaces(faces, planes_, map_, RegularityOptions());
     return std::count(claims.begin(), claims.end(), 0);
   };
   EXPECT_GT(num_claimed(0.045), 3);
@@ -104,7 +104,7 @@ TEST_F(FaceAssignmentTest, FacesThatLieAcrossAreNotClaimed) {
   SurfaceFaces faces = MakeFaces({strip_}, view_);
   for (SurfaceFace& face : faces.faces)
     face.n_W = ExpSO3({0, 30 * std::numbers::pi / 180, 0}) * face.n_W;
-  const std::vector<int> claims = AssignFaces(faces, planes_, map_, PlaneTrackingOptions());
+  const std::vector<int> claims = AssignFaces(faces, planes_, map_, RegularityOptions());
   EXPECT_EQ(std::count(claims.begin(), claims.end(), 0), 0);
 }
 
@@ -117,10 +117,10 @@ TEST_F(FaceAssignmentTest, FarFromWhereTheyCrossPlanesDisputeNothing) {
   map_.landmarks = {LandmarkAt(far_W, PlaneId{4})};
   PlaneAssignments out;
   DetachFromForeignSurface(map_, planes_, out);
-  EXPECT_TRUE(out.left.empty());
+  EXPECT_TRUE(out.detached.empty());
   map_.landmarks = {LandmarkAt(strip_.centre_W, PlaneId{4})};
   DetachFromForeignSurface(map_, planes_, out);
-  EXPECT_EQ(out.left.size(), 1u);
+  EXPECT_EQ(out.detached.size(), 1u);
 }
 
 TEST_F(FaceAssignmentTest, ButNotOntoSurfaceThatIsKnownToBeAnothers) {
@@ -165,8 +165,8 @@ TEST_F(FaceAssignmentTest, SurfaceThatWasTakenForAnothersIsGivenUp) {
   EXPECT_FALSE(planes_[kBoard].extent.HasSurface(wrong));
   EXPECT_TRUE(planes_[kBoard].extent.HasSurface(board_.centre_W));
   DetachFromForeignSurface(map_, planes_, out);
-  ASSERT_EQ(out.left.size(), 1u);
-  EXPECT_EQ(out.left[0], (std::pair{LandmarkId{0}, PlaneId{4}}));
+  ASSERT_EQ(out.detached.size(), 1u);
+  EXPECT_EQ(out.detached[0], (std::pair{LandmarkId{0}, PlaneId{4}}));
 }
 
 // Along the line where they meet neither is nearer.

@@ -14,17 +14,18 @@ TrackedPlane Plane3(int id) {
   return known;
 }
 
-/// A fan of faces around landmark 0; its rim are landmarks 1, 2, ... and, last, support points.
+/// A fan of faces around landmark 0; its boundary are landmarks 1, 2, ... and, last, support
+/// points.
 class LandmarkAttachmentTest : public ::testing::Test {
  protected:
   LandmarkAttachmentTest() {
-    for (int i = 0; i <= kRim; ++i) {
+    for (int i = 0; i <= kBoundary; ++i) {
       map_.landmarks.emplace_back().id = LandmarkId{10 + i};
       landmark_of_point_.push_back(i);
     }
     landmark_of_point_.push_back(-1);  // a support point
     faces_.points.resize(landmark_of_point_.size());
-    for (int i = 1; i < kRim; ++i)
+    for (int i = 1; i < kBoundary; ++i)
       AddFace({0, i, i + 1});
   }
 
@@ -33,13 +34,13 @@ class LandmarkAttachmentTest : public ::testing::Test {
     plane_index_of_face_.push_back(-1);
   }
 
-  std::vector<PlaneJoin> Join() {
+  std::vector<PlaneAttachment> Join() {
     PlaneAssignments out;
     AttachLandmarks(map_, faces_, landmark_of_point_, plane_index_of_face_, planes_, out);
-    return out.joined;
+    return out.attached;
   }
 
-  static constexpr int kRim = 6;
+  static constexpr int kBoundary = 6;
   MapSnapshot map_;
   SurfaceFaces faces_;
   std::vector<int> landmark_of_point_, plane_index_of_face_;
@@ -49,7 +50,7 @@ class LandmarkAttachmentTest : public ::testing::Test {
 TEST_F(LandmarkAttachmentTest, TwoFacesOrHalfOfThemAreNeeded) {
   EXPECT_TRUE(Join().empty());
   plane_index_of_face_[0] = 0;  // landmarks 0, 1 and 2: one face of five, of one, of two
-  std::vector<PlaneJoin> joined = Join();
+  std::vector<PlaneAttachment> joined = Join();
   ASSERT_EQ(joined.size(), 2u);
   EXPECT_EQ(joined[0].landmark, LandmarkId{11});
   EXPECT_EQ(joined[1].landmark, LandmarkId{12});
@@ -71,9 +72,9 @@ TEST_F(LandmarkAttachmentTest, WhoIsOnThePlaneOrOnOneThatBecameItDoesNotJoinAgai
 TEST_F(LandmarkAttachmentTest, ALandmarkMayJoinTwoPlanes) {
   planes_.push_back(Plane3(8));
   plane_index_of_face_ = {0, 0, 1, 1, -1};
-  const std::vector<PlaneJoin> joined = Join();
+  const std::vector<PlaneAttachment> joined = Join();
   const auto joins = [&](int landmark, int plane) {
-    return std::any_of(joined.begin(), joined.end(), [&](const PlaneJoin& join) {
+    return std::any_of(joined.begin(), joined.end(), [&](const PlaneAttachment& join) {
       return join.landmark == LandmarkId{landmark} && join.plane == PlaneId{plane};
     });
   };
@@ -88,11 +89,11 @@ TEST_F(LandmarkAttachmentTest, TentativePlanesAndSupportPointsHaveNoPart) {
   EXPECT_TRUE(Join().empty());
   planes_[0] = Plane3(7);
   plane_index_of_face_.assign(plane_index_of_face_.size(), -1);
-  AddFace({kRim, kRim + 1, kRim + 1});
+  AddFace({kBoundary, kBoundary + 1, kBoundary + 1});
   plane_index_of_face_.back() = 0;
-  const std::vector<PlaneJoin> joined = Join();
+  const std::vector<PlaneAttachment> joined = Join();
   ASSERT_EQ(joined.size(), 1u);
-  EXPECT_EQ(joined[0].landmark, LandmarkId{10 + kRim});
+  EXPECT_EQ(joined[0].landmark, LandmarkId{10 + kBoundary});
 }
 
 }  // namespace

@@ -24,11 +24,11 @@ Matrix<1, 10> DistanceJacobian(const PlaneEstimate& plane, const SE3& T_WB, cons
 }
 
 // d (B^T (m - n), n . (p - anchor) - offset) for a direction m and a point p fixed in the body.
-Matrix<3, 10> SightingJacobian(const PlaneEstimate& plane,
-                               const Matrix<3, 2>& B,
-                               const SE3& T_WB,
-                               const Vector3d& m_W,
-                               const Vector3d& p_W) {
+Matrix<3, 10> MeasurementJacobian(const PlaneEstimate& plane,
+                                  const Matrix<3, 2>& B,
+                                  const SE3& T_WB,
+                                  const Vector3d& m_W,
+                                  const Vector3d& p_W) {
   Matrix<3, 10> J = Matrix<3, 10>::Zero();
   J.block<2, 3>(0, 0) = -B.transpose() * T_WB.R() * Hat(T_WB.q.conjugate() * m_W);
   J.block<2, 3>(0, 6) = -B.transpose();
@@ -75,7 +75,7 @@ double ChiSquare(const PlaneCandidate& candidate, const PlaneEstimate& plane, co
   Vector3d r;
   r.head<2>() = B.transpose() * (m_W - n);
   r(2) = plane.plane_W.SignedDistance(candidate.centroid_W);
-  const Matrix<3, 10> J = SightingJacobian(plane, B, T_WB, m_W, candidate.centroid_W);
+  const Matrix<3, 10> J = MeasurementJacobian(plane, B, T_WB, m_W, candidate.centroid_W);
   Matrix3d covariance = J * plane.covariance * J.transpose();
   covariance.topLeftCorner<2, 2>() += B.transpose() * candidate.normal_covariance * B;
   covariance(2, 2) += candidate.offset_variance_m2;
@@ -91,8 +91,8 @@ double ChiSquare(const PlaneEstimate& a,
   Vector3d r;
   r.head<2>() = B.transpose() * (b.plane_W.n - a.plane_W.n);
   r(2) = a.plane_W.SignedDistance(p_W) - b.plane_W.SignedDistance(p_W);
-  const Matrix<3, 10> J_a = SightingJacobian(a, B, T_WB, a.plane_W.n, p_W);
-  const Matrix<3, 10> J_b = SightingJacobian(b, B, T_WB, b.plane_W.n, p_W);
+  const Matrix<3, 10> J_a = MeasurementJacobian(a, B, T_WB, a.plane_W.n, p_W);
+  const Matrix<3, 10> J_b = MeasurementJacobian(b, B, T_WB, b.plane_W.n, p_W);
   return SquaredMahalanobis(
       J_a * a.covariance * J_a.transpose() + J_b * b.covariance * J_b.transpose(), r);
 }

@@ -99,8 +99,8 @@ TEST(PlaneGateTest, DistanceVarianceAgreesWithMonteCarlo) {
   EXPECT_NEAR(square / DistanceVariance(plane, T_WB, p_W), 1, 0.05);
 }
 
-// A sighting of the true plane from the true pose, expressed through the estimated pose.
-PlaneCandidate Sight(const PlaneEstimate& truth, const SE3& T_true, const SE3& T_WB, Rng& rng) {
+// A measurement of the true plane from the true pose, expressed through the estimated pose.
+PlaneCandidate Measure(const PlaneEstimate& truth, const SE3& T_true, const SE3& T_WB, Rng& rng) {
   const double sigma_normal = 0.004, sigma_offset_m = 0.003;
   const Vector3d n = truth.plane_W.n;
   const Matrix<3, 2> B = TangentBasis(n);
@@ -130,7 +130,7 @@ TEST(PlaneGateTest, ChiSquareHasThreeDegreesOfFreedom) {
     const SE3 T_WB = RandomPose(rng);
     const PlaneEstimate plane = RandomPlane(T_WB, 2e-3, rng);
     const Vector<10> error = Draw(plane.covariance, rng);
-    const PlaneCandidate candidate = Sight(Moved(plane, error), Moved(T_WB, error), T_WB, rng);
+    const PlaneCandidate candidate = Measure(Moved(plane, error), Moved(T_WB, error), T_WB, rng);
     const double chi_square = ChiSquare(candidate, plane, T_WB);
     sum += chi_square / kRuns;
     beyond_95 += chi_square > 7.815 ? 1 : 0;
@@ -143,7 +143,7 @@ TEST(PlaneGateTest, ChiSquareSeesWhatIsFarOff) {
   Rng rng(4);
   const SE3 T_WB = RandomPose(rng);
   const PlaneEstimate plane = RandomPlane(T_WB, 1e-3, rng);
-  PlaneCandidate candidate = Sight(plane, T_WB, T_WB, rng);
+  PlaneCandidate candidate = Measure(plane, T_WB, T_WB, rng);
   EXPECT_LT(ChiSquare(candidate, plane, T_WB), 16.3);  // 99.9 %
   const double sigma =
       std::sqrt(DistanceVariance(plane, T_WB, candidate.centroid_W) + candidate.offset_variance_m2);
@@ -178,7 +178,7 @@ TEST(PlaneGateTest, TheOtherSideIsAnotherSurface) {
   Rng rng(7);
   const SE3 T_WB = RandomPose(rng);
   const PlaneEstimate plane = RandomPlane(T_WB, 1e-3, rng);
-  PlaneCandidate candidate = Sight(plane, T_WB, T_WB, rng);
+  PlaneCandidate candidate = Measure(plane, T_WB, T_WB, rng);
   ASSERT_TRUE(std::isfinite(ChiSquare(candidate, plane, T_WB)));
   ASSERT_TRUE(std::isfinite(ChiSquare(plane, plane, plane.anchor_W, T_WB)));
   candidate.plane_W = {-candidate.plane_W.n, -candidate.plane_W.d};
@@ -193,7 +193,7 @@ TEST(PlaneGateTest, AUselessCovarianceRecognisesNothing) {
   Rng rng(5);
   const SE3 T_WB = RandomPose(rng);
   PlaneEstimate plane = RandomPlane(T_WB, 1e-3, rng);
-  const PlaneCandidate candidate = Sight(plane, T_WB, T_WB, rng);
+  const PlaneCandidate candidate = Measure(plane, T_WB, T_WB, rng);
   plane.covariance.setConstant(std::nan(""));
   EXPECT_EQ(ChiSquare(candidate, plane, T_WB), std::numeric_limits<double>::infinity());
 }

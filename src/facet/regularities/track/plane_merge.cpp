@@ -21,11 +21,11 @@ void Merge(const MapSnapshot& map,
            PlaneAssignments& out) {
   for (const LandmarkEstimate& landmark : map.landmarks) {
     if (landmark.IsOn(younger.id) && !older.Has(landmark))
-      out.joined.push_back({landmark.id, older.id, 2 * kCoplanar.max_offset_m});
+      out.attached.push_back({landmark.id, older.id, 2 * kCoplanar.max_offset_m});
   }
   // If the prior knows the younger one, that goes over when it is marginalised.
-  out.related.push_back({PlaneRelationKind::kCoplanar, older.id, younger.id});
-  out.ended.push_back(younger.id);
+  out.relations.push_back({PlaneRelationKind::kCoplanar, older.id, younger.id});
+  out.retired.push_back(younger.id);
   older.Merge(younger, younger.estimate.plane_W);
 }
 
@@ -45,7 +45,7 @@ bool Agree(const PlaneEstimate& a,
 }
 
 bool AreCoplanar(const TrackedPlane& a, const TrackedPlane& b, const SE3& T_WB) {
-  return a.estimate.is_settled && b.estimate.is_settled &&
+  return a.estimate.is_persistent && b.estimate.is_persistent &&
          Agree(a.estimate,
                a.extent.Centroid(a.estimate.plane_W),
                b.estimate,

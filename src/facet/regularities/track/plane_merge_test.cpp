@@ -22,7 +22,7 @@ TrackedPlane MakeKnown(int id, const Vector3d& middle_W, const Vector3d& n_W = V
   known.estimate.id = known.id;
   known.estimate.plane_W = candidate.plane_W;
   known.estimate.anchor_W = middle_W;
-  known.estimate.is_settled = true;
+  known.estimate.is_persistent = true;
   const Matrix<3, 2> B = TangentBasis(candidate.plane_W.n);
   known.estimate.covariance.diagonal().setConstant(1e-8);
   known.estimate.covariance.block<3, 3>(6, 6) = std::pow(0.5 * kDegree, 2) * B * B.transpose();
@@ -63,9 +63,9 @@ TEST(PlaneMergeTest, TwoPartsOfAWallBecomeTheOlder) {
     EXPECT_NEAR(planes[0].extent.area_m2(), 8, 0.5);
     EXPECT_LT((planes[0].extent.Centroid(planes[0].estimate.plane_W) - Vector3d(3, 1.15, 1)).norm(),
               0.1);
-    EXPECT_EQ(out.ended, std::vector{PlaneId{8}});
-    ASSERT_EQ(out.joined.size(), 2u);
-    EXPECT_EQ(out.joined[0].plane, PlaneId{3});
+    EXPECT_EQ(out.retired, std::vector{PlaneId{8}});
+    ASSERT_EQ(out.attached.size(), 2u);
+    EXPECT_EQ(out.attached[0].plane, PlaneId{3});
     EXPECT_TRUE(planes[0].Has(map.landmarks[0]));
   }
 }
@@ -89,7 +89,7 @@ TEST(PlaneMergeTest, ThreePartsBecomeOne) {
   for (int k = 0; k < 2; ++k)
     MergeSameSurfaces(map, planes, out);
   ASSERT_EQ(planes.size(), 1u);
-  EXPECT_EQ(out.ended.size(), 2u);
+  EXPECT_EQ(out.retired.size(), 2u);
   EXPECT_EQ(planes[0].id, PlaneId{0});
 }
 
@@ -113,7 +113,7 @@ TEST(PlaneMergeTest, DifferentSurfacesStayDifferent) {
 TEST(PlaneMergeTest, PlanesThatAreHardlyKnownOrTooWellKnownAreNotMerged) {
   std::vector<TrackedPlane> planes = {MakeKnown(0, {3, 0, 1}), MakeKnown(1, {3, 2.2, 1})};
   PlaneAssignments out;
-  planes[1].estimate.is_settled = false;
+  planes[1].estimate.is_persistent = false;
   MergeSameSurfaces({}, planes, out);
   EXPECT_EQ(planes.size(), 2u);
   // 1.5 cm apart, both known to a millimetre.

@@ -138,9 +138,9 @@ void RemoveMisfits(const MapSnapshot& map,
   std::erase_if(planes, [&](TrackedPlane& plane) {
     if (plane.IsTentative() || !IsMisfit(map, sigma_direction, plane)) return false;
     for (const LandmarkEstimate& landmark : map.landmarks) {
-      if (landmark.IsOn(plane.id)) out.left.emplace_back(landmark.id, plane.id);
+      if (landmark.IsOn(plane.id)) out.detached.emplace_back(landmark.id, plane.id);
     }
-    out.ended.push_back(plane.id);
+    out.retired.push_back(plane.id);
     return true;
   });
 }

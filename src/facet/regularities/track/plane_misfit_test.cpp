@@ -54,13 +54,13 @@ int EndsAfter(MapAt map_at) {
   std::vector<TrackedPlane> planes = {Wall()};
   PlaneAssignments out;
   for (int k = 1; k <= 20; ++k) {
-    RemoveMisfits(map_at(k), kSigmaDirection, PlaneTrackingOptions(), planes, out);
+    RemoveMisfits(map_at(k), kSigmaDirection, planes, out);
     if (!planes.empty()) {
       EXPECT_TRUE(out.IsEmpty());
       continue;
     }
-    EXPECT_EQ(out.ended, std::vector{PlaneId{0}});
-    EXPECT_EQ(out.left.size(), map_at(k).landmarks.size());
+    EXPECT_EQ(out.retired, std::vector{PlaneId{0}});
+    EXPECT_EQ(out.detached.size(), map_at(k).landmarks.size());
     return k;
   }
   return 0;
@@ -108,7 +108,7 @@ TEST(PlaneMisfitTest, ABendIsCounted) {
     for (int k = 0; k < 20; ++k) {
       MapSnapshot map = Seen(surface, 0.005, static_cast<std::uint64_t>(k));
       map.landmarks.resize(num);
-      RemoveMisfits(map, kSigmaDirection, PlaneTrackingOptions(), planes, out);
+      RemoveMisfits(map, kSigmaDirection, planes, out);
     }
     EXPECT_EQ(planes.size(), 1u);
     const CurvatureRecord& bends = planes.at(0).curvature;
@@ -161,11 +161,11 @@ TEST(PlaneMisfitTest, WhatThePoseLeavesOpenIsNoEvidence) {
   planes[0].estimate.covariance.block<3, 3>(3, 3) = 0.03 * 0.03 * Matrix3d::Identity();
   PlaneAssignments out;
   for (int k = 0; k < 20; ++k)
-    RemoveMisfits(map, kSigmaDirection, PlaneTrackingOptions(), planes, out);
+    RemoveMisfits(map, kSigmaDirection, planes, out);
   EXPECT_EQ(planes.size(), 1u);
   planes[0].estimate.covariance.setZero();
   for (int k = 0; k < 3; ++k)
-    RemoveMisfits(map, kSigmaDirection, PlaneTrackingOptions(), planes, out);
+    RemoveMisfits(map, kSigmaDirection, planes, out);
   EXPECT_TRUE(planes.empty());
 }
 
@@ -203,7 +203,7 @@ TEST(PlaneMisfitTest, TentativePlanesAreLeftAlone) {
   planes[0].state = PlaneState::kTentative;
   PlaneAssignments out;
   for (int k = 1; k <= 20; ++k)
-    RemoveMisfits(Seen(kStep, 0.01, k), kSigmaDirection, PlaneTrackingOptions(), planes, out);
+    RemoveMisfits(Seen(kStep, 0.01, k), kSigmaDirection, planes, out);
   EXPECT_EQ(planes.size(), 1u);
   EXPECT_TRUE(out.IsEmpty());
 }

@@ -82,18 +82,18 @@ TEST(RetiredPlanesTest, NothingIsReidentifiedAcrossANewStart) {
 
 TEST(RetiredPlanesTest, ThatPlaneIsReportedAsItWasKnownBest) {
   TrackedPlane plane = Solved(Wall(0, 0, 0, Timestamp{5}), PlaneId{3});
-  const auto update = [&](double variance, double d, bool is_settled) {
+  const auto update = [&](double variance, double d, bool is_persistent) {
     PlaneEstimate estimate = plane.estimate;
     estimate.covariance = variance * Matrix<10, 10>::Identity();
     estimate.plane_W.d = d;
-    estimate.is_settled = is_settled;
+    estimate.is_persistent = is_persistent;
     plane.Update(estimate);
   };
   update(0.1, 3.1, false);
   update(0.5, 3.2, false);  // some of its landmarks have gone
   EXPECT_EQ(plane.best->plane_W.d, 3.1);
   EXPECT_EQ(plane.estimate.plane_W.d, 3.2);
-  update(0.2, 3.3, true);  // what has settled follows the whole map
+  update(0.2, 3.3, true);  // what has persistent follows the whole map
   EXPECT_EQ(plane.best->plane_W.d, 3.3);
   update(0.0, 3.4, false);  // not solved for
   EXPECT_EQ(plane.best->plane_W.d, 3.3);

@@ -59,9 +59,9 @@ TEST(SurfaceCurvatureTest, TheSizeIsThatOfTheSurface) {
 }
 
 TEST(SurfaceCurvatureTest, BothLimitsHaveToBePassed) {
-  EXPECT_TRUE(IsCurved({5, 0.007}, 4));
-  EXPECT_FALSE(IsCurved({5, 0.005}, 4));
-  EXPECT_FALSE(IsCurved({3, 0.007}, 4));
+  EXPECT_TRUE(IsCurved({5, 0.007}));
+  EXPECT_FALSE(IsCurved({5, 0.005}));
+  EXPECT_FALSE(IsCurved({3, 0.007}));
 }
 
 TEST(SurfaceCurvatureTest, WhatIsOfNoUseSaysNothing) {

@@ -102,12 +102,12 @@ inline void TrackedPlane::Confirm(PlaneId new_id, Timestamp now) {
 
 inline void TrackedPlane::Update(const PlaneEstimate& newest) {
   estimate = newest;
-  state = newest.is_settled ? PlaneState::kPersistent : PlaneState::kConfirmed;
+  state = newest.is_persistent ? PlaneState::kPersistent : PlaneState::kConfirmed;
   const auto variance = [](const PlaneEstimate& e) {
     return e.covariance.block<3, 3>(6, 6).trace();
   };
   const bool is_solved = newest.covariance(9, 9) > 0;
-  if (is_solved && (!best || newest.is_settled || variance(newest) <= variance(*best)))
+  if (is_solved && (!best || newest.is_persistent || variance(newest) <= variance(*best)))
     best = newest;
 }
 

@@ -196,19 +196,20 @@ struct RelationCost {
 };
 
 // Section 9 of docs/math.md.
-struct SightingCost {
-  PlaneSighting sighting;
+struct PlaneMeasurementCost {
+  PlaneMeasurement measurement;
   Vector3d anchor;
 
   template <class T>
   bool operator()(const T* plane, const T* q, const T* p, T* residual) const {
     const Vec3<T> n(plane[0], plane[1], plane[2]);
     const Quat<T> q_WB = Eigen::Map<const Quat<T>>(q);
-    const Vec3<T> c_W = q_WB * Vec3<T>(sighting.centre_B.cast<T>()) + Eigen::Map<const Vec3<T>>(p);
-    residual[0] = (n.dot(c_W - anchor.cast<T>()) - plane[3]) / T(sighting.sigma_m);
+    const Vec3<T> c_W =
+        q_WB * Vec3<T>(measurement.centre_B.cast<T>()) + Eigen::Map<const Vec3<T>>(p);
+    residual[0] = (n.dot(c_W - anchor.cast<T>()) - plane[3]) / T(measurement.sigma_m);
     for (std::size_t k = 0; k < 2; ++k) {
-      const Vec3<T> along_W = q_WB * Vec3<T>(sighting.along_B[k].cast<T>());
-      residual[1 + k] = n.dot(along_W) / T(sighting.sigma_rad[k]);
+      const Vec3<T> along_W = q_WB * Vec3<T>(measurement.along_B[k].cast<T>());
+      residual[1 + k] = n.dot(along_W) / T(measurement.sigma_rad[k]);
     }
     return true;
   }

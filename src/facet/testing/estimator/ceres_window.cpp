@@ -103,13 +103,13 @@ class CeresWindow {
           std::vector<double*>{
               planes_[a].data(), planes_[b].data(), frame.q.data(), frame.p.data()});
     }
-    for (const PlaneSighting& sighting : window_.sightings) {
-      const auto k = static_cast<std::size_t>(window_.IndexOf(sighting.plane));
-      FrameBlock& frame = blocks_[window_.IndexOf(sighting.frame)];
+    for (const PlaneMeasurement& measurement : window_.measurements) {
+      const auto k = static_cast<std::size_t>(window_.IndexOf(measurement.plane));
+      FrameBlock& frame = blocks_[window_.IndexOf(measurement.frame)];
       problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<SightingCost, 3, 4, 4, 3>(
-              new SightingCost{sighting, window_.planes[k].anchor_W}),
-          new ceres::HuberLoss(options_.noise.sighting_huber_sigma),
+          new ceres::AutoDiffCostFunction<PlaneMeasurementCost, 3, 4, 4, 3>(
+              new PlaneMeasurementCost{measurement, window_.planes[k].anchor_W}),
+          new ceres::HuberLoss(options_.noise.measurement_huber_sigma),
           std::vector<double*>{planes_[k].data(), frame.q.data(), frame.p.data()});
     }
   }

@@ -43,10 +43,10 @@ void KeyframeSmoother::Process(std::size_t i, Rng& rng) {
   geometry_.Update(window_.frames);
   InitializeDepths(geometry_, window_);
   if (planes_ != SmootherPlanes::kNone) TieToSurfaces();
-  if (planes_ == SmootherPlanes::kSighted) MeasurePlanes(rng);
+  if (planes_ == SmootherPlanes::kMeasured) MeasurePlanes(rng);
   if (planes_ == SmootherPlanes::kRelated) {
     RelatePlanes();
-    num_moved_anchors_ += FollowSupport(kAnchorDistance, window_);
+    num_moved_anchors_ += FollowLandmarks(kAnchorDistance, window_);
   }
   FollowEstimate();
   solver_.Solve(window_, noise_, i < kStartKeyframes ? 15 : 4);
@@ -125,9 +125,9 @@ void KeyframeSmoother::MeasurePlanes(Rng& rng) {
     if (!landmark.IsOnPlanes() || landmark.observations.back().frame != newest) continue;
     const int k = landmark.planes[0];
     if (!seen.insert(k).second) continue;
-    window_.sightings.push_back(MakeSighting(
+    window_.measurements.push_back(MakeMeasurement(
         window_.frames.back(), window_.planes[k], window_.PositionOf(landmark), 1, rng));
-    ++num_sightings_;
+    ++num_measurements_;
   }
 }
 

@@ -15,9 +15,9 @@ namespace facet::testing {
 
 enum class SmootherPlanes {
   kNone,
-  kKept,     ///< one for each true surface, for the whole run
-  kSighted,  ///< the same, and every keyframe that sees one sights it
-  kRelated,  ///< related to each other and to gravity, re-anchored, one of them replaced at times
+  kKept,      ///< one for each true surface, for the whole run
+  kMeasured,  ///< the same, and every keyframe that sees one measures it
+  kRelated,   ///< related to each other and to gravity, re-anchored, one of them replaced at times
 };
 
 class KeyframeSmoother {
@@ -32,7 +32,7 @@ class KeyframeSmoother {
   int num_marginalizations() const { return num_marginalizations_; }
   int num_moved_anchors() const { return num_moved_anchors_; }
   int num_relations_used() const { return num_relations_used_; }
-  int num_sightings() const { return num_sightings_; }
+  int num_measurements() const { return num_measurements_; }
 
  private:
   void AppendFrame(std::size_t i, Rng& rng);
@@ -55,7 +55,7 @@ class KeyframeSmoother {
   FrameGeometry geometry_;
   std::map<std::int64_t, std::int64_t> generation_;
   int num_marginalizations_ = 0, num_moved_anchors_ = 0, num_relations_used_ = 0;
-  int num_sightings_ = 0;
+  int num_measurements_ = 0;
 };
 
 }  // namespace facet::testing

@@ -15,8 +15,8 @@ struct PlaneScene {
     test = MakeTestWindow(options, rng);
     landmark = test.window.landmarks().front().id;
     noise.plane_sigma_m = 0.01;
-    limits.join_sigma_m = 0.2;
-    limits.join_distance_m = 0.1;
+    limits.max_sigma_m = 0.2;
+    limits.max_distance_m = 0.1;
   }
 
   SlidingWindow& window() { return test.window; }
@@ -40,15 +40,15 @@ struct PlaneScene {
   TestWindow test;
   LandmarkId landmark;  ///< the first one
   FactorNoise noise;
-  PlaneOptions limits;
+  AttachmentLimits limits;
 };
 
 /// With sigmas of 1 cm and 0.01 rad.
-inline PlaneSighting SightingOf(PlaneId plane, const WindowFrame& frame) {
-  PlaneSighting sighting{frame.id, plane};
-  sighting.sigma_m = 0.01;
-  sighting.sigma_rad = {0.01, 0.01};
-  return sighting;
+inline PlaneMeasurement MeasurementOf(PlaneId plane, const WindowFrame& frame) {
+  PlaneMeasurement measurement{frame.id, plane};
+  measurement.sigma_m = 0.01;
+  measurement.sigma_rad = {0.01, 0.01};
+  return measurement;
 }
 
 }  // namespace facet::testing

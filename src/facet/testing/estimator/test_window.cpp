@@ -204,30 +204,30 @@ void Disturb(SlidingWindow& window, const StepSigmas& sigmas, Rng& rng) {
   }
 }
 
-PlaneSighting MakeSighting(const WindowFrame& frame,
-                           const WindowPlane& plane,
-                           const Vector3d& near_W,
-                           double noise,
-                           Rng& rng) {
-  PlaneSighting sighting;
-  sighting.frame = frame.id;
-  sighting.plane = plane.id;
-  sighting.sigma_m = rng.Uniform(0.005, 0.02);
-  sighting.sigma_rad = {rng.Uniform(0.005, 0.02), rng.Uniform(0.005, 0.02)};
+PlaneMeasurement MakeMeasurement(const WindowFrame& frame,
+                                 const WindowPlane& plane,
+                                 const Vector3d& near_W,
+                                 double noise,
+                                 Rng& rng) {
+  PlaneMeasurement measurement;
+  measurement.frame = frame.id;
+  measurement.plane = plane.id;
+  measurement.sigma_m = rng.Uniform(0.005, 0.02);
+  measurement.sigma_rad = {rng.Uniform(0.005, 0.02), rng.Uniform(0.005, 0.02)};
   const Matrix<3, 2> tangents = TangentBasis(plane.n);
   const double turn = rng.Uniform(-3, 3);
   const Vector3d a_W = tangents * Vector2d(std::cos(turn), std::sin(turn));
   const Vector3d b_W = plane.n.cross(a_W);
-  const double slope_a = noise * sighting.sigma_rad[0] * rng.Normal();
-  const double slope_b = noise * sighting.sigma_rad[1] * rng.Normal();
+  const double slope_a = noise * measurement.sigma_rad[0] * rng.Normal();
+  const double slope_b = noise * measurement.sigma_rad[1] * rng.Normal();
   // Small turns of the measured surface about its own directions.
   const Eigen::AngleAxisd error_a(slope_b, a_W), error_b(-slope_a, b_W);
   const Quaterniond q_BW = frame.x.T_WB.q.conjugate();
   const Quaterniond error(error_a * error_b);
-  const double distance = plane.SignedDistance(near_W) + noise * sighting.sigma_m * rng.Normal();
-  sighting.centre_B = frame.x.T_WB.Inverse() * Vector3d(near_W - distance * plane.n);
-  sighting.along_B = {q_BW * (error * a_W), q_BW * (error * b_W)};
-  return sighting;
+  const double distance = plane.SignedDistance(near_W) + noise * measurement.sigma_m * rng.Normal();
+  measurement.centre_B = frame.x.T_WB.Inverse() * Vector3d(near_W - distance * plane.n);
+  measurement.along_B = {q_BW * (error * a_W), q_BW * (error * b_W)};
+  return measurement;
 }
 
 Vector3d PointOf(const SlidingWindow& window, const WindowLandmark& landmark) {

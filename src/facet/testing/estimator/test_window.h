@@ -77,11 +77,11 @@ void Disturb(SlidingWindow& window, const StepSigmas& sigmas, Rng& rng);
 
 /// What the frame measures of the plane about the point of it that is nearest to `near_W`, off by
 /// `noise` times its sigmas.
-PlaneSighting MakeSighting(const WindowFrame& frame,
-                           const WindowPlane& plane,
-                           const Vector3d& near_W,
-                           double noise,
-                           Rng& rng);
+PlaneMeasurement MakeMeasurement(const WindowFrame& frame,
+                                 const WindowPlane& plane,
+                                 const Vector3d& near_W,
+                                 double noise,
+                                 Rng& rng);
 
 /// World point of a landmark with inverse distance > 0.
 Vector3d PointOf(const SlidingWindow& window, const WindowLandmark& landmark);

@@ -119,14 +119,14 @@ void BelievingEstimator::Apply(const PlaneAssignments& assignments) {
     planes[plane.id] = plane.plane_W;
     anchors_[plane.id] = plane.centroid_W;
   }
-  for (const PlaneJoin& join : assignments.joined) {
+  for (const PlaneAttachment& join : assignments.attached) {
     auto& list = memberships[join.landmark];
     if (list.size() < 3 && std::find(list.begin(), list.end(), join.plane) == list.end())
       list.push_back(join.plane);
   }
-  for (const auto& [landmark, plane] : assignments.left)
+  for (const auto& [landmark, plane] : assignments.detached)
     std::erase(memberships[landmark], plane);
-  for (const PlaneId plane : assignments.ended) {
+  for (const PlaneId plane : assignments.retired) {
     planes.erase(plane);
     for (auto& [landmark, list] : memberships)
       std::erase(list, plane);
@@ -153,7 +153,7 @@ MapSnapshot BelievingEstimator::Snapshot(const SearchMesh& mesh) const {
     estimate.id = id;
     estimate.plane_W = plane;
     estimate.anchor_W = anchors_.at(id);
-    estimate.is_settled = planes_are_settled;
+    estimate.is_persistent = planes_are_settled;
     const Matrix<3, 2> B = TangentBasis(plane.n);
     estimate.covariance.diagonal().head<3>().setConstant(1e-6);
     estimate.covariance.diagonal().segment<3>(3).setConstant(sigma_p_m * sigma_p_m);

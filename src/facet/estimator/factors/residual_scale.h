@@ -8,7 +8,7 @@
 
 namespace facet {
 
-class UsualError {
+class ResidualScale {
  public:
   /// Median over the window of the whitened reprojection errors' norms, after a keyframe's solve.
   void Add(double median_sigma) {

@@ -9,7 +9,7 @@
 
 namespace facet {
 
-struct PlaneSighting {
+struct PlaneMeasurement {
   FrameId frame;  ///< the keyframe
   PlaneId plane;
   Vector3d centre_B = Vector3d::Zero();  ///< of the points, on the surface that they span

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The rows of sightings against numeric derivatives; that they know nothing of the gauge.
-#include "facet/estimator/factors/sighting_factor.h"
+// The rows of measurements against numeric derivatives; that they know nothing of the gauge.
+#include "facet/estimator/factors/plane_measurement_factor.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using testing::TestWindow;
 
 constexpr double kNoLoss = 1e9;
 
-// One plane, sighted by the second frame. Everything is frozen and then moved by `moved`.
+// One plane, measured by the second frame. Everything is frozen and then moved by `moved`.
 TestWindow MakeWindow(double noise, double moved, Rng& rng) {
   testing::TestWindowOptions options;
   options.num_frames = 3;
@@ -25,7 +25,7 @@ TestWindow MakeWindow(double noise, double moved, Rng& rng) {
   const Vector3d n = rng.UnitVector(), p_W = 3 * rng.Normal3();
   window.planes.emplace_back(
       PlaneId{4}, Plane{n, n.dot(p_W)}, Vector3d(p_W + rng.Normal3()), testing::kPlaneSigma_m);
-  window.sightings.push_back(testing::MakeSighting(
+  window.measurements.push_back(testing::MakeMeasurement(
       window.frames[1], window.planes[0], Vector3d(p_W + rng.Normal3()), noise, rng));
   window.planes[0].Freeze();
   window.planes[0].ApplyStep(moved * rng.Normal3());
@@ -36,8 +36,8 @@ TestWindow MakeWindow(double noise, double moved, Rng& rng) {
   return test;
 }
 
-SightingRows Linearize(const SlidingWindow& window, double huber_sigma) {
-  return SightingFactor(window, window.sightings[0], huber_sigma).Linearize();
+PlaneMeasurementRows Linearize(const SlidingWindow& window, double huber_sigma) {
+  return PlaneMeasurementFactor(window, window.measurements[0], huber_sigma).Linearize();
 }
 
 Vector3d ErrorAfter(SlidingWindow window, const Vector<9>& step) {
@@ -45,14 +45,14 @@ Vector3d ErrorAfter(SlidingWindow window, const Vector<9>& step) {
   Vector<15> frame_step = Vector<15>::Zero();
   frame_step.head<6>() = step.tail<6>();
   window.frames[1].ApplyStep(frame_step);
-  return SightingFactor(window, window.sightings[0], kNoLoss).Error();
+  return PlaneMeasurementFactor(window, window.measurements[0], kNoLoss).Error();
 }
 
-TEST(SightingFactorTest, JacobiansMatchNumericDerivatives) {
+TEST(PlaneMeasurementFactorTest, JacobiansMatchNumericDerivatives) {
   Rng rng(1);
   for (int run = 0; run < 20; ++run) {
     const TestWindow test = MakeWindow(2, 0.0, rng);
-    const SightingRows rows = Linearize(test.window, kNoLoss);
+    const PlaneMeasurementRows rows = Linearize(test.window, kNoLoss);
     Matrix<3, 9> J;
     J << rows.J_plane, rows.J_pose;
     testing::ExpectJacobian<3, 9>(
@@ -62,21 +62,21 @@ TEST(SightingFactorTest, JacobiansMatchNumericDerivatives) {
   }
 }
 
-TEST(SightingFactorTest, AnExactSightingHasNoError) {
+TEST(PlaneMeasurementFactorTest, AnExactMeasurementHasNoError) {
   Rng rng(2);
   const TestWindow test = MakeWindow(0, 0.0, rng);
   EXPECT_LT(Linearize(test.window, kNoLoss).r.norm(), 1e-9);
 }
 
 // However far the estimate is from the point of linearisation.
-TEST(SightingFactorTest, RowsKnowNothingOfPositionAndHeading) {
+TEST(PlaneMeasurementFactorTest, RowsKnowNothingOfPositionAndHeading) {
   Rng rng(3);
   for (int run = 0; run < 20; ++run) {
     const TestWindow test = MakeWindow(2, 0.1, rng);
     const SlidingWindow& window = test.window;
     NormalEquations equations;
     equations.Clear(window);
-    SightingFactor(window, window.sightings[0], kNoLoss).AddTo(equations);
+    PlaneMeasurementFactor(window, window.measurements[0], kNoLoss).AddTo(equations);
     const auto& [layout, H, b] = equations;
     EXPECT_LT((H - H.transpose()).norm(), 1e-9 * H.norm());
     const MatrixXd N = testing::WindowDirections(window, 3 * rng.Normal3());
@@ -86,11 +86,11 @@ TEST(SightingFactorTest, RowsKnowNothingOfPositionAndHeading) {
   }
 }
 
-TEST(SightingFactorTest, FarOffTheyPullNoHarderThanTheLossAllows) {
+TEST(PlaneMeasurementFactorTest, FarOffTheyPullNoHarderThanTheLossAllows) {
   Rng rng(4);
   TestWindow test = MakeWindow(0, 0.0, rng);
-  test.window.planes[0].offset += 100 * test.window.sightings[0].sigma_m;
-  const SightingRows rows = Linearize(test.window, 2);
+  test.window.planes[0].offset += 100 * test.window.measurements[0].sigma_m;
+  const PlaneMeasurementRows rows = Linearize(test.window, 2);
   EXPECT_NEAR(rows.cost, 2 * (100 - 1), 1e-6);
   EXPECT_NEAR((rows.J_plane.transpose() * rows.r).norm(),
               2 * Linearize(test.window, kNoLoss).J_plane.row(0).norm(),

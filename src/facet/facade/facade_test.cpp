@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The facade gives what the pipeline gives, and says what is wrong. That facet/facet.h is C++17 and
+// links into a shared library is tested by package_test.
+#include <algorithm>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "facet/facet.h"
+#include "facet/io/test_sequence.h"
+#include "facet/pipeline/vio_pipeline.h"
+
+namespace facet {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kWidth = 640, kHeight = 480;
+constexpr std::int64_t kFrameNs = 50'000'000, kImuNs = 5'000'000;
+
+api::Camera CameraAt(double y_m) {
+  api::Camera camera;
+  camera.width = kWidth;
+  camera.height = kHeight;
+  camera.fx = camera.fy = 400;
+  camera.cx = 320;
+  camera.cy = 240;
+  camera.T_BC.p = {0, y_m, 0};
+  camera.T_BC.q = {0.5, -0.5, 0.5, -0.5};
+  return camera;
+}
+
+api::Calibration TestCalibration() {
+  api::Calibration calibration;
+  calibration.left = CameraAt(0.055);
+  calibration.right = CameraAt(-0.055);
+  return calibration;
+}
+
+// A wall of random squares at 2.2 m, their borders as soft as a lens makes them.
+std::vector<std::uint8_t> Wall(int first_column) {
+  constexpr int kSquare = 12, kSoft = 4, kColumns = kWidth / kSquare + 4;
+  std::vector<double> squares(kColumns * (kHeight / kSquare + 2));
+  std::mt19937 random(1);
+  for (double& square : squares)
+    square = static_cast<double>(random() % 256);
+  const auto at = [&](int column, int row) {
+    return squares[static_cast<std::size_t>(row * kColumns + column)];
+  };
+  const auto share_of_next = [](int place) {
+    return std::max(0, place % kSquare - (kSquare - kSoft)) / static_cast<double>(kSoft);
+  };
+  std::vector<std::uint8_t> pixels;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = first_column; x < first_column + kWidth; ++x) {
+      const int column = x / kSquare, row = y / kSquare;
+      const double u = share_of_next(x), v = share_of_next(y);
+      pixels.push_back(static_cast<std::uint8_t>(
+          (1 - v) * ((1 - u) * at(column, row) + u * at(column + 1, row)) +
+          v * ((1 - u) * at(column, row + 1) + u * at(column + 1, row + 1))));
+    }
+  }
+  return pixels;
+}
+
+class FacadeTest : public ::testing::Test {
+ protected:
+  /// Two seconds at rest; calls `use` after each frame.
+  template <class Use>
+  void Fly(api::Odometry& odometry, const Use& use) {
+    std::int64_t imu_ns = 0;
+    for (std::int64_t t_ns = 0; t_ns < 40 * kFrameNs; t_ns += kFrameNs) {
+      for (; imu_ns <= t_ns + kImuNs; imu_ns += kImuNs)
+        odometry.AddImu({imu_ns, {0, 0, 0}, {0, 0, 9.81}});
+      use(odometry.AddStereo(
+          t_ns, {left_.data(), kWidth, kHeight}, {right_.data(), kWidth, kHeight}));
+    }
+  }
+
+  std::vector<std::uint8_t> left_ = Wall(0), right_ = Wall(20);
+};
+
+TEST_F(FacadeTest, GivesWhatThePipelineGives) {
+  api::Odometry odometry(TestCalibration());
+  StereoRig rig;
+  CameraIntrinsics k;
+  k.width = kWidth;
+  k.height = kHeight;
+  k.fx = k.fy = 400;
+  k.cx = 320;
+  k.cy = 240;
+  for (std::size_t c = 0; c < 2; ++c) {
+    rig.cameras[c] = CameraModel(k);
+    rig.T_BC[c] = {Quaterniond(0.5, -0.5, 0.5, -0.5), Vector3d(0, c == 0 ? 0.055 : -0.055, 0)};
+  }
+  VioPipeline pipeline(rig, ImuNoise(), VioOptions());
+  const cv::Mat left(kHeight, kWidth, CV_8UC1, left_.data());
+  const cv::Mat right(kHeight, kWidth, CV_8UC1, right_.data());
+  std::int64_t imu_ns = 0;
+  int num_poses = 0;
+  Fly(odometry, [&](const api::State& state) {
+    for (; imu_ns <= state.t_ns + kImuNs; imu_ns += kImuNs)
+      pipeline.AddImu({{imu_ns}, Vector3d::Zero(), Vector3d(0, 0, 9.81)});
+    const VioOutput output = pipeline.AddStereo({{state.t_ns}, left, right});
+    ASSERT_EQ(state.has_pose, output.has_pose);
+    EXPECT_EQ(
+        state.T_WB.p,
+        (api::Vec3{output.state.T_WB.p.x(), output.state.T_WB.p.y(), output.state.T_WB.p.z()}));
+    EXPECT_EQ(state.sigma_theta,
+              (api::Vec3{output.sigma_theta.x(), output.sigma_theta.y(), output.sigma_theta.z()}));
+    num_poses += output.has_pose ? 1 : 0;
+  });
+  EXPECT_GT(num_poses, 20);
+  EXPECT_EQ(odometry.Planes().size(), pipeline.Result().planes->size());
+  EXPECT_EQ(odometry.Map().faces, pipeline.Result().map->faces);
+}
+
+TEST_F(FacadeTest, TheWallIsAMeshAndThePoseComesFirst) {
+  api::Odometry odometry(TestCalibration());
+  EXPECT_TRUE(odometry.HorizonMesh().faces.empty());
+  int num_observed = 0;
+  odometry.OnPose([&](const api::State&) { ++num_observed; });
+  int num_frames = 0;
+  Fly(odometry, [&](const api::State&) { EXPECT_EQ(num_observed, ++num_frames); });
+  const api::Mesh mesh = odometry.HorizonMesh();
+  ASSERT_GT(mesh.faces.size(), 20u);
+  EXPECT_EQ(mesh.plane_ids.size(), mesh.faces.size());
+  double mean_x = 0;
+  for (const api::Vec3& vertex : mesh.vertices)
+    mean_x += vertex[0] / static_cast<double>(mesh.vertices.size());
+  EXPECT_NEAR(mean_x, 2.2, 0.05);
+}
+
+TEST_F(FacadeTest, ImagesMayGoAfterTheCall) {
+  api::Odometry odometry(TestCalibration());
+  bool has_pose = false;
+  std::int64_t imu_ns = 0;
+  for (std::int64_t t_ns = 0; t_ns < 40 * kFrameNs; t_ns += kFrameNs) {
+    for (; imu_ns <= t_ns + kImuNs; imu_ns += kImuNs)
+      odometry.AddImu({imu_ns, {0, 0, 0}, {0, 0, 9.81}});
+    std::vector<std::uint8_t> left = left_, right = right_;
+    has_pose =
+        odometry.AddStereo(t_ns, {left.data(), kWidth, kHeight}, {right.data(), kWidth, kHeight})
+            .has_pose;
+    std::fill(left.begin(), left.end(), std::uint8_t{0});
+    std::fill(right.begin(), right.end(), std::uint8_t{0});
+  }
+  EXPECT_TRUE(has_pose);
+}
+
+TEST_F(FacadeTest, MissingImagesAreNoCrash) {
+  api::Odometry odometry(TestCalibration());
+  const api::State state = odometry.AddStereo(0, {}, {});
+  EXPECT_FALSE(state.has_pose);
+  EXPECT_EQ(state.status, api::Status::kInitialising);
+}
+
+std::string ErrorOf(const api::Calibration& calibration,
+                    const api::Odometry::Options& options = {}) {
+  try {
+    api::Odometry odometry(calibration, options);
+  } catch (const api::Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(FacadeErrorTest, SaysWhatIsWrong) {
+  api::Calibration no_focal = TestCalibration();
+  no_focal.right.fx = 0;
+  EXPECT_THAT(ErrorOf(no_focal), HasSubstr("right camera: "));
+  api::Calibration no_baseline = TestCalibration();
+  no_baseline.right.T_BC = no_baseline.left.T_BC;
+  EXPECT_THAT(ErrorOf(no_baseline), HasSubstr("same place"));
+  api::Calibration no_rotation = TestCalibration();
+  no_rotation.left.T_BC.q = {0, 0, 0, 0};
+  EXPECT_THAT(ErrorOf(no_rotation), HasSubstr("quaternion"));
+  api::Calibration no_noise = TestCalibration();
+  no_noise.gyro_noise = 0;
+  EXPECT_THAT(ErrorOf(no_noise), HasSubstr("noise"));
+  api::Odometry::Options options;
+  options.overrides = {"frontend.max_feature=7"};
+  EXPECT_THAT(ErrorOf(TestCalibration(), options), HasSubstr("unknown key"));
+  options = {"nowhere.yaml", {}};
+  EXPECT_THAT(ErrorOf(TestCalibration(), options), HasSubstr("nowhere.yaml"));
+  EXPECT_THROW(api::ReadCalibration("/nowhere"), api::Error);
+}
+
+TEST(FacadeErrorTest, ReadsTheCalibrationOfASequence) {
+  TempFolder folder;
+  WriteTestSequence(folder / "seq");
+  const api::Calibration calibration = api::ReadCalibration((folder / "seq").string());
+  EXPECT_EQ(calibration.left.width, 160);
+  EXPECT_EQ(ErrorOf(calibration), "no error");
+  EXPECT_THAT(api::Version(), HasSubstr("0."));
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/facet.h"
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "facet/io/calibration_file.h"
+#include "facet/io/config_file.h"
+#include "facet/io/errors.h"
+#include "facet/pipeline/vio_pipeline.h"
+
+namespace facet::api {
+
+namespace {
+
+// Enumerators are converted by number.
+constexpr int Number(auto enumerator) {
+  return static_cast<int>(enumerator);
+}
+static_assert(Number(Status::kInitialising) == Number(TrackingStatus::kInitialising));
+static_assert(Number(Status::kOk) == Number(TrackingStatus::kOk));
+static_assert(Number(Status::kDegraded) == Number(TrackingStatus::kDegraded));
+static_assert(Number(Status::kLost) == Number(TrackingStatus::kLost));
+static_assert(Number(Camera::Distortion::kNone) == Number(DistortionModel::kNone));
+static_assert(Number(Camera::Distortion::kRadialTangential) ==
+              Number(DistortionModel::kRadialTangential));
+static_assert(Number(Camera::Distortion::kEquidistant) == Number(DistortionModel::kEquidistant));
+
+Vec3 Plain(const Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Pose Plain(const SE3& T) {
+  return {Plain(T.p), {T.q.w(), T.q.x(), T.q.y(), T.q.z()}};
+}
+
+SE3 Internal(const Pose& pose) {
+  const auto& [w, x, y, z] = pose.q;
+  const Quaterniond q(w, x, y, z);
+  if (!(std::abs(q.norm() - 1) < 1e-3)) throw Error("T_BC: the quaternion is not of unit length");
+  return {q.normalized(), Vector3d(pose.p[0], pose.p[1], pose.p[2])};
+}
+
+Camera Plain(const CameraModel& camera, const SE3& T_BC) {
+  const CameraIntrinsics& k = camera.intrinsics();
+  Camera plain;
+  plain.width = k.width;
+  plain.height = k.height;
+  plain.fx = k.fx;
+  plain.fy = k.fy;
+  plain.cx = k.cx;
+  plain.cy = k.cy;
+  plain.distortion = static_cast<Camera::Distortion>(k.distortion);
+  plain.coefficients = k.coefficients;
+  plain.T_BC = Plain(T_BC);
+  return plain;
+}
+
+CameraModel Internal(const Camera& plain, const char* name) {
+  CameraIntrinsics k;
+  k.width = plain.width;
+  k.height = plain.height;
+  k.fx = plain.fx;
+  k.fy = plain.fy;
+  k.cx = plain.cx;
+  k.cy = plain.cy;
+  k.distortion = static_cast<DistortionModel>(plain.distortion);
+  k.coefficients = plain.coefficients;
+  const std::string problem = CameraModel::WhatIsWrong(k);
+  if (!problem.empty()) throw Error(std::string(name) + " camera: " + problem);
+  return CameraModel(k);
+}
+
+StereoRig RigOf(const Calibration& calibration) {
+  StereoRig rig;
+  rig.cameras = {Internal(calibration.left, "left"), Internal(calibration.right, "right")};
+  rig.T_BC = {Internal(calibration.left.T_BC), Internal(calibration.right.T_BC)};
+  rig.time_offset = FromSeconds(calibration.time_offset_s);
+  if (!(rig.baseline_m() > 1e-3)) throw Error("the cameras are at the same place");
+  return rig;
+}
+
+facet::ImuNoise NoiseOf(const Calibration& calibration) {
+  facet::ImuNoise noise;
+  noise.gyro_noise = calibration.gyro_noise;
+  noise.gyro_walk = calibration.gyro_walk;
+  noise.accel_noise = calibration.accel_noise;
+  noise.accel_walk = calibration.accel_walk;
+  for (const double density :
+       {noise.gyro_noise, noise.gyro_walk, noise.accel_noise, noise.accel_walk}) {
+    if (!(density > 0)) throw Error("the IMU's noise densities must be above 0");
+  }
+  return noise;
+}
+
+VioOptions OptionsOf(const Odometry::Options& plain) {
+  VioOptions options;
+  const std::vector<ConfigField> fields = ListFields(options);
+  try {
+    if (!plain.config_file.empty())
+      ApplyConfig(ReadConfigFile(plain.config_file), fields, RetiredOptions());
+    ApplyOverrides(plain.overrides, fields, RetiredOptions());
+  } catch (const ConfigError& error) {
+    throw Error(error.what());
+  }
+  return options;
+}
+
+// The odometry keeps references to the pixels of the newest images, so it gets them with an owner.
+class OwnedImage {
+ public:
+  explicit OwnedImage(const Image& image) : owner_(image.owner) {
+    if (image.pixels == nullptr || image.width <= 0 || image.height <= 0) return;
+    const std::size_t stride =
+        image.stride_bytes == 0 ? static_cast<std::size_t>(image.width) : image.stride_bytes;
+    const cv::Mat view(image.height,
+                       image.width,
+                       CV_8UC1,
+                       const_cast<std::uint8_t*>(image.pixels),  // never written to
+                       stride);
+    pixels_ = owner_ ? view : view.clone();
+  }
+  const cv::Mat& pixels() const { return pixels_; }
+
+ private:
+  std::shared_ptr<const void> owner_;
+  cv::Mat pixels_;
+};
+
+State Plain(const VioOutput& output) {
+  State state;
+  state.t_ns = output.t.ns;
+  state.status = static_cast<Status>(output.status);
+  state.reason = output.reason;
+  state.has_pose = output.has_pose;
+  state.T_WB = Plain(output.state.T_WB);
+  state.v_WB = Plain(output.state.v_WB);
+  state.gyro_bias = Plain(output.state.bias.b_g);
+  state.accel_bias = Plain(output.state.bias.b_a);
+  state.sigma_p = Plain(output.sigma_p);
+  state.sigma_theta = Plain(output.sigma_theta);
+  state.sigma_v = Plain(output.sigma_v);
+  state.is_keyframe = output.is_keyframe;
+  state.was_reset = output.was_reset;
+  state.warning = output.warning;
+  return state;
+}
+
+Mesh Plain(const TriangleMesh& mesh) {
+  Mesh plain;
+  plain.vertices.reserve(mesh.vertices.size());
+  for (const Vector3d& vertex : mesh.vertices)
+    plain.vertices.push_back(Plain(vertex));
+  plain.faces = mesh.faces;
+  plain.plane_ids.assign(mesh.plane_ids.begin(), mesh.plane_ids.end());
+  return plain;
+}
+
+Plane Plain(const PlaneRecord& record) {
+  Plane plain;
+  plain.id = record.id.value;
+  plain.n = Plain(record.plane_W.n);
+  plain.d = record.plane_W.d;
+  plain.label = ToString(record.label);
+  plain.area_m2 = record.area_m2;
+  plain.sigma_normal_rad = record.sigma_normal_rad;
+  plain.sigma_d_m = record.sigma_d_m;
+  for (const Vector3d& corner : record.outline_W)
+    plain.outline.push_back(Plain(corner));
+  return plain;
+}
+
+}  // namespace
+
+struct Odometry::Impl {
+  Impl(const Calibration& calibration, const Options& options)
+      : pipeline(RigOf(calibration), NoiseOf(calibration), OptionsOf(options)) {}
+
+  VioPipeline pipeline;
+  std::shared_ptr<const MeshSnapshot> mesh;
+  PoseObserver observer;
+  std::vector<std::pair<OwnedImage, OwnedImage>> images;  // of the newest frames
+};
+
+Calibration ReadCalibration(const std::string& cameras, const std::string& imu) try {
+  const bool is_folder = std::filesystem::is_directory(cameras);
+  const std::filesystem::path folder = cameras;
+  const facet::Calibration read =
+      is_folder
+          ? FindCalibration(std::filesystem::exists(folder / "mav0") ? folder / "mav0" : folder,
+                            {{}, imu})
+          : ReadKalibrCalibration(cameras, imu);
+  Calibration plain;
+  plain.left = Plain(read.rig.cameras[0], read.rig.T_BC[0]);
+  plain.right = Plain(read.rig.cameras[1], read.rig.T_BC[1]);
+  plain.time_offset_s = ToSeconds(read.rig.time_offset);
+  plain.gyro_noise = read.imu_noise.gyro_noise;
+  plain.gyro_walk = read.imu_noise.gyro_walk;
+  plain.accel_noise = read.imu_noise.accel_noise;
+  plain.accel_walk = read.imu_noise.accel_walk;
+  return plain;
+} catch (const InputError& error) {
+  throw Error(error.what());
+}
+
+Odometry::Odometry(const Calibration& calibration) : Odometry(calibration, Options()) {}
+
+Odometry::Odometry(const Calibration& calibration, const Options& options)
+    : impl_(std::make_unique<Impl>(calibration, options)) {}
+
+Odometry::~Odometry() = default;
+Odometry::Odometry(Odometry&&) noexcept = default;
+Odometry& Odometry::operator=(Odometry&&) noexcept = default;
+
+void Odometry::OnPose(std::function<void(const State&)> observer) {
+  impl_->observer = nullptr;
+  if (!observer) return;
+  impl_->observer = [observer = std::move(observer)](const VioOutput& output) {
+    observer(Plain(output));
+  };
+}
+
+void Odometry::AddImu(const ImuSample& sample) {
+  impl_->pipeline.AddImu({{sample.t_ns},
+                          {sample.gyro[0], sample.gyro[1], sample.gyro[2]},
+                          {sample.accel[0], sample.accel[1], sample.accel[2]}});
+}
+
+State Odometry::AddStereo(std::int64_t t_ns, const Image& left, const Image& right) {
+  constexpr std::size_t kNumReferenced = 3;  // StereoFrame: two further frames
+  auto& images = impl_->images;
+  if (images.size() == kNumReferenced) images.erase(images.begin());
+  const auto& [l, r] = images.emplace_back(OwnedImage(left), OwnedImage(right));
+  const VioOutput output =
+      impl_->pipeline.AddStereo({{t_ns}, l.pixels(), r.pixels()}, impl_->observer);
+  if (output.mesh) impl_->mesh = output.mesh;
+  return Plain(output);
+}
+
+Mesh Odometry::HorizonMesh() const {
+  return impl_->mesh ? Plain(impl_->mesh->mesh) : Mesh();
+}
+
+Mesh Odometry::Map() const {
+  const RunResult result = impl_->pipeline.Result();
+  return result.map ? Plain(*result.map) : Mesh();
+}
+
+std::vector<Plane> Odometry::Planes() const {
+  std::vector<Plane> planes;
+  const RunResult result = impl_->pipeline.Result();
+  for (const PlaneRecord& record : result.planes.value_or(std::vector<PlaneRecord>()))
+    planes.push_back(Plain(record));
+  return planes;
+}
+
+const char* Version() {
+  return FACET_VERSION;
+}
+
+}  // namespace facet::api

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Facet for other programs, in one header: stereo images and IMU samples in, pose, mesh and planes
+// out. Plain data and the standard library only, C++17; neither Eigen nor OpenCV nor any other
+// header of Facet is needed, and it does not matter for which processor the including program is
+// compiled.
+//
+//   facet::api::Odometry odometry(facet::api::ReadCalibration("camchain.yaml", "imu.yaml"));
+//   odometry.AddImu({t_ns, gyro, accel});                             // in order of time
+//   auto state = odometry.AddStereo(t_ns, {left}, {right});           // 8 bit grey images
+//   if (state.has_pose) Fly(state.T_WB);
+//
+// Frames: W is the world (z up, gravity along -z, origin at the first pose), B the body, which is
+// the IMU, C the left camera. T_AB maps points from B to A. Quaternions are w x y z, Hamilton. SI
+// units; times are nanoseconds of the recording's own clock.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace facet {
+namespace api {
+
+using Vec3 = std::array<double, 3>;
+
+/// What is wrong with a file, an option or a calibration, and what to do about it.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Pose {
+  Vec3 p{{0, 0, 0}};                      ///< [m]
+  std::array<double, 4> q{{1, 0, 0, 0}};  ///< w x y z, unit
+};
+
+struct ImuSample {
+  std::int64_t t_ns = 0;  ///< IMU clock
+  Vec3 gyro{{0, 0, 0}};   ///< angular rate in B [rad/s]
+  Vec3 accel{{0, 0, 0}};  ///< specific force in B [m/s^2]
+};
+
+/// 8 bit grey, row by row. The pixels are copied, unless `owner` keeps them alive: then they must
+/// not be written to while Facet holds a copy of it (for two more frames).
+struct Image {
+  const std::uint8_t* pixels = nullptr;
+  int width = 0, height = 0;
+  std::size_t stride_bytes = 0;  ///< from row to row; 0: width
+  std::shared_ptr<const void> owner = nullptr;
+};
+
+/// Pinhole camera with distortion.
+struct Camera {
+  enum class Distortion { kNone, kRadialTangential, kEquidistant };
+  int width = 0, height = 0;              ///< [px]
+  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< [px]
+  Distortion distortion = Distortion::kNone;
+  std::array<double, 4> coefficients{{0, 0, 0, 0}};  ///< k1 k2 p1 p2, or k1 k2 k3 k4
+  Pose T_BC;                                         ///< camera to body
+};
+
+struct Calibration {
+  Camera left, right;
+  double time_offset_s = 0;  ///< t_imu = t_camera + time_offset (Kalibr's timeshift_cam_imu)
+  /// Densities as on the IMU's datasheet: rad/s/sqrt(Hz), rad/s^2/sqrt(Hz), m/s^2/sqrt(Hz),
+  /// m/s^3/sqrt(Hz).
+  double gyro_noise = 1.6968e-4, gyro_walk = 1.9393e-5, accel_noise = 2.0e-3, accel_walk = 3.0e-3;
+};
+
+/// `cameras`: Kalibr's camchain.yaml, or a folder that holds mav0/ (EuRoC). `imu`: Kalibr's
+/// imu.yaml or EuRoC's sensor.yaml; may be empty. Throws Error with file and line.
+Calibration ReadCalibration(const std::string& cameras, const std::string& imu = "");
+
+enum class Status { kInitialising, kOk, kDegraded, kLost };
+
+/// The estimate for one stereo pair, causal: from images and samples up to its stamp.
+struct State {
+  std::int64_t t_ns = 0;  ///< of the left image
+  Status status = Status::kInitialising;
+  std::string reason;     ///< why the status is not kOk, or empty
+  bool has_pose = false;  ///< false: the numbers below mean nothing
+  Pose T_WB;
+  Vec3 v_WB{{0, 0, 0}};                              ///< [m/s]
+  Vec3 gyro_bias{{0, 0, 0}}, accel_bias{{0, 0, 0}};  ///< [rad/s], [m/s^2]
+  Vec3 sigma_p{{0, 0, 0}}, sigma_theta{{0, 0, 0}},
+      sigma_v{{0, 0, 0}};  ///< 1-sigma; theta in B [rad]
+  bool is_keyframe = false;
+  bool was_reset = false;  ///< the estimator started over; the pose may jump
+  std::string warning;     ///< what is probably wrong with the calibration; once in a run
+};
+
+/// Triangles in W, counter-clockwise seen from where the surface was seen.
+struct Mesh {
+  std::vector<Vec3> vertices;
+  std::vector<std::array<int, 3>> faces;
+  std::vector<std::int64_t> plane_ids;  ///< one per face, -1: none
+};
+
+/// n . p = d for its points in W.
+struct Plane {
+  std::int64_t id = -1;
+  Vec3 n{{0, 0, 1}};
+  double d = 0;
+  std::string label;  ///< floor, table, ceiling, wall or other
+  double area_m2 = 0, sigma_normal_rad = 0, sigma_d_m = 0;
+  std::vector<Vec3> outline;  ///< convex, counter-clockwise seen from where n points
+};
+
+/// Deterministic. Not thread-safe: call it from one thread at a time. AddImu and AddStereo never
+/// throw for any content of samples or images.
+class Odometry {
+ public:
+  /// Parameters as for `facet run`: a YAML file (may be empty), then key.path=value texts.
+  struct Options {
+    std::string config_file;
+    std::vector<std::string> overrides;
+  };
+
+  /// Throws Error where calibration or options are wrong.
+  explicit Odometry(const Calibration& calibration);
+  Odometry(const Calibration& calibration, const Options& options);
+  ~Odometry();
+  Odometry(Odometry&&) noexcept;
+  Odometry& operator=(Odometry&&) noexcept;
+
+  /// Called within AddStereo as soon as the pose is known, before mesh, planes and map are worked
+  /// on.
+  void OnPose(std::function<void(const State&)> observer);
+
+  /// In order of time.
+  void AddImu(const ImuSample& sample);
+
+  /// A stereo pair with the stamp of the left image, after the IMU samples up to it; one sample
+  /// beyond it is ideal. An image without pixels is a missing one.
+  State AddStereo(std::int64_t t_ns, const Image& left, const Image& right);
+
+  /// The mesh over the last seconds, after the newest keyframe.
+  Mesh HorizonMesh() const;
+  /// The mesh of the whole run so far; takes a moment.
+  Mesh Map() const;
+  /// Every plane that the estimator ever had, merged ones once.
+  std::vector<Plane> Planes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// For example "0.1.0".
+const char* Version();
+
+}  // namespace api
+}  // namespace facet
