@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "program_run.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "facet/testing/folders.h"
+#include "facet/testing/io/program_run.h"
 
 namespace facet {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <fstream>
 
-#include "program_run.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include "facet/io/ply_writer.h"
 #include "facet/io/trajectory_file.h"
 #include "facet/testing/folders.h"
+#include "facet/testing/io/program_run.h"
 
 namespace facet {
 namespace {

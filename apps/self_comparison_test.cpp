@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <iostream>
 
-#include "program_run.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +11,7 @@
 #include "facet/eval/ground_truth.h"
 #include "facet/eval/paired_comparison.h"
 #include "facet/testing/data_dir.h"
+#include "facet/testing/io/program_run.h"
 
 namespace facet {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "facet/io/test_sequence.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

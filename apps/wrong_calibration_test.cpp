@@ -5,11 +5,11 @@
 #include <functional>
 #include <string>
 
-#include "program_run.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "facet/testing/data_dir.h"
+#include "facet/testing/io/program_run.h"
 
 namespace facet {
 namespace {

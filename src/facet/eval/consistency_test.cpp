@@ -6,7 +6,7 @@
 
 #include "facet/base/random.h"
 #include "facet/io/errors.h"
-#include "facet/io/test_sequence.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "facet/eval/surface_registration.h"
-#include "facet/eval/test_shapes.h"
 #include "facet/eval/visibility.h"
+#include "facet/testing/eval/test_shapes.h"
 
 namespace facet {
 namespace {

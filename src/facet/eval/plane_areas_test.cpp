@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "facet/eval/test_shapes.h"
+#include "facet/testing/eval/test_shapes.h"
 
 namespace facet {
 namespace {

@@ -10,8 +10,8 @@
 #include "facet/eval/run_evaluation.h"
 #include "facet/io/ply_reader.h"
 #include "facet/io/ply_writer.h"
-#include "facet/io/test_sequence.h"
 #include "facet/testing/data_dir.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "facet/facet.h"
-#include "facet/io/test_sequence.h"
 #include "facet/pipeline/vio_pipeline.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

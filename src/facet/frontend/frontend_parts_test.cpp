@@ -6,8 +6,8 @@
 #include "facet/frontend/image_pyramid.h"
 #include "facet/frontend/keyframe_policy.h"
 #include "facet/frontend/outlier_rejection.h"
-#include "facet/frontend/synthetic_image.h"
 #include "facet/geometry/so3.h"
+#include "facet/testing/frontend/synthetic_image.h"
 
 namespace facet {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/check.h"
-#include "facet/frontend/synthetic_image.h"
+#include "facet/testing/frontend/synthetic_image.h"
 
 namespace facet {
 namespace {

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "facet/frontend/stereo_matcher.h"
-#include "facet/frontend/synthetic_image.h"
 #include "facet/frontend/temporal_tracker.h"
+#include "facet/testing/frontend/synthetic_image.h"
 
 namespace facet {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/io/errors.h"
-#include "facet/io/test_sequence.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "facet/io/errors.h"
-#include "facet/io/test_sequence.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

@@ -9,8 +9,8 @@
 #include "facet/base/random.h"
 #include "facet/io/errors.h"
 #include "facet/io/png_writer.h"
-#include "facet/io/test_images.h"
-#include "facet/io/test_sequence.h"
+#include "facet/testing/io/test_images.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

@@ -9,7 +9,7 @@
 #include "facet/io/planes_file.h"
 #include "facet/io/result_folder.h"
 #include "facet/io/states_file.h"
-#include "facet/io/test_sequence.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

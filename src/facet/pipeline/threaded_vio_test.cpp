@@ -14,11 +14,11 @@
 
 #include "facet/base/median.h"
 #include "facet/base/types.h"
-#include "facet/frontend/synthetic_image.h"
 #include "facet/geometry/se3.h"
 #include "facet/imu/imu_types.h"
 #include "facet/pipeline/vio_pipeline.h"
 #include "facet/sim/euroc_rig.h"
+#include "facet/testing/frontend/synthetic_image.h"
 
 namespace facet {
 namespace {

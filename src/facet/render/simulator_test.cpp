@@ -8,10 +8,10 @@
 
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
-#include "facet/io/test_sequence.h"
 #include "facet/io/trajectory_file.h"
 #include "facet/render/clearance.h"
 #include "facet/render/scene_source.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

@@ -8,12 +8,12 @@
 
 #include "facet/base/random.h"
 #include "facet/io/errors.h"
-#include "facet/io/test_sequence.h"
 #include "facet/report/comparison.h"
 #include "facet/report/figures.h"
 #include "facet/report/paper_tables.h"
 #include "facet/report/report_page.h"
 #include "facet/report/svg_plot.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/io/test_sequence.h"
+#include "facet/testing/io/test_sequence.h"
 
 #include <fstream>
 #include <sstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/io/test_images.h"
+#include "facet/testing/io/test_images.h"
 
 #include <cstdio>
 #include <cstdlib>

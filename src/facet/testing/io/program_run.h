@@ -7,7 +7,7 @@
 
 #include <sys/wait.h>
 
-#include "facet/io/test_sequence.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 
