@@ -4,7 +4,7 @@ PREFIX ?= /usr/local
 SEQUENCE ?=
 DATA ?=
 
-.PHONY: all setup build demo test bench format install clean
+.PHONY: all setup build demo test bench format docs install clean
 all: build
 
 setup:  ## install the Debian packages that are missing
@@ -25,6 +25,9 @@ bench: setup  ## kernels, then the end-to-end table over every sequence found: m
 
 format:  ## clang-format on every source file
 	@scripts/format.sh
+
+docs:  ## the API reference in build/docs/html; installs doxygen if it is missing
+	@scripts/docs.sh
 
 install: build  ## make install PREFIX=...
 	@cmake --install build --prefix "$(PREFIX)"

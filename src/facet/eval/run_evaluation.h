@@ -45,7 +45,7 @@ RunEvaluation EvaluateRun(const std::filesystem::path& result,
                           const GroundTruth& truth,
                           const EvaluationOptions& options);
 
-/// RESULT/evaluation.json, or <file>.evaluation.json beside a trajectory file.
+/// RESULT/evaluation.json, or FILE.evaluation.json beside a trajectory file.
 std::filesystem::path EvaluationFile(const std::filesystem::path& result);
 
 /// Writes the file as a whole or not at all; throws OutputError.

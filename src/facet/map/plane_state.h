@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The life of a plane.
+// The life of a plane. docs/architecture.md, "The life of a plane", draws the transitions.
 #pragma once
 
 namespace facet {

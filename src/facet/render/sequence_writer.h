@@ -21,7 +21,7 @@ void WriteCalibration(const std::filesystem::path& sequence,
                       const ImuNoise& noise,
                       double frame_rate_hz);
 
-/// mav0/cam<camera>/data/<stamp>.png.
+/// mav0/camN/data/STAMP.png, for camera N.
 std::filesystem::path ImageFile(const std::filesystem::path& sequence, int camera, Timestamp t);
 
 /// data.csv of both cameras.
