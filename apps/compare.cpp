@@ -3,22 +3,19 @@
 // real.
 #include "compare.h"
 
-#include <fstream>
 #include <iostream>
-#include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "compare_runs.h"
 #include "load_options.h"
-#include "number_check.h"
 #include "run.h"
-#include <CLI/CLI.hpp>
 
 #include "facet/eval/ground_truth.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
+#include "facet/io/json_file.h"
 #include "facet/io/text_file.h"
 #include "facet/report/comparison.h"
 #include "facet/report/report_page.h"
@@ -28,16 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
-
-struct CompareArguments {
-  std::vector<std::string> sequences, configs, overrides;
-  std::vector<std::string> pipelines = {"S", "SP", "SPR"};
-  std::vector<std::string> run_options;
-  std::string out, report;
-  int starts = 9, jobs = 1;
-  double duration_s = 0;
-  bool is_quiet = false;
-};
 
 struct NamedConfig {
   std::string name, file;
@@ -156,9 +143,8 @@ std::vector<RunCell> MakeCells(const CompareArguments& arguments,
   return cells;
 }
 
-ordered_json ReadJson(const fs::path& file) {
-  std::ifstream stream(file);
-  ordered_json json = ordered_json::parse(stream, nullptr, false);
+ordered_json ReadObject(const fs::path& file) {
+  ordered_json json = ReadJsonFile(file);
   return json.is_object() ? json : ordered_json::object();
 }
 
@@ -169,8 +155,8 @@ ComparedRun Load(const RunCell& cell, const NamedSequence& sequence) {
   run.message = cell.message;
   run.folder = cell.folder;
   if (!cell.has_result) return run;
-  run.evaluation = ReadJson(cell.folder / "evaluation.json");
-  run.summary = ReadJson(cell.folder / "summary.json");
+  run.evaluation = ReadObject(cell.folder / "evaluation.json");
+  run.summary = ReadObject(cell.folder / "summary.json");
   run.pairs = Associate(ReadTrajectory(cell.folder / "trajectory.tum").poses, sequence.truth).pairs;
   return run;
 }
@@ -202,7 +188,7 @@ void WriteTables(const fs::path& out, const ordered_json& comparison) {
     csv += ToCsv(table) + '\n';
     markdown += ToMarkdown(table);
   }
-  ReplaceTextFile(out / "comparison.json", comparison.dump(1) + "\n");
+  ReplaceTextFile(out / "comparison.json", JsonText(comparison, 1) + "\n");
   ReplaceTextFile(out / "comparison.csv", csv);
   ReplaceTextFile(out / "comparison.md", markdown);
   ReplaceTextFile(out / "runs.csv", RunsCsv(comparison));
@@ -236,7 +222,9 @@ Report MakeReport(const std::vector<NamedSequence>& sequences,
   return report;
 }
 
-void Compare(const CompareArguments& arguments) {
+}  // namespace
+
+void CompareCommand(const CompareArguments& arguments) {
   const std::vector<NamedSequence> sequences = OpenSequences(arguments);
   const std::vector<Combination> combinations = Combinations(arguments);
   std::error_code error;
@@ -260,47 +248,6 @@ void Compare(const CompareArguments& arguments) {
     constexpr int kEstimator = 4;
     throw RunEndedError(kEstimator, "no run has a result: " + cells.front().message);
   }
-}
-
-void AddOptions(CLI::App& command, CompareArguments& a) {
-  command.add_option("SEQUENCE", a.sequences, "folders with ground truth")->required();
-  command.add_option("--pipelines", a.pipelines, "S,SP,SPR; the first one is the reference")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"S", "SP", "SPR"}))
-      ->capture_default_str();
-  command
-      .add_option("--starts", a.starts, "runs per combination, from 0, 0.1, 0.2 ... s; 9 to judge")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command.add_option("--out", a.out, "folder for the runs and the tables; a study goes on there")
-      ->required();
-  command.add_option("--jobs", a.jobs, "runs at the same time, one core each")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  command.add_option("--config", a.configs, "NAME=FILE, repeatable: each one with each pipeline")
-      ->allow_extra_args(false);
-  command.add_option("--set", a.overrides, "key.path=value for all runs, repeatable")
-      ->allow_extra_args(false);
-  command
-      .add_option("--run-option",
-                  a.run_options,
-                  "one more argument of facet run for all runs, repeatable: "
-                  "--run-option=--mesh-every=5 (10 if not given; 0: none)")
-      ->allow_extra_args(false);
-  command.add_option("--duration", a.duration_s, "seconds of each run")->check(PositiveNumber());
-  command.add_option(
-      "--report", a.report, "folder for report.html with figures of each sequence's first start");
-  command.add_flag("--quiet", a.is_quiet, "no line per run");
-}
-
-}  // namespace
-
-void AddCompareCommand(CLI::App& app) {
-  auto* command = app.add_subcommand(
-      "compare", "Run sequences with several pipelines, configurations and starts, and compare");
-  auto arguments = std::make_shared<CompareArguments>();
-  AddOptions(*command, *arguments);
-  command->callback([arguments] { Compare(*arguments); });
 }
 
 }  // namespace facet

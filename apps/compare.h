@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <string>
+#include <vector>
 
 namespace facet {
 
-/// Adds `facet compare`. The command throws InputError, ConfigError, OutputError or RunEndedError.
-void AddCompareCommand(CLI::App& app);
+/// What `facet compare` is told on the command line.
+struct CompareArguments {
+  std::vector<std::string> sequences, configs, overrides;
+  std::vector<std::string> pipelines = {"S", "SP", "SPR"};
+  std::vector<std::string> run_options;
+  std::string out, report;
+  int starts = 9, jobs = 1;
+  double duration_s = 0;
+  bool is_quiet = false;
+};
+
+/// `facet compare`. Throws InputError, ConfigError, OutputError or RunEndedError.
+void CompareCommand(const CompareArguments& arguments);
 
 }  // namespace facet

@@ -18,6 +18,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "facet/io/json_file.h"
+
 namespace facet {
 namespace {
 
@@ -120,8 +122,7 @@ ordered_json KeyOf(const RunCell& cell, const Program& program) {
 }
 
 bool IsDone(RunCell& cell, const ordered_json& key) {
-  std::ifstream stream(Beside(cell.folder, ".cell.json"));
-  const ordered_json old = ordered_json::parse(stream, nullptr, false);
+  const ordered_json old = ReadJsonFile(Beside(cell.folder, ".cell.json"));
   if (!old.is_object() || !old.contains("key") || old["key"] != key) return false;
   if (!fs::exists(cell.folder / "evaluation.json")) return false;
   cell.exit_code = old.value("exit_code", -1);
@@ -163,8 +164,7 @@ void Execute(RunCell& cell, const Program& program, const ordered_json& key) {
   Evaluate(cell, program, log);
   if (!cell.has_result) return;
   std::ofstream(Beside(cell.folder, ".cell.json"))
-      << ordered_json{{"key", key}, {"exit_code", cell.exit_code}, {"message", cell.message}}.dump(
-             1)
+      << JsonText({{"key", key}, {"exit_code", cell.exit_code}, {"message", cell.message}}, 1)
       << '\n';
 }
 

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <string>
+#include <vector>
 
 namespace facet {
 
-/// Adds `facet config`. The command throws ConfigError or OutputError.
-void AddConfigCommand(CLI::App& app);
+/// What `facet config` is told on the command line.
+struct ConfigArguments {
+  std::string file;
+  std::vector<std::string> overrides;
+  bool all = false;
+};
+
+/// `facet config`. Throws ConfigError or OutputError.
+void ConfigCommand(const ConfigArguments& arguments);
 
 }  // namespace facet

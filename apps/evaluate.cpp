@@ -4,12 +4,8 @@
 
 #include <algorithm>
 #include <iostream>
-#include <memory>
 #include <string>
 #include <vector>
-
-#include "number_check.h"
-#include <CLI/CLI.hpp>
 
 #include "facet/eval/evaluation_json.h"
 #include "facet/eval/run_evaluation.h"
@@ -18,18 +14,6 @@
 namespace facet {
 
 namespace {
-
-struct EvaluateArguments {
-  std::string result;
-  std::string truth;
-  std::vector<std::string> against;
-  std::vector<double> rpe_lengths_m;
-  std::string alignment = ToString(AlignmentKind::kSE3);
-  std::vector<std::string> parts = {"mesh", "planes", "consistency"};
-  bool parts_are_named = false;
-  bool align_time = false;
-  std::string report;
-};
 
 EvaluationOptions OptionsOf(const EvaluateArguments& arguments) {
   const auto wants = [&](const char* part) {
@@ -64,7 +48,9 @@ Report MakeReport(const EvaluateArguments& arguments, std::vector<RunEvaluation>
   return report;
 }
 
-void Evaluate(const EvaluateArguments& arguments) {
+}  // namespace
+
+void EvaluateCommand(const EvaluateArguments& arguments) {
   const EvaluationOptions options = OptionsOf(arguments);
   const GroundTruth truth = LoadGroundTruth(arguments.truth);
 
@@ -83,50 +69,6 @@ void Evaluate(const EvaluateArguments& arguments) {
   if (arguments.report.empty()) return;
   WriteReport(arguments.report, MakeReport(arguments, std::move(evaluations)));
   std::cout << "written: " << arguments.report << "/report.html\n";
-}
-
-}  // namespace
-
-void AddEvaluateCommand(CLI::App& app) {
-  auto* command =
-      app.add_subcommand("evaluate", "Judge a trajectory, meshes and planes against ground truth");
-  auto arguments = std::make_shared<EvaluateArguments>();
-  command
-      ->add_option(
-          "RESULT", arguments->result, "result folder, or trajectory file (TUM, EuRoC csv)")
-      ->required();
-  command->add_option("--truth", arguments->truth, "sequence folder, or trajectory file")
-      ->required();
-  command->add_option("--against", arguments->against, "more results, for comparison in the table");
-  command
-      ->add_option("--alignment", arguments->alignment, "se3, yaw (rotation about z only) or sim3")
-      ->check(CLI::IsMember({"se3", "yaw", "sim3"}))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--rpe-lengths",
-          arguments->rpe_lengths_m,
-          "path lengths [m] for relative errors; default: 1,2,5,10,20,... as far as the path goes")
-      ->delimiter(',')
-      ->check(PositiveNumber());
-  command->add_option(
-      "--report", arguments->report, "folder for report.html: plots and tables on one page");
-  command->add_flag("--align-time",
-                    arguments->align_time,
-                    "estimate the offset between the two clocks (at most 0.5 s) and remove it");
-  command
-      ->add_option(
-          "--parts",
-          arguments->parts,
-          "what to judge beside the trajectory, where there is truth for it: "
-          "mesh,planes,consistency (default), or trajectory for nothing else; what is named "
-          "must be there")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"trajectory", "mesh", "planes", "consistency"}));
-  command->callback([arguments, command] {
-    arguments->parts_are_named = command->count("--parts") > 0;
-    Evaluate(*arguments);
-  });
 }
 
 }  // namespace facet

@@ -1,13 +1,25 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <string>
+#include <vector>
 
 namespace facet {
 
-/// Adds `facet evaluate`. The command throws InputError, ConfigError or OutputError.
-void AddEvaluateCommand(CLI::App& app);
+/// What `facet evaluate` is told on the command line.
+struct EvaluateArguments {
+  std::string result;
+  std::string truth;
+  std::vector<std::string> against;
+  std::vector<double> rpe_lengths_m;
+  std::string alignment = "se3";
+  std::vector<std::string> parts = {"mesh", "planes", "consistency"};
+  bool parts_are_named = false;
+  bool align_time = false;
+  std::string report;
+};
+
+/// `facet evaluate`. Throws InputError, ConfigError or OutputError.
+void EvaluateCommand(const EvaluateArguments& arguments);
 
 }  // namespace facet

@@ -5,19 +5,14 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "load_options.h"
-#include "number_check.h"
 #include "progress_bar.h"
 #include "run_sequence.h"
-#include <CLI/CLI.hpp>
-#include <spdlog/fmt/fmt.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
@@ -31,17 +26,6 @@
 namespace facet {
 namespace {
 
-struct RunArguments {
-  std::string sequence, out, config, calibration, imu_calibration;
-  std::string pipeline;  // empty: what the configuration says
-  std::vector<std::string> overrides;
-  RunRange range;
-  int threads = 1;
-  int mesh_every = 0;
-  std::string mesh_format = "ply";
-  bool quiet = false, verbose = false;
-};
-
 volatile std::sig_atomic_t interrupted = 0;
 
 /// The first Ctrl-C ends the run in good order, the second one kills the program.
@@ -53,14 +37,6 @@ void CatchInterrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-std::shared_ptr<spdlog::logger> MakeLog(bool verbose) {
-  auto log =
-      std::make_shared<spdlog::logger>("facet", std::make_shared<spdlog::sinks::stderr_sink_st>());
-  log->set_pattern("%v");
-  log->set_level(verbose ? spdlog::level::debug : spdlog::level::warn);
-  return log;
-}
-
 VioOptions ChooseOptions(const RunArguments& arguments) {
   std::vector<std::string> overrides = arguments.overrides;
   if (!arguments.pipeline.empty()) overrides.push_back("pipeline=" + arguments.pipeline);
@@ -70,16 +46,17 @@ VioOptions ChooseOptions(const RunArguments& arguments) {
   return loaded.options;
 }
 
-void LogFrame(spdlog::logger& log, const VioOutput& output) {
-  log.debug("{} {}{} tracks {} landmarks {} cpu {:.2f} ms{}{}",
-            FormatSeconds(output.t),
-            ToString(output.status),
-            output.is_keyframe ? " keyframe" : "",
-            output.num_tracks,
-            output.num_landmarks,
-            output.times.Total(),
-            output.reason.empty() ? "" : ": ",
-            output.reason);
+void LogFrame(const VioOutput& output) {
+  std::fprintf(stderr,
+               "%s %s%s tracks %d landmarks %d cpu %.2f ms%s%s\n",
+               FormatSeconds(output.t).c_str(),
+               ToString(output.status),
+               output.is_keyframe ? " keyframe" : "",
+               output.num_tracks,
+               output.num_landmarks,
+               output.times.Total(),
+               output.reason.empty() ? "" : ": ",
+               output.reason.c_str());
 }
 
 /// Beside mesh.ply and map.ply.
@@ -114,17 +91,17 @@ class MeshFiles {
 
 void WarnOfFullMap(double limit_mb, RunRecord& record) {
   if (!record.map_is_full) return;
-  record.warnings.push_back(
-      fmt::format("the map is full: it lacks surfaces that were seen after it had reached "
-                  "mesh.map.max_memory_mb={:g}; raise that, or make mesh.map.voxel_m larger",
-                  limit_mb));
+  std::ostringstream text;
+  text << "the map is full: it lacks surfaces that were seen after it had reached "
+       << "mesh.map.max_memory_mb=" << limit_mb << "; raise that, or make mesh.map.voxel_m larger";
+  record.warnings.push_back(text.str());
 }
 
 void WarnOfMissingMesh(const VioOptions& options, RunRecord& record) {
   if (options.mesh.enabled || options.pipeline == Formulation::kS) return;
-  record.warnings.push_back(fmt::format(
-      "mesh.enabled=false: planes are found in the mesh, so pipeline {} has none and runs as S",
-      ToString(options.pipeline)));
+  record.warnings.push_back(
+      std::string("mesh.enabled=false: planes are found in the mesh, so pipeline ") +
+      ToString(options.pipeline) + " has none and runs as S");
 }
 
 /// Runs the sequence with VioPipeline or ThreadedVio.
@@ -134,14 +111,13 @@ SequenceRun RunWith(Vio& vio,
                     AslDataset& dataset,
                     const VioOptions& options,
                     const RunArguments& arguments,
-                    MeshFiles& mesh_files,
-                    spdlog::logger& log) {
+                    MeshFiles& mesh_files) {
   functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
   functions.result = [&] { return vio.Result(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
   const auto observer = [&](int done, int total, const VioOutput& output) {
-    LogFrame(log, output);
+    if (arguments.verbose) LogFrame(output);
     mesh_files.Add(output);
     bar.Update(done, total, ToString(output.status));
     return interrupted == 0;
@@ -155,19 +131,18 @@ SequenceRun RunWith(Vio& vio,
 SequenceRun RunPipeline(AslDataset& dataset,
                         const VioOptions& options,
                         const RunArguments& arguments,
-                        MeshFiles& mesh_files,
-                        spdlog::logger& log) {
+                        MeshFiles& mesh_files) {
   VioFunctions functions;
   if (arguments.threads == 1) {
     VioPipeline vio(dataset.rig(), dataset.imu_noise(), options);
     functions.add_stereo = [&](const StereoFrame& f) { return std::vector{vio.AddStereo(f)}; };
     functions.finish = [] { return std::vector<VioOutput>(); };
-    return RunWith(vio, functions, dataset, options, arguments, mesh_files, log);
+    return RunWith(vio, functions, dataset, options, arguments, mesh_files);
   }
   ThreadedVio vio(dataset.rig(), dataset.imu_noise(), options);
   functions.add_stereo = [&](const StereoFrame& f) { return vio.AddStereo(f); };
   functions.finish = [&] { return vio.Finish(); };
-  return RunWith(vio, functions, dataset, options, arguments, mesh_files, log);
+  return RunWith(vio, functions, dataset, options, arguments, mesh_files);
 }
 
 void PrintOutcome(const RunRecord& record, const std::string& folder) {
@@ -189,18 +164,20 @@ int ExitCode(RunEnd end) {
   return end == RunEnd::kStopped ? kInterrupted : kEstimator;
 }
 
-void Run(const RunArguments& arguments) {
+}  // namespace
+
+void RunCommand(const RunArguments& arguments) {
   const VioOptions options = ChooseOptions(arguments);
-  const auto log = MakeLog(arguments.verbose);
   AslDataset dataset(arguments.sequence, {arguments.calibration, arguments.imu_calibration});
-  log->debug("calibration: {}", dataset.calibration_source());
+  if (arguments.verbose)
+    std::fprintf(stderr, "calibration: %s\n", dataset.calibration_source().c_str());
   ResultFolder folder(arguments.out.empty()
                           ? "runs/" + dataset.name() + "-" + ToString(options.pipeline)
                           : arguments.out);
 
   MeshFiles mesh_files(
       folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
-  SequenceRun run = RunPipeline(dataset, options, arguments, mesh_files, *log);
+  SequenceRun run = RunPipeline(dataset, options, arguments, mesh_files);
   run.record.version = FACET_VERSION;
   run.record.pipeline = ToString(options.pipeline);
   run.record.threads = arguments.threads;
@@ -210,57 +187,10 @@ void Run(const RunArguments& arguments) {
   folder.Commit();
 
   for (const std::string& warning : run.record.warnings) {
-    if (warning != run.message) log->warn("facet: warning: {}", warning);
+    if (warning != run.message) std::fprintf(stderr, "facet: warning: %s\n", warning.c_str());
   }
   if (run.end != RunEnd::kComplete) throw RunEndedError(ExitCode(run.end), run.message);
   if (!arguments.quiet) PrintOutcome(run.record, folder.target().string());
-}
-
-void AddOptions(CLI::App& command, RunArguments& a) {
-  command.add_option("SEQUENCE", a.sequence, "folder that holds mav0/, or mav0/ itself")
-      ->required();
-  command.add_option("--out", a.out, "result folder (default: runs/<sequence>-<pipeline>)");
-  command.add_option("--pipeline", a.pipeline, "S, SP or SPR (default: SPR)")
-      ->check(CLI::IsMember({"S", "SP", "SPR"}));
-  command.add_option("--config", a.config, "YAML with any subset of the parameters");
-  command.add_option("--set", a.overrides, "key.path=value, repeatable; wins over the file")
-      ->allow_extra_args(false);
-  command.add_option("--calibration", a.calibration, "Kalibr camchain.yaml, or EuRoC folder");
-  command.add_option(
-      "--imu-calibration", a.imu_calibration, "Kalibr imu.yaml, or EuRoC sensor.yaml");
-  command.add_option("--start", a.range.start_s, "seconds after the first stereo pair")
-      ->check(NonNegativeNumber());
-  command.add_option("--duration", a.range.duration_s, "seconds")->check(PositiveNumber());
-  command
-      .add_option("--threads",
-                  a.threads,
-                  "1: one thread; 2 and more: front end and back end overlap, same results")
-      ->check(CLI::Range(1, 64));
-  command.add_flag("--realtime", a.range.realtime, "recorded speed; drop what arrives while busy");
-  command
-      .add_option("--imu-history", a.range.imu_history_s, "seconds of IMU before the first pair")
-      ->check(NonNegativeNumber());
-  command
-      .add_option("--mesh-every",
-                  a.mesh_every,
-                  "also write meshes/<timestamp_ns>.ply every N keyframes; 0: none")
-      ->check(NonNegativeNumber());
-  command
-      .add_option("--mesh-format",
-                  a.mesh_format,
-                  "ply; or glb: meshes/ in that format, and mesh.glb and map.glb besides the .ply")
-      ->check(CLI::IsMember({"ply", "glb"}));
-  auto* quiet = command.add_flag("--quiet", a.quiet, "no progress bar");
-  command.add_flag("--verbose", a.verbose, "debug log")->excludes(quiet);
-}
-
-}  // namespace
-
-void AddRunCommand(CLI::App& app) {
-  auto* command = app.add_subcommand("run", "Estimate the trajectory of a recording");
-  auto arguments = std::make_shared<RunArguments>();
-  AddOptions(*command, *arguments);
-  command->callback([arguments] { Run(*arguments); });
 }
 
 }  // namespace facet

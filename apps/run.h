@@ -3,10 +3,9 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
 
-namespace CLI {
-class App;
-}
+#include "run_sequence.h"
 
 namespace facet {
 
@@ -21,7 +20,19 @@ class RunEndedError : public std::runtime_error {
   int exit_code_;
 };
 
-/// Adds `facet run`. The command throws InputError, ConfigError, OutputError or RunEndedError.
-void AddRunCommand(CLI::App& app);
+/// What `facet run` is told on the command line.
+struct RunArguments {
+  std::string sequence, out, config, calibration, imu_calibration;
+  std::string pipeline;  // empty: what the configuration says
+  std::vector<std::string> overrides;
+  RunRange range;
+  int threads = 1;
+  int mesh_every = 0;
+  std::string mesh_format = "ply";
+  bool quiet = false, verbose = false;
+};
+
+/// `facet run`. Throws InputError, ConfigError, OutputError or RunEndedError.
+void RunCommand(const RunArguments& arguments);
 
 }  // namespace facet

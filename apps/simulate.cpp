@@ -2,42 +2,23 @@
 // `facet simulate`: a sequence with exact truth.
 #include "simulate.h"
 
-#include <CLI/CLI.hpp>
-
-#include "facet/io/errors.h"
-
-#ifdef FACET_HAS_SIMULATOR
-
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <string>
-#include <thread>
-#include <vector>
 
-#include "number_check.h"
 #include "progress_bar.h"
 #include "run.h"
 
 #include "facet/io/config_file.h"
+#include "facet/io/errors.h"
 #include "facet/io/result_folder.h"
 #include "facet/io/text_file.h"
 #include "facet/render/sequence_writer.h"
-#include "facet/render/simulator.h"
 
 namespace facet {
 namespace {
-
-struct SimulateArguments {
-  SimulationRequest request;
-  std::string out;
-  std::vector<std::string> overrides;
-  int num_noise_seeds = 1;
-  bool noise_free = false, clean_images = false, clean_imu = false, calibration_error = false;
-  bool list = false, quiet = false;
-  std::string command_line;
-};
 
 volatile std::sig_atomic_t interrupted = 0;
 
@@ -147,7 +128,9 @@ void PrintOutcome(const SimulationReport& report,
     std::printf("written: %s\n", folder->target().c_str());
 }
 
-void RunSimulation(SimulateArguments& a) {
+}  // namespace
+
+void SimulateCommand(SimulateArguments a) {
   if (a.list) {
     SimulatorOptions defaults;
     std::printf("scenes: room, corridor, clutter, or a scene file\nflights: %s\n\n%s",
@@ -181,76 +164,4 @@ void RunSimulation(SimulateArguments& a) {
   if (!a.quiet) PrintOutcome(report, folders);
 }
 
-void AddOptions(CLI::App& command, SimulateArguments& a) {
-  SimulationRequest& r = a.request;
-  command.add_option("--out", a.out, "folder of the sequence; must not exist");
-  command.add_option("--scene", r.scene, "room, corridor, clutter, or a scene file (YAML)")
-      ->capture_default_str();
-  command.add_option("--trajectory", r.trajectory, FlightNames() + ", or ground truth (csv)")
-      ->capture_default_str();
-  command.add_option("--imu", r.imu, "real IMU of the recorded trajectory (csv)");
-  command.add_option("--calibration", r.calibration, "as for facet run; default: EuRoC's vehicle");
-  command.add_option("--textures", r.textures, "folder with images for pictures and prints");
-  command.add_option("--seed", r.seed, "another scene, flight and noise")
-      ->check(NonNegativeNumber())
-      ->capture_default_str();
-  command
-      .add_option("--noise-seeds",
-                  a.num_noise_seeds,
-                  "this many sequences OUT-1, OUT-2, ... that differ in noise only; rendered once")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  command.add_option("--start", r.start_s, "seconds into a recorded trajectory")
-      ->check(NonNegativeNumber());
-  command.add_option("--duration", r.duration_s, "seconds (20; recorded: all)")
-      ->check(PositiveNumber());
-  command.add_option("--threads", r.num_threads, "any number gives the same files")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  command.add_option("--set", a.overrides, "key.path=value, repeatable; keys: --list")
-      ->allow_extra_args(false);
-  command.add_flag("--noise-free", a.noise_free, "as --clean-images --clean-imu");
-  command.add_flag("--clean-images",
-                   a.clean_images,
-                   "no noise, no motion blur, one exposure, 16 rays per pixel");
-  command.add_flag("--clean-imu", a.clean_imu, "no noise, no vibration, no bias");
-  command.add_flag("--calibration-error",
-                   a.calibration_error,
-                   "the written calibration has errors like a real one; truth/ has the exact one");
-  command.add_flag("--list", a.list, "print known scenes, flights and options");
-  command.add_flag("--quiet", a.quiet, "no progress bar, no summary");
-}
-
-}  // namespace
-
-void AddSimulateCommand(CLI::App& app, int argc, char** argv) {
-  auto* command = app.add_subcommand("simulate", "Render a stereo-inertial sequence with truth");
-  auto arguments = std::make_shared<SimulateArguments>();
-  arguments->request.num_threads =
-      static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  arguments->command_line = "facet";
-  for (int i = 1; i < argc; ++i)
-    arguments->command_line += std::string(" ") + argv[i];
-  AddOptions(*command, *arguments);
-  command->callback([arguments] { RunSimulation(*arguments); });
-}
-
 }  // namespace facet
-
-#else
-
-namespace facet {
-
-void AddSimulateCommand(CLI::App& app, int /*argc*/, char** /*argv*/) {
-  auto* command = app.add_subcommand("simulate", "Not in this build: needs Embree 3");
-  command->allow_extras();
-  command->callback([] {
-    throw ConfigError(
-        "facet simulate is not in this build; install Embree 3 (Debian: apt install libembree-dev) "
-        "and build again");
-  });
-}
-
-}  // namespace facet
-
-#endif

@@ -1,14 +1,25 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <string>
+#include <vector>
+
+#include "facet/render/simulator.h"
 
 namespace facet {
 
-/// Adds `facet simulate`; the program's arguments are written beside the sequence. The command
-/// throws InputError, ConfigError, OutputError or RunEndedError.
-void AddSimulateCommand(CLI::App& app, int argc, char** argv);
+/// What `facet simulate` is told on the command line.
+struct SimulateArguments {
+  SimulationRequest request;
+  std::string out;
+  std::vector<std::string> overrides;
+  int num_noise_seeds = 1;
+  bool noise_free = false, clean_images = false, clean_imu = false, calibration_error = false;
+  bool list = false, quiet = false;
+  std::string command_line;  ///< written beside the sequence
+};
+
+/// `facet simulate`. Throws InputError, ConfigError, OutputError or RunEndedError.
+void SimulateCommand(SimulateArguments arguments);
 
 }  // namespace facet

@@ -8,6 +8,9 @@ target_compile_options(facet_warnings INTERFACE
 
 # Results must not depend on whether the compiler fuses a multiplication with an addition.
 add_compile_options(-ffp-contract=off)
+# A shared object may link the libraries. Everything is compiled alike, because precompiled headers serve libraries and
+# programs; functions of a library still call each other directly.
+add_compile_options(-fPIC -fno-semantic-interposition)
 if(FACET_NATIVE)
   add_compile_options(-march=native)
 endif()
@@ -19,15 +22,20 @@ if(CMAKE_BUILD_TYPE STREQUAL "Debug")
   add_compile_definitions(EIGEN_INITIALIZE_MATRICES_BY_NAN)
 endif()
 
-# facet_add_module(NAME imu SRCS a.cpp ... DEPS geometry ... LIBS PNG::PNG ...)
-# A static library facet_<name> with alias facet::<name>; DEPS are other modules, LIBS are foreign targets.
+# facet_add_module(NAME imu SRCS a.cpp ... DEPS geometry ... LIBS PNG::PNG ... [PCH json])
+# A static library facet_<name> with alias facet::<name>; DEPS are other modules, LIBS are foreign targets; PCH is
+# for facet_use_precompiled and 'core' by default.
 function(facet_add_module)
-  cmake_parse_arguments(ARG "" "NAME" "SRCS;DEPS;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;PCH" "SRCS;DEPS;LIBS" ${ARGN})
+  if(NOT ARG_PCH)
+    set(ARG_PCH core)
+  endif()
   set(target facet_${ARG_NAME})
   if(ARG_SRCS)
     add_library(${target} STATIC ${ARG_SRCS})
     set(scope PUBLIC)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:facet_warnings>)
+    facet_use_precompiled(${target} ${ARG_PCH})
   else()
     add_library(${target} INTERFACE)
     set(scope INTERFACE)
@@ -57,5 +65,6 @@ function(facet_add_test)
   foreach(dep ${ARG_DEPS})
     target_link_libraries(${ARG_NAME} PRIVATE facet::${dep})
   endforeach()
+  facet_use_precompiled(${ARG_NAME} test)
   gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 900)
 endfunction()

@@ -8,6 +8,7 @@ preset=${1:-release}
 if command -v ccache >/dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache
   export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1  # other clones' results serve, too
+  export CCACHE_SLOPPINESS=pch_defines,time_macros  # without it ccache does not cache what uses precompiled headers
 fi
 cmake --preset "$preset" --log-level=WARNING
 cmake --build --preset "$preset" ${1:+--target "$@"}

@@ -4,7 +4,7 @@ set -eu
 
 packages="g++ cmake ninja-build ccache pkg-config
 libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-features2d-dev
-libyaml-cpp-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libnanoflann-dev
+libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libnanoflann-dev
 libpng-dev libjpeg62-turbo-dev libwebp-dev libembree-dev
 libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev
 python3 python3-numpy python3-matplotlib clang-format clang-tidy"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <iterator>
 
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include "facet/eval/quaternion_order.h"
 #include "facet/eval/time_alignment.h"
 #include "facet/io/errors.h"
+#include "facet/io/json_file.h"
 #include "facet/io/text_file.h"
 
 namespace facet {
@@ -20,16 +20,13 @@ namespace facet {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
 
 // A pose belongs to a frame when their stamps differ by less than this.
 constexpr Duration kSameFrame{1'000'000};
 
 // Stereo frames of the run as `facet run` counted them; empty without a readable summary.
 std::optional<int> FramesOfSummary(const fs::path& file) {
-  std::ifstream stream(file);
-  if (!stream) return std::nullopt;
-  const auto summary = ordered_json::parse(stream, nullptr, false);
+  const nlohmann::ordered_json summary = ReadJsonFile(file);
   if (!summary.is_object() || !summary.contains("frames")) return std::nullopt;
   const auto& frames = summary["frames"];
   if (!frames.is_number_integer() || frames.get<int>() <= 0) return std::nullopt;
@@ -201,7 +198,7 @@ std::filesystem::path EvaluationFile(const std::filesystem::path& result) {
 }
 
 void WriteEvaluation(const RunEvaluation& evaluation) {
-  ReplaceTextFile(EvaluationFile(evaluation.result), ToJson(evaluation).dump(2) + '\n');
+  ReplaceTextFile(EvaluationFile(evaluation.result), JsonText(ToJson(evaluation), 2) + '\n');
 }
 
 }  // namespace facet

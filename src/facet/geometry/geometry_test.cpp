@@ -54,6 +54,16 @@ TEST(So3Test, RotationBetweenIsSmallest) {
   }
 }
 
+TEST(So3Test, RotationBetweenOppositeDirectionsIsHalfATurn) {
+  Rng rng(4);
+  for (const double off : {0.0, 1e-9, 1e-5}) {
+    const Vector3d a = rng.UnitVector(), b = (off * rng.UnitVector() - a).normalized();
+    const Quaterniond q = RotationBetween(a, b);
+    EXPECT_LT((q * a - b).norm(), 1e-8);
+    EXPECT_NEAR(q.norm(), 1, 1e-12);
+  }
+}
+
 TEST(So3Test, TangentBasisIsOrthonormal) {
   Rng rng(5);
   for (int i = 0; i < 20; ++i) {

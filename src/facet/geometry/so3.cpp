@@ -53,8 +53,21 @@ Matrix3d RightJacobianInverseSO3(const Vector3d& theta) {
   return Matrix3d::Identity() + 0.5 * h + c * h * h;
 }
 
+// As Quaterniond::FromTwoVectors, without the singular value decomposition that it has for opposite
+// directions and that takes longer to compile than the rest of this file.
 Quaterniond RotationBetween(const Vector3d& from, const Vector3d& to) {
-  return Quaterniond::FromTwoVectors(from, to).normalized();
+  const Vector3d a = from.normalized(), b = to.normalized();
+  const double cosine = b.dot(a);
+  Quaterniond q;
+  if (cosine < -1 + 1e-12) {
+    q.w() = 0;
+    q.vec() = TangentBasis(a).col(0);  // any axis across
+    return q;
+  }
+  const double s = std::sqrt((1 + cosine) * 2);
+  q.w() = s * 0.5;
+  q.vec() = a.cross(b) * (1 / s);
+  return q.normalized();
 }
 
 Matrix<3, 2> TangentBasis(const Vector3d& n) {

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "facet/io/errors.h"
+#include "facet/io/json_file.h"
 
 namespace facet {
 namespace {
@@ -141,7 +142,7 @@ void AppendChunk(std::string text, const char* type, char padding, std::string& 
 void WriteGlbMesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
   const Content content = Describe(mesh);
   std::string chunks;
-  AppendChunk(content.json.dump(), "JSON", ' ', chunks);
+  AppendChunk(JsonText(content.json), "JSON", ' ', chunks);
   if (!content.bytes.empty()) AppendChunk(content.bytes, "BIN\0", '\0', chunks);
   std::string header = "glTF";
   Append(std::uint32_t{2}, header);

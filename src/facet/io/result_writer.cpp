@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "facet/io/errors.h"
+#include "facet/io/json_file.h"
 #include "facet/io/ply_writer.h"
 #include "facet/io/text_file.h"
 
@@ -261,9 +262,7 @@ void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   if (run.map) WritePlyMesh(folder / "map.ply", *run.map);
   if (run.planes) WriteTextFile(folder / "planes.csv", PlanesCsv(*run.planes));
   WriteTextFile(folder / "config.yaml", run.config);
-  // Text from file names may be in any encoding; what is not UTF-8 is replaced, not refused.
-  WriteTextFile(folder / "summary.json",
-                Summary(run).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  WriteTextFile(folder / "summary.json", JsonText(Summary(run), 2) + "\n");
 }
 
 }  // namespace facet

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "facet/eval/paired_comparison.h"
+#include "facet/io/json_file.h"
 #include "facet/report/paper_tables.h"
 #include "facet/report/relative_error_tables.h"
 
@@ -439,7 +440,7 @@ std::string RunsCsv(const nlohmann::ordered_json& comparison) {
         add(FormatNumber("%g", run["start_s"].get<double>()));
         add(run["done"].get<bool>() ? "1" : "0");
         for (const Figure& figure : kFigures)
-          add(run.contains(figure.name) ? run[figure.name].dump() : "");
+          add(run.contains(figure.name) ? JsonText(run[figure.name]) : "");
         add(run.value("message", ""));
       }
     }

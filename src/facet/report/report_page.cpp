@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "facet/io/errors.h"
+#include "facet/io/json_file.h"
 #include "facet/io/text_file.h"
 #include "facet/report/comparison.h"
 #include "facet/report/figures.h"
@@ -276,7 +277,7 @@ std::string ReportHtml(const Report& report) {
   }
   for (std::size_t s = 0; s < report.sections.size(); ++s)
     html += SectionHtml(document, report, s);
-  html += "<script type=\"application/json\" id=\"report-data\">" + ForScript(document.dump()) +
+  html += "<script type=\"application/json\" id=\"report-data\">" + ForScript(JsonText(document)) +
           "</script>\n</body></html>\n";
   return html;
 }
@@ -287,7 +288,7 @@ void WriteReport(const std::filesystem::path& folder, const Report& report) {
   if (error) {
     throw ConfigError("--report " + folder.string() + ": cannot be created: " + error.message());
   }
-  ReplaceTextFile(folder / "report.json", ReportDocument(report).dump(1) + "\n");
+  ReplaceTextFile(folder / "report.json", JsonText(ReportDocument(report), 1) + "\n");
   if (!report.comparison.is_null()) {
     const ReportFigure figure = MakeComparisonFigure(report.comparison);
     if (!figure.svg.empty()) WriteFigure(folder / (figure.name + ".svg"), figure);

@@ -8,6 +8,7 @@
 #include "facet/eval/evaluation_json.h"
 #include "facet/io/csv_reader.h"
 #include "facet/io/errors.h"
+#include "facet/io/json_file.h"
 
 namespace facet {
 namespace {
@@ -46,8 +47,7 @@ ReportRun MakeReportRun(std::string name, RunEvaluation evaluation) {
   const fs::path folder = evaluation.result;
   run.evaluation = std::move(evaluation);
   if (!fs::is_directory(folder)) return run;
-  std::ifstream stream(folder / "summary.json");
-  auto summary = nlohmann::ordered_json::parse(stream, nullptr, false);
+  nlohmann::ordered_json summary = ReadJsonFile(folder / "summary.json");
   if (summary.is_object()) run.summary = std::move(summary);
   run.timing = ReadNumberColumns(folder / "timing.csv");
   try {
