@@ -82,6 +82,12 @@ struct UnusableImages {
   }
 };
 
+/// What went wrong with the input, for the warnings of the run.
+struct InputProblems {
+  UnusableImages left, right;
+  int num_refused_imu = 0;
+};
+
 class SequenceRunner {
  public:
   SequenceRunner(AslDataset& dataset,
@@ -197,10 +203,10 @@ class SequenceRunner {
   bool Decode(std::size_t i) {
     try {
       const std::string problem = dataset_.ReadPair(i, images_.left, images_.right);
-      if (!problem.empty()) unusable_right_.Add(problem);
+      if (!problem.empty()) problems_.right.Add(problem);
       return true;
     } catch (const InputError& error) {
-      unusable_left_.Add(error.what());
+      problems_.left.Add(error.what());
       return false;
     }
   }
@@ -212,7 +218,7 @@ class SequenceRunner {
     record.map_memory_mb = result.map_memory.used_mb;
     record.map_is_full = result.map_memory.is_full;
     record.planes = std::move(result.planes);
-    num_refused_imu_ = result.num_refused_imu;
+    problems_.num_refused_imu = result.num_refused_imu;
   }
 
   void StopAt(std::size_t i) {
@@ -226,24 +232,24 @@ class SequenceRunner {
   /// Unusable images are like missing ones, unless there is nothing else.
   void RequireImages() const {
     if (run_.end != RunEnd::kComplete || !recorder_.frames().empty()) return;
-    throw InputError(unusable_left_.first + " (like all " + std::to_string(unusable_left_.num) +
+    throw InputError(problems_.left.first + " (like all " + std::to_string(problems_.left.num) +
                      " left images that were read)");
   }
 
   void SummarizeProblems() {
     std::vector<std::string>& warnings = run_.record.warnings;
     const std::string of_all = " of " + std::to_string(run_.record.num_frames);
-    run_.record.num_damaged = unusable_left_.num;
-    if (unusable_left_.num > 0) {
-      warnings.push_back(std::to_string(unusable_left_.num) + of_all +
+    run_.record.num_damaged = problems_.left.num;
+    if (problems_.left.num > 0) {
+      warnings.push_back(std::to_string(problems_.left.num) + of_all +
                          " left images are unusable, their frames were skipped; the first: " +
-                         unusable_left_.first);
+                         problems_.left.first);
     }
-    if (unusable_right_.num > 0) {
-      warnings.push_back(std::to_string(unusable_right_.num) + of_all +
+    if (problems_.right.num > 0) {
+      warnings.push_back(std::to_string(problems_.right.num) + of_all +
                          " right images are unusable, their frames were used with the left image "
                          "only; the first: " +
-                         unusable_right_.first);
+                         problems_.right.first);
     }
     if (recorder_.num_resets() > 0) {
       warnings.push_back("the estimator was lost and started over " +
@@ -254,8 +260,8 @@ class SequenceRunner {
       warnings.push_back("the IMU has " + std::to_string(recorder_.num_imu_gaps()) +
                          " holes; poses in them are marked 'no IMU' or have larger sigmas");
     }
-    if (num_refused_imu_ > 0) {
-      warnings.push_back(std::to_string(num_refused_imu_) +
+    if (problems_.num_refused_imu > 0) {
+      warnings.push_back(std::to_string(problems_.num_refused_imu) +
                          " IMU samples were refused (not finite or not in order)");
     }
     if (run_.record.num_dropped > 0) {
@@ -294,8 +300,7 @@ class SequenceRunner {
   StereoFrame images_;
   std::deque<PendingFrame> pending_;
   std::size_t next_imu_ = 0;
-  int num_refused_imu_ = 0;
-  UnusableImages unusable_left_, unusable_right_;
+  InputProblems problems_;
 };
 
 }  // namespace
