@@ -90,7 +90,7 @@ struct State {
   Vec3 sigma_p{{0, 0, 0}}, sigma_theta{{0, 0, 0}},
       sigma_v{{0, 0, 0}};  ///< 1-sigma; theta in B [rad]
   bool is_keyframe = false;
-  bool was_reset = false;  ///< the estimator started over; the pose may jump
+  bool was_reset = false;  ///< the state was given up after this frame; the next pose may jump
   std::string warning;     ///< what is probably wrong with the calibration; once in a run
 };
 
@@ -143,7 +143,8 @@ class Odometry {
   Mesh HorizonMesh() const;
   /// The mesh of the whole run so far; takes a moment.
   Mesh Map() const;
-  /// Every plane that the estimator ever had, merged ones once.
+  /// The planes of the run so far: those in the estimator and retired ones, merged ones once.
+  /// Planes that turned out not to fit their landmarks, or to be curved, are left out.
   std::vector<Plane> Planes() const;
 
  private:

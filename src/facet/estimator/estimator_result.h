@@ -21,7 +21,7 @@ struct EstimatorResult {
   Matrix<15, 15> covariance =
       Matrix<15, 15>::Zero();  ///< theta p v b_g b_a; of the smoother, see docs
   int num_constraining = 0;    ///< landmarks that constrain the window and are seen in this frame
-  bool was_reset = false;      ///< the estimator gave up its state and starts again with this frame
+  bool was_reset = false;  ///< the state was given up after this frame; the next one starts again
   SolveSummary solve;
   /// Keyframes with an IMU interval: how far it is from the solved window (see ImuErrorSigma).
   std::optional<double> imu_error_sigma;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The back end: observations and IMU samples in, states out. Fixed-lag smoothing over a window of
-// keyframes (paper section II-B, pipeline S; docs/math.md, sections 3 to 6).
+// keyframes (paper section II-B; docs/math.md, sections 3 to 9).
 #pragma once
 
 #include <optional>
@@ -33,14 +33,14 @@ class VioEstimator {
                            const ImuInterval& imu,
                            StageTimes& times);
 
-  /// Comes into force with the next keyframe; calls before it add up. Of all that was said
-  /// landmarks leave planes first, then they join.
+  /// Comes into force with the next keyframe; calls before it add up. First all landmarks
+  /// are detached that were said to be, then the others are attached.
   void Assign(const PlaneAssignments& assignments) { planes_.Announce(assignments); }
 
   bool is_initialised() const { return start_.has_state(); }
   const SlidingWindow& window() const { return window_; }
 
-  /// How many point-on-plane rows are in force.
+  /// How many landmarks lie on planes, once per plane.
   int NumPlaneConstraints() const { return window_.NumPlaneLandmarks(); }
 
   /// Latest state, keyframe poses, planes and landmarks.
@@ -72,7 +72,7 @@ class VioEstimator {
   ImuIntervals imu_;
   VioStart start_;
   WindowOptimizer optimizer_;
-  WindowValues before_solve_;  ///< of a window with planes
+  WindowValues before_solve_;  ///< where to return to if wrong landmarks on planes bent the window
   PlaneLifecycle planes_;
   FrameUpdater updater_;
 };

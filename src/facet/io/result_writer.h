@@ -33,7 +33,7 @@ struct FrameRecord {
   double latency_ms = 0;  ///< from the arrival of the images to the result
   int num_landmarks = 0;
   int num_planes = 0;
-  int num_constraints = 0;  ///< regularities in force
+  int num_constraints = 0;  ///< landmarks that lie on planes, once per plane
 };
 
 /// A whole run.

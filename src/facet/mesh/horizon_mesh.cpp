@@ -8,7 +8,7 @@
 namespace facet {
 namespace {
 
-// A face is wrong when this much was seen behind it: single mismatches do not tear holes.
+// A face is wrong when so many landmarks were seen behind it: single mismatches do not tear holes.
 constexpr int kMaxSeenThrough = 3;
 
 /// Corners in ascending order; `is_flipped` tells whether that reverses the direction.
@@ -51,7 +51,7 @@ void HorizonMesh::Update(const MeshView& view, const MapSnapshot& snapshot, cons
 void HorizonMesh::Clear() {
   expired_.clear();
   for (const MeshFace& face : faces_)
-    expired_.push_back(MakeLost(face));
+    expired_.push_back(MakeExpired(face));
   faces_.clear();
   rejected_.clear();
   vertices_.Clear();
@@ -62,19 +62,19 @@ std::array<Vector3d, 3> HorizonMesh::Corners(const MeshFace& face) const {
   return {vertices_[a].p_W, vertices_[b].p_W, vertices_[c].p_W};
 }
 
-ExpiredFace HorizonMesh::MakeLost(const MeshFace& face) const {
-  ExpiredFace lost;
-  lost.p_W = Corners(face);
-  lost.plane_id = face.plane_id;
-  lost.eye_W = face.eye_W.cast<double>();
-  lost.is_boundary = face.is_boundary;
-  if (face.is_flipped) std::swap(lost.is_boundary[1], lost.is_boundary[2]);
+ExpiredFace HorizonMesh::MakeExpired(const MeshFace& face) const {
+  ExpiredFace expired;
+  expired.p_W = Corners(face);
+  expired.plane_id = face.plane_id;
+  expired.eye_W = face.eye_W.cast<double>();
+  expired.is_boundary = face.is_boundary;
+  if (face.is_flipped) std::swap(expired.is_boundary[1], expired.is_boundary[2]);
   const std::array<int, 3> corners = face.CounterClockwise();
   for (std::size_t i = 0; i < 3; ++i) {
-    lost.intensity[i] = vertices_[corners[i]].intensity;
-    lost.sigma_depth_m += vertices_[corners[i]].sigma_depth_m / 3;
+    expired.intensity[i] = vertices_[corners[i]].intensity;
+    expired.sigma_depth_m += vertices_[corners[i]].sigma_depth_m / 3;
   }
-  return lost;
+  return expired;
 }
 
 // Takes away the faces with an expired vertex, and those whose shape is out of limits now.
@@ -85,7 +85,7 @@ void HorizonMesh::DropFaces() {
     const bool has_good_shape = triangulation_.HasGoodShape(Corners(face));
     if (!vertices_.IsExpired(a) && !vertices_.IsExpired(b) && !vertices_.IsExpired(c))
       return !has_good_shape;
-    if (has_good_shape) expired_.push_back(MakeLost(face));
+    if (has_good_shape) expired_.push_back(MakeExpired(face));
     return true;
   });
 }
@@ -158,7 +158,7 @@ void HorizonMesh::DropContradicted(const MeshView& view) {
         check_.Judge(projection(face), {vertices_[a].id, vertices_[b].id, vertices_[c].id});
     face.num_seen_through += visibility.num_seen_through;
     if (visibility.is_covered) {
-      expired_.push_back(MakeLost(face));
+      expired_.push_back(MakeExpired(face));
       expired_.back().is_boundary.fill(false);
     }
     return visibility.is_covered || face.num_seen_through >= kMaxSeenThrough;

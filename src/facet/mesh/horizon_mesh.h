@@ -52,7 +52,7 @@ class HorizonMesh {
   const std::vector<MeshFace>& faces() const { return faces_; }
   /// Faces that the last call took away because a vertex left the horizon, or because newer faces
   /// cover them.
-  const std::vector<ExpiredFace>& lost() const { return expired_; }
+  const std::vector<ExpiredFace>& expired() const { return expired_; }
   /// How the triangles of the last view were judged.
   const auto& verdicts() const { return triangulation_.verdicts(); }
 
@@ -79,7 +79,7 @@ class HorizonMesh {
   void SetFacePlanes(std::span<const int> planes);
   void SetDepthScales(std::span<const double> scales);
   void SetVerdicts(std::span<const TriangleVerdict> verdicts);
-  ExpiredFace MakeLost(const MeshFace& face) const;
+  ExpiredFace MakeExpired(const MeshFace& face) const;
   std::array<Vector3d, 3> Corners(const MeshFace& face) const;
 
   MeshOptions options_;
@@ -93,7 +93,7 @@ class HorizonMesh {
   struct {
     FrameId frame;
     Vector3d camera_W = Vector3d::Zero();
-  } newest_;                               // keyframe
+  } newest_;                               // the newest keyframe
   std::vector<ViewFace> view_faces_;       // sorted by corners
   std::vector<MeshFace> merged_faces_;     // buffer
   std::vector<ProjectedPoint> projected_;  // by vertex, in the newest view

@@ -96,8 +96,8 @@ TEST_F(HorizonMeshPlanesTest, TheyStayAsLongAsTheyAreOnIt) {
   Judge(mesh, verdicts);
   EXPECT_EQ(Shown(mesh).mesh.plane_ids, (std::vector<int>{6, 7}));
   mesh.Clear();
-  ASSERT_EQ(mesh.lost().size(), 2u) << "the map gets them";
-  EXPECT_EQ(mesh.lost()[0].plane_id, 6);
+  ASSERT_EQ(mesh.expired().size(), 2u) << "the map gets them";
+  EXPECT_EQ(mesh.expired()[0].plane_id, 6);
 }
 
 TEST_F(HorizonMeshPlanesTest, BridgesAreHiddenAndNothingElse) {
@@ -118,7 +118,7 @@ TEST_F(HorizonMeshPlanesTest, TheMapGetsWhatIsHidden) {
   Update(mesh);
   Judge(mesh, First(3, {-1, true}));
   mesh.Clear();
-  EXPECT_EQ(mesh.lost().size(), kNumTriangles);
+  EXPECT_EQ(mesh.expired().size(), kNumTriangles);
 }
 
 TEST_F(HorizonMeshPlanesTest, NothingIsKeptForPlanesThatDoNotJudge) {

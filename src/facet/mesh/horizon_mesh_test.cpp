@@ -115,13 +115,13 @@ TEST(HorizonMesh, ExpiredFacesKnowTheBoundaryOfTheirSurface) {
   const MeshView view = ViewOf(WallPoints(2));
   mesh.Update(view, SnapshotOf(view), SE3());
   mesh.Clear();
-  ASSERT_EQ(mesh.lost().size(), 32u);
+  ASSERT_EQ(mesh.expired().size(), 32u);
   const auto on_same_border = [](const Vector3d& a, const Vector3d& b) {
     return (std::abs(a.x()) > 0.59 && std::abs(a.x() - b.x()) < 0.01) ||
            (std::abs(a.y()) > 0.59 && std::abs(a.y() - b.y()) < 0.01);
   };
   int boundaries = 0;
-  for (const ExpiredFace& face : mesh.lost()) {
+  for (const ExpiredFace& face : mesh.expired()) {
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_EQ(face.is_boundary[i], on_same_border(face.p_W[(i + 1) % 3], face.p_W[(i + 2) % 3]));
       boundaries += face.is_boundary[i] ? 1 : 0;
@@ -140,8 +140,8 @@ TEST(HorizonMesh, FacesThatNewerOnesCoverHaveNoBoundary) {
   view = ViewOf(others, 1);
   mesh.Update(view, SnapshotOf(view), SE3());
   EXPECT_EQ(mesh.faces().size(), 32u);
-  ASSERT_EQ(mesh.lost().size(), 32u);
-  for (const ExpiredFace& face : mesh.lost())
+  ASSERT_EQ(mesh.expired().size(), 32u);
+  for (const ExpiredFace& face : mesh.expired())
     EXPECT_EQ(face.is_boundary, (std::array<bool, 3>{}));
 }
 
@@ -153,8 +153,8 @@ TEST(HorizonMesh, FacesOfALandmarkThatLeftTheHorizonLeaveToo) {
   later.landmarks.erase(later.landmarks.begin() + 12);  // the centre of the wall
   mesh.Update(ViewOf({}, 1), later, SE3());
   ExpectInvariants(mesh, later);
-  EXPECT_EQ(mesh.faces().size() + mesh.lost().size(), 32u);
-  EXPECT_GE(mesh.lost().size(), 4u);
+  EXPECT_EQ(mesh.faces().size() + mesh.expired().size(), 32u);
+  EXPECT_GE(mesh.expired().size(), 4u);
 }
 
 TEST(HorizonMesh, ForgottenFacesStayForTheHorizonAndNotLonger) {
@@ -168,7 +168,7 @@ TEST(HorizonMesh, ForgottenFacesStayForTheHorizonAndNotLonger) {
     empty.t = view.t + FromSeconds(second);
     mesh.Update(empty, MapSnapshot(), SE3());
     EXPECT_EQ(mesh.faces().size(), second < 5 ? 32u : 0u);
-    EXPECT_EQ(mesh.lost().size(), second == 5 ? 32u : 0u);
+    EXPECT_EQ(mesh.expired().size(), second == 5 ? 32u : 0u);
   }
 }
 
@@ -223,12 +223,12 @@ TEST(HorizonMesh, AFaceThatLandmarksAreSeenThroughGoesAfterSeveralVotes) {
   const MapSnapshot both = SnapshotOf(view);
   snapshot.landmarks.insert(
       snapshot.landmarks.begin(), both.landmarks.begin(), both.landmarks.end());
-  for (int view = 1; view <= 3; ++view) {
-    behind.frame = FrameId{view};
+  for (int vote = 1; vote <= 3; ++vote) {
+    behind.frame = FrameId{vote};
     mesh.Update(behind, snapshot, SE3());
-    EXPECT_EQ(mesh.faces().size(), view < 3 ? 1u : 0u);
+    EXPECT_EQ(mesh.faces().size(), vote < 3 ? 1u : 0u);
   }
-  EXPECT_TRUE(mesh.lost().empty()) << "a face that was proven wrong is not kept for the map";
+  EXPECT_TRUE(mesh.expired().empty()) << "a face that was proven wrong is not kept for the map";
 }
 
 TEST(HorizonMesh, SupportPointsLiveAsLongAsTheirKeyframe) {
@@ -379,9 +379,9 @@ TEST(HorizonMesh, ShowsSupportPointsAtTheirBetterDepths) {
   ASSERT_EQ(mesh.vertices().size(), matched.size());
   expect_shown(T_WC);
   mesh.Clear();
-  ASSERT_FALSE(mesh.lost().empty());
+  ASSERT_FALSE(mesh.expired().empty());
   double farthest = 0;
-  for (const ExpiredFace& face : mesh.lost())
+  for (const ExpiredFace& face : mesh.expired())
     farthest = std::max({farthest, face.p_W[0].z(), face.p_W[1].z(), face.p_W[2].z()});
   EXPECT_NEAR(farthest, 2 + 0.02, 1e-9);
 }

@@ -296,7 +296,7 @@ void SurfaceMap::Add(const ExpiredFace& face) {
 
 SurfaceMap WithHorizon(SurfaceMap map, HorizonMesh horizon) {
   horizon.Clear();
-  for (const ExpiredFace& face : horizon.lost())
+  for (const ExpiredFace& face : horizon.expired())
     map.Add(face);
   return map;
 }

@@ -161,7 +161,7 @@ class Walk {
     for (const auto& [id, known] : known_)
       snapshot.landmarks.push_back(known.estimate);
     horizon_.Update(view, snapshot, SE3());
-    for (const ExpiredFace& face : horizon_.lost())
+    for (const ExpiredFace& face : horizon_.expired())
       map_.Add(face);
     max_faces_ = std::max(max_faces_, static_cast<int>(horizon_.faces().size()));
   }

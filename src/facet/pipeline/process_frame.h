@@ -33,19 +33,21 @@ BackHalf ProcessFrame(Front& front,
                       const PoseObserver& on_pose) {
   // Predict: where the IMU says the cameras are now, and so where landmarks will be seen.
   MotionPrediction prediction = front.Predict(frame.t);
-  // Track and match: features from left image to left image; on keyframes, from left to right.
+  // Track and match: corners from left image to left image; on keyframes, from left to right.
   TrackedFrame tracked = front.Track(frame, std::move(prediction));
 
   return [&pose, &scene, &on_pose, tracked = std::move(tracked)] {
-    // Estimate: fixed-lag smoothing of features, IMU and planes (paper section II-B).
+    // Estimate: fixed-lag smoothing of landmarks, IMU and planes (paper section II-B).
     VioOutput output = pose.Estimate(tracked);
     if (on_pose) on_pose(output);
-    // Mesh: triangles between the keyframe's landmarks join the mesh (II-A.1, II-A.2).
+    // The rest is for keyframes. Mesh: triangles between the keyframe's landmarks join the mesh
+    // (II-A.1, II-A.2).
     scene.UpdateMesh(tracked, output);
     // Find planes: among the faces of the mesh, and the landmarks that lie on them (II-A.3,
     // II-A.4).
     const RegularityResult regularities = scene.FindPlanes(output);
-    // Hand back: planes to the estimator and to the mesh, depths and biases to the front stage.
+    // Hand back: planes to the estimator, for the next keyframe, and to the mesh, which is then
+    // part of the output; state and landmarks to the front stage, which may be two frames ahead.
     pose.Assign(regularities.assignments);
     scene.ShowPlanes(regularities.mesh, output);
     return ProcessedFrame{std::move(output), pose.TakeFeedback()};

@@ -195,7 +195,8 @@ TEST_F(ThreadedVioTest, FollowsThePathWithoutRightImages) {
 TEST_F(ThreadedVioTest, FindsFloorAndWallWhereTheyAre) {
   const SE3 T_true_W = TrueToWorld().Inverse();
   int num_floors = 0, num_walls = 0;
-  for (const PlaneRecord& plane : *one_->Result().planes) {
+  const RunResult result = one_->Result();
+  for (const PlaneRecord& plane : *result.planes) {
     const bool is_wall = plane.label == PlaneLabel::kWall;
     num_floors += plane.label == PlaneLabel::kFloor ? 1 : 0;
     num_walls += is_wall ? 1 : 0;

@@ -31,9 +31,9 @@ struct VioOutput {
   int num_tracks = 0;                       ///< features tracked in this frame
   int num_landmarks = 0;                    ///< landmarks in the window
   int num_planes = 0;                       ///< in the estimator
-  int num_constraints = 0;                  ///< landmarks on planes, once per plane
+  int num_constraints = 0;                  ///< landmarks that lie on planes, once per plane
   int imu_gaps = 0;                         ///< IMU holes since the previous frame
-  bool was_reset = false;                   ///< the estimator started over before this frame
+  bool was_reset = false;  ///< the state was given up after this frame; the next one starts again
   /// What is probably wrong with the calibration and what to do; set once in a run, else empty.
   std::string warning;
   /// Keyframes that left the window with this frame, with their final (smoothed) poses.

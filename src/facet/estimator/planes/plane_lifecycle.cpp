@@ -12,10 +12,10 @@ namespace facet {
 
 namespace {
 
-// So many wrong landmarks never bend a window.
 // Landmarks farther from their plane, and relations violated by more, are wrong: one in 10000 of
 // those that are right.
 constexpr double kMaxLandmarkSigma = 4.0, kMaxRelationSigma = 4.0;
+// So many wrong landmarks never bend a window.
 constexpr int kFewWrongLandmarks = 5;
 
 }  // namespace
