@@ -10,7 +10,7 @@ namespace facet {
 
 /// The planes that have to go so that `max_planes` are left: those that landmarks and prior know
 /// least of, whether they are in view or not. A tenth of the budget, at least one, is for planes in
-/// view that have not persistent yet: else no new one could ever become better known than those
+/// view that are not persistent yet: else no new one could ever become better known than those
 /// that are there. `information` as from WindowSolver::PlaneInformation for the planes in their
 /// present order.
 std::vector<PlaneId> ExcessPlanes(const SlidingWindow& window,
