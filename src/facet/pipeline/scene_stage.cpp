@@ -59,7 +59,7 @@ void SceneStage::Reset() {
 
 void SceneStage::KeepExpiredFaces() {
   if (!options_.map.enabled) return;
-  for (const ExpiredFace& face : horizon_.lost())
+  for (const ExpiredFace& face : horizon_.expired())
     map_.Add(face);
 }
 
