@@ -4,11 +4,14 @@ PREFIX ?= /usr/local
 SEQUENCE ?=
 DATA ?=
 
-.PHONY: all setup build demo test bench format docs install clean
+.PHONY: all setup setup-test build demo test test-long bench format docs install clean
 all: build
 
-setup:  ## install the Debian packages that are missing
+setup:  ## install the Debian packages that the program needs and that are missing
 	@scripts/setup.sh
+
+setup-test:  ## the same with those of tests, benchmarks and checks
+	@scripts/setup.sh test
 
 build: setup  ## build/facet, without tests and benchmarks
 	@scripts/build.sh $(PRESET) facet
@@ -16,10 +19,13 @@ build: setup  ## build/facet, without tests and benchmarks
 demo: build  ## run and evaluate one sequence: make demo [SEQUENCE=dir]
 	@scripts/demo.sh "$(SEQUENCE)"
 
-test: setup  ## every test; SANITIZE=1 first runs the unit tests under the sanitizers (half an hour more)
+test: setup-test  ## every test; SANITIZE=1 first runs the unit tests under the sanitizers (half an hour more)
 	@scripts/test.sh $(PRESET)
 
-bench: setup  ## kernels, then the end-to-end table over every sequence found: make bench [DATA=dir]
+test-long: setup-test  ## what takes hours: sanitizers over every test, fuzzing, long flights, headers that compile alone
+	@scripts/test_long.sh
+
+bench: setup-test  ## kernels, then the end-to-end table over every sequence found: make bench [DATA=dir]
 	@scripts/build.sh $(PRESET)
 	@scripts/bench.sh "$(DATA)"
 
@@ -33,4 +39,4 @@ install: build  ## make install PREFIX=...
 	@cmake --install build --prefix "$(PREFIX)"
 
 clean:
-	rm -rf build build-asan
+	rm -rf build build-asan build-tsan build-fuzz build-no-pch build-debug

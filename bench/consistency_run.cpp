@@ -5,6 +5,7 @@
 
 #include "consistency_batch.h"
 
+#include "facet/geometry/so3.h"
 #include "facet/imu/imu_buffer.h"
 
 namespace facet {

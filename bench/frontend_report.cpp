@@ -15,6 +15,7 @@
 
 #include "facet/base/stage_timer.h"
 #include "facet/frontend/stereo_frontend.h"
+#include "facet/geometry/so3.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/io/config_file.h"
 #include "facet/io/trajectory_file.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "facet/base/check.h"
+#include "facet/geometry/so3.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/sim/euroc_csv.h"
 

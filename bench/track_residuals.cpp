@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "facet/geometry/so3.h"
+
 namespace facet {
 namespace {
 

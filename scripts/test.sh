@@ -9,9 +9,9 @@ jobs=$(nproc)
 if [ "${SANITIZE:-0}" != 0 ]; then
   echo "== unit tests with -fsanitize=address,undefined"
   scripts/build.sh asan-ubsan
-  ctest --test-dir build-asan --label-regex unit --output-on-failure --parallel "$jobs"
+  ctest --test-dir build-asan --label-regex unit --output-on-failure --parallel "$jobs" --no-tests=error
 fi
 
 echo "== every test, preset $preset"
 scripts/build.sh "$preset"
-ctest --test-dir build --output-on-failure --parallel "$jobs"
+ctest --test-dir build --output-on-failure --parallel "$jobs" --no-tests=error

@@ -163,7 +163,7 @@ OwnSearch::OwnSearch(const SimulatedRun& run,
       tracker_(
           options,
           measurements == Measurements::kDetected
-              ? FindPlanes()
+              ? PlaneSearch()
               : [this](const SurfaceFaces& faces,
                        const std::vector<char>& taken) { return SeeTrueSurfaces(faces, taken); }),
       quality_(quality) {}

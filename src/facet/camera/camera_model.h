@@ -13,6 +13,10 @@
 
 namespace facet {
 
+/// Along z [m]: what is nearer than this is beside, behind or on the lens and counts as not in
+/// view.
+inline constexpr double kMinDepth_m = 0.05;
+
 enum class DistortionModel { kNone, kRadialTangential, kEquidistant };
 
 /// Plain numbers of one camera, as in a calibration file.

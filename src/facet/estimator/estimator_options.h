@@ -193,7 +193,8 @@ struct ProjectionOptions {
     v.Field("convert_back",
             convert_back,
             Range{},
-            "false, as in the paper: a landmark once such stays such");
+            "a landmark that leaves its planes is a landmark with a position again; not so in the "
+            "paper");
   }
 };
 

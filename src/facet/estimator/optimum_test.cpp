@@ -10,6 +10,7 @@
 #include "facet/estimator/factors/prior_factor.h"
 #include "facet/estimator/planes/plane_membership.h"
 #include "facet/estimator/solver/window_solver.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/estimator/balanced_prior.h"
 
 namespace facet {

@@ -192,7 +192,7 @@ void VioEstimator::RemoveOutliers() {
 
 void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
   planes_.RemoveRetired(window_);
-  if (!start_.IsOver(newest_covariance_, imu_, optimizer_, window_, finished)) return;
+  if (!start_.EndIfDue(newest_covariance_, imu_, optimizer_, window_, finished)) return;
   while (true) {
     MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
     planes_.RetireIn(window_, plan);

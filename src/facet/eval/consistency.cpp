@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "facet/eval/trajectory_error.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/geometry/so3.h"
 #include "facet/io/errors.h"
 #include "facet/testing/io/test_sequence.h"
 

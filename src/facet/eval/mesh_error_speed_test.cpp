@@ -9,6 +9,7 @@
 
 #include "facet/eval/mesh_error.h"
 #include "facet/eval/visibility.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/eval/test_shapes.h"
 
 namespace facet {

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
 #include "facet/io/errors.h"
 #include "facet/testing/io/test_sequence.h"
 

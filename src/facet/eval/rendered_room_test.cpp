@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/eval/run_evaluation.h"
+#include "facet/geometry/so3.h"
 #include "facet/io/ply_reader.h"
 #include "facet/io/ply_writer.h"
 #include "facet/testing/data_dir.h"

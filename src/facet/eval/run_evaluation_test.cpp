@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "facet/eval/evaluation_json.h"
+#include "facet/geometry/so3.h"
 #include "facet/io/errors.h"
 
 namespace facet {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "facet/base/check.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

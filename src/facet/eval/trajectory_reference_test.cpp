@@ -14,6 +14,7 @@
 #include "facet/base/random.h"
 #include "facet/eval/evaluation_json.h"
 #include "facet/eval/run_evaluation.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/data_dir.h"
 
 namespace facet {

@@ -17,8 +17,14 @@ struct KltOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("num_levels", num_levels, Range{1, 5}, "images in the pyramid");
-    v.Choice("simd", simd, {"auto", "avx2", "sse2", "scalar"}, "instruction set; same results");
+    v.Field("num_levels",
+            num_levels,
+            Range{1, 5},
+            "images of the pyramid, each half as large as the one before");
+    v.Choice("simd",
+             simd,
+             {"auto", "avx2", "sse2", "scalar"},
+             "instruction set of the tracker; the results are the same");
   }
 };
 
@@ -37,11 +43,22 @@ struct DetectorOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("cell_px", cell_px, Range{8, 400}, "side of a grid cell with at most one new point");
-    v.Field(
-        "min_distance_px", min_distance_px, Range{0, 200}, "distance of new points from tracks");
-    v.Field("fast_threshold", fast_threshold, Range{1, 255}, "first FAST threshold");
-    v.Field("min_eigenvalue", min_eigenvalue, Range{0, 1e5}, "smallest accepted corner strength");
+    v.Field("cell_px",
+            cell_px,
+            Range{8, 400},
+            "side of a grid cell, which gets at most one new point [px]");
+    v.Field("min_distance_px",
+            min_distance_px,
+            Range{0, 200},
+            "least distance of new points from tracks [px]");
+    v.Field("fast_threshold",
+            fast_threshold,
+            Range{1, 255},
+            "threshold of FAST; lower where it finds too few [grey values]");
+    v.Field("min_eigenvalue",
+            min_eigenvalue,
+            Range{0, 1e5},
+            "least strength of a corner (smaller eigenvalue)");
   }
 };
 
@@ -57,12 +74,18 @@ struct TrackingOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("max_forward_backward_px", max_forward_backward_px, Range{0.01, 10}, "tracking back");
-    v.Field("min_zncc", min_zncc, Range{-1, 1}, "similarity with the previous frame");
+    v.Field("max_forward_backward_px",
+            max_forward_backward_px,
+            Range{0.01, 10},
+            "a track that ends farther from its start when tracked back is dropped [px]");
+    v.Field("min_zncc",
+            min_zncc,
+            Range{-1, 1},
+            "least similarity of a patch with the previous frame (ZNCC)");
     v.Field("min_reference_zncc",
             min_reference_zncc,
             Range{-1, 1},
-            "similarity with the reference; below: new landmark");
+            "least similarity with the patch it began with; below it becomes a new landmark");
   }
 };
 
@@ -82,11 +105,17 @@ struct StereoMatcherOptions {
     v.Field("min_depth_m",
             min_depth_m,
             Range{0.02, 100},
-            "nearest depth of the search",
+            "nearest depth that is searched [m]",
             Audience::kUsers);
-    v.Field("min_zncc", min_zncc, Range{-1, 1}, "similarity of a match");
-    v.Field("max_left_right_px", max_left_right_px, Range{0.01, 10}, "tracking back to the left");
-    v.Field("max_epipolar_px", max_epipolar_px, Range{0.05, 50}, "distance from the epipolar line");
+    v.Field("min_zncc", min_zncc, Range{-1, 1}, "least similarity of left and right patch (ZNCC)");
+    v.Field("max_left_right_px",
+            max_left_right_px,
+            Range{0.01, 10},
+            "a match that ends farther from its start when tracked back is dropped [px]");
+    v.Field("max_epipolar_px",
+            max_epipolar_px,
+            Range{0.05, 50},
+            "greatest distance from the epipolar line [px]");
   }
 };
 
@@ -98,8 +127,14 @@ struct OutlierOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("enabled", enabled, Range{}, "two-point test with known rotation");
-    v.Field("max_error_px", max_error_px, Range{0.05, 50}, "distance from the epipolar plane");
+    v.Field("enabled",
+            enabled,
+            Range{},
+            "reject tracks by two-point RANSAC, the rotation known from the gyroscope");
+    v.Field("max_error_px",
+            max_error_px,
+            Range{0.05, 50},
+            "greatest distance from the epipolar plane [px]");
   }
 };
 
@@ -115,12 +150,19 @@ struct KeyframeOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("interval_s", interval_s, Range{0, 10}, "time between keyframes", Audience::kUsers);
-    v.Field("min_tracked_ratio", min_tracked_ratio, Range{0, 1}, "tracked share that is enough");
+    v.Field("interval_s",
+            interval_s,
+            Range{0, 10},
+            "a keyframe comes at least this often [s]",
+            Audience::kUsers);
+    v.Field("min_tracked_ratio",
+            min_tracked_ratio,
+            Range{0, 1},
+            "it comes earlier if fewer of the last one's points are still tracked");
     v.Field("min_landmark_ratio",
             min_landmark_ratio,
             Range{0, 1},
-            "share of same landmarks that is enough");
+            "it comes earlier if fewer of them are still the same landmark");
   }
 };
 
@@ -141,11 +183,17 @@ struct PixelNoiseOptions {
     v.Field("left_base_px",
             left_base_px,
             Range{0.01, 20},
-            "noise of a left pixel besides residuals",
+            "1-sigma of a left pixel, besides what its residual adds [px]",
             Audience::kUsers);
-    v.Field(
-        "right_base_px", right_base_px, Range{0.01, 20}, "same of a right pixel", Audience::kUsers);
-    v.Field("residual_factor", residual_factor, Range{0, 10}, "weight of the patch residuals");
+    v.Field("right_base_px",
+            right_base_px,
+            Range{0.01, 20},
+            "the same of a right pixel [px]",
+            Audience::kUsers);
+    v.Field("residual_factor",
+            residual_factor,
+            Range{0, 10},
+            "what a patch's residual adds to its 1-sigma, as a factor");
   }
 };
 
@@ -162,8 +210,12 @@ struct SupportPointOptions {
   template <class Visitor>
   void Visit(Visitor& v) {
     v.Field("enabled", enabled, Range{}, "match points left to right between the corners");
-    v.Field("cell_px", cell_px, Range{12, 400}, "side of a cell with at most one support point");
-    v.Field("min_contrast", min_contrast, Range{0, 255}, "contrast along the rows [grey values]");
+    v.Field("cell_px",
+            cell_px,
+            Range{12, 400},
+            "side of a cell, which gets at most one support point [px]");
+    v.Field(
+        "min_contrast", min_contrast, Range{0, 255}, "least contrast along the rows [grey values]");
   }
 };
 

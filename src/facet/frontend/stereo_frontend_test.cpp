@@ -11,6 +11,7 @@
 
 #include "facet/frontend/stereo_matcher.h"
 #include "facet/frontend/temporal_tracker.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/frontend/synthetic_image.h"
 
 namespace facet {

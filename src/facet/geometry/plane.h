@@ -2,25 +2,19 @@
 // Infinite planes n . p = d with a unit normal n.
 #pragma once
 
-#include <cmath>
-
-#include "facet/geometry/so3.h"
+#include "facet/base/types.h"
 
 namespace facet {
 
 /// A plane in the world: n . p = d [m].
 struct Plane {
-  Vector3d n = Vector3d::UnitZ();  ///< unit length
+  Vector3d n{0, 0, 1};  ///< unit length
   double d = 0;
 
   double SignedDistance(const Vector3d& p) const { return n.dot(p) - d; }
 };
 
 /// Moves a unit vector along the sphere by `u` [rad], in the two directions of TangentBasis(n).
-inline Vector3d RetractDirection(const Vector3d& n, const Vector2d& u) {
-  const double angle = u.norm();
-  if (angle < 1e-12) return (n + TangentBasis(n) * u).normalized();
-  return (std::cos(angle) * n + std::sin(angle) / angle * (TangentBasis(n) * u)).normalized();
-}
+Vector3d RetractDirection(const Vector3d& n, const Vector2d& u);
 
 }  // namespace facet

@@ -2,6 +2,7 @@
 #include "facet/imu/preintegration.h"
 
 #include "facet/base/check.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

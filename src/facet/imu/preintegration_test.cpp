@@ -5,6 +5,7 @@
 
 #include "facet/base/check.h"
 #include "facet/base/random.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/numeric_jacobian.h"
 
 namespace facet {

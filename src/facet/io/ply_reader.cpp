@@ -308,6 +308,9 @@ class MeshReader {
     if (element.name == "vertex" && !(seen[kX] && seen[kY] && seen[kZ])) {
       values_.Fail("the element has no x y z");
     }
+    // Its items would take no bytes, so no end of the file would end a damaged count of them.
+    if (element.count > 0 && element.properties.empty())
+      values_.Fail("the element has no properties");
     // Every item takes at least a byte: a damaged count must not ask for all the memory.
     const std::size_t most = std::min(element.count, values_.num_bytes_left());
     if (element.name == "vertex") mesh_.vertices.reserve(most);

@@ -105,6 +105,8 @@ TEST_F(PlyReaderTest, NamesFileAndLineOfWhatIsWrong) {
   EXPECT_THAT(MessageOf("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\n"
                         "property float y\nproperty float z\nend_header\n"),
               HasSubstr("holds no vertex"));
+  EXPECT_THAT(MessageOf(changed("property list uchar int vertex_index\n", "")),
+              HasSubstr("a.ply:14: face 0: the element has no properties"));
   EXPECT_THAT(MessageOf(changed("vertex 4", "vertex 4000000000000")), HasSubstr("a.ply"));
 }
 

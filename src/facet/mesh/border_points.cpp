@@ -6,10 +6,10 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/camera/camera_model.h"
+
 namespace facet {
 namespace {
-
-constexpr double kMinDepth_m = 0.05;
 
 /// Of an inverse depth, from that of the depth.
 double SigmaOfInverse(const MeshPoint& point) {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "facet/camera/camera_model.h"
+
 namespace facet {
 namespace {
-
-constexpr double kMinDepth_m = 0.05;
 
 double SquaredCosine(double deg) {
   const double cosine = std::cos(deg * std::numbers::pi / 180);
@@ -62,33 +62,33 @@ bool FaceFilter::IsGrazing(const CameraFace& face) const {
   return !(product * product >= cos2_max_grazing_ * n.squaredNorm() * centre.squaredNorm());
 }
 
-FaceVerdict FaceFilter::JudgeSides(const Sides& sides) const {
-  if (!std::isfinite(sides.longest2)) return FaceVerdict::kNotFinite;
-  if (sides.longest2 > limits_.max_side_m * limits_.max_side_m) return FaceVerdict::kTooLarge;
-  if (!(sides.shortest2 > 0) || IsNarrow(sides)) return FaceVerdict::kNarrow;
-  return FaceVerdict::kAccepted;
+FaceDefect FaceFilter::JudgeSides(const Sides& sides) const {
+  if (!std::isfinite(sides.longest2)) return FaceDefect::kNotFinite;
+  if (sides.longest2 > limits_.max_side_m * limits_.max_side_m) return FaceDefect::kTooLarge;
+  if (!(sides.shortest2 > 0) || IsNarrow(sides)) return FaceDefect::kNarrow;
+  return FaceDefect::kNone;
 }
 
-FaceVerdict FaceFilter::JudgeShape(const std::array<Vector3d, 3>& p) const {
+FaceDefect FaceFilter::JudgeShape(const std::array<Vector3d, 3>& p) const {
   return JudgeSides(SidesOf(p));
 }
 
-FaceVerdict FaceFilter::Judge(const CameraFace& face) const {
+FaceDefect FaceFilter::Judge(const CameraFace& face) const {
   double z_min = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
     const double z = face.p_C[i].z();
-    if (!face.p_C[i].allFinite() || !(z >= kMinDepth_m)) return FaceVerdict::kNotFinite;
-    if (!(face.sigma_depth_m[i] <= limits_.max_depth_sigma * z)) return FaceVerdict::kUncertain;
+    if (!face.p_C[i].allFinite() || !(z >= kMinDepth_m)) return FaceDefect::kNotFinite;
+    if (!(face.sigma_depth_m[i] <= limits_.max_depth_sigma * z)) return FaceDefect::kUncertain;
     z_min = std::min(z_min, z);
   }
   const Sides sides = SidesOf(face.p_C);
   const double max_side = limits_.max_side_per_depth * z_min;
-  if (sides.longest2 > max_side * max_side) return FaceVerdict::kTooLarge;
-  const FaceVerdict shape = JudgeSides(sides);
-  if (shape != FaceVerdict::kAccepted) return shape;
-  if (IsElongated(face)) return FaceVerdict::kElongated;
-  if (IsGrazing(face)) return FaceVerdict::kGrazing;
-  return FaceVerdict::kAccepted;
+  if (sides.longest2 > max_side * max_side) return FaceDefect::kTooLarge;
+  const FaceDefect shape = JudgeSides(sides);
+  if (shape != FaceDefect::kNone) return shape;
+  if (IsElongated(face)) return FaceDefect::kElongated;
+  if (IsGrazing(face)) return FaceDefect::kGrazing;
+  return FaceDefect::kNone;
 }
 
 }  // namespace facet

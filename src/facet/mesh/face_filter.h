@@ -10,16 +10,15 @@
 
 namespace facet {
 
-/// Why a face is not part of the mesh, in the order of the tests.
-enum class FaceVerdict {
-  kAccepted,
+/// Why a face is not part of the mesh: the first test that it fails, in their order.
+enum class FaceDefect {
+  kNone,       ///< it is part of the mesh
   kNotFinite,  ///< a NaN, or a vertex that is not in front of the camera
   kUncertain,  ///< a vertex's depth is not known well enough
   kTooLarge,   ///< longest side, absolute or relative to the depth
   kNarrow,     ///< side ratio or smallest angle
   kElongated,  ///< extends further in depth than across
   kGrazing,    ///< seen at too flat an angle
-  kCount
 };
 
 /// A face in the frame of the camera that looks at it.
@@ -34,11 +33,11 @@ class FaceFilter {
   explicit FaceFilter(const FaceLimits& limits);
 
   /// Every test; sees the face as the camera does.
-  FaceVerdict Judge(const CameraFace& face) const;
+  FaceDefect Judge(const CameraFace& face) const;
 
   /// The tests that do not depend on the view (size and shape), for faces of older views whose
   /// vertices moved. Points in any frame.
-  FaceVerdict JudgeShape(const std::array<Vector3d, 3>& p) const;
+  FaceDefect JudgeShape(const std::array<Vector3d, 3>& p) const;
 
  private:
   /// The squared sides of a triangle.
@@ -46,7 +45,7 @@ class FaceFilter {
     double shortest2 = 0, middle2 = 0, longest2 = 0;
   };
   static Sides SidesOf(const std::array<Vector3d, 3>& p);
-  FaceVerdict JudgeSides(const Sides& sides) const;
+  FaceDefect JudgeSides(const Sides& sides) const;
   bool IsNarrow(const Sides& sides) const;
   bool IsElongated(const CameraFace& face) const;
   bool IsGrazing(const CameraFace& face) const;

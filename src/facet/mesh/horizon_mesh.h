@@ -53,8 +53,6 @@ class HorizonMesh {
   /// Faces that the last call took away because a vertex left the horizon, or because newer faces
   /// cover them.
   const std::vector<ExpiredFace>& expired() const { return expired_; }
-  /// How the triangles of the last view were judged.
-  const auto& verdicts() const { return triangulation_.verdicts(); }
 
   /// Without what is shown because of planes; as matched, with normals, intensities as grey, plane
   /// ids.

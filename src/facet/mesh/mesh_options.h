@@ -23,32 +23,33 @@ struct FaceLimits {
   double min_angle_deg = 6;
   /// Largest angle between the normal and the line of sight [deg].
   double max_grazing_deg = 82;
-  /// Largest 1-sigma of a vertex's depth over the depth. (!)
+  /// Largest greatest ratio of a vertex's 1-sigma of depth to its depth. (!)
   double max_depth_sigma = 0.06;
   /// Differences in depth below this many sigma are noise and not held against a face.
   double noise_sigmas = 1;
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("min_side_ratio", min_side_ratio, Range{0, 1}, "shortest over longest side");
+    v.Field(
+        "min_side_ratio", min_side_ratio, Range{0, 1}, "least ratio of shortest to longest side");
     v.Field("min_elongation",
             min_elongation,
             Range{0, 100},
-            "extent across the view over extent in depth");
-    v.Field("max_side_m", max_side_m, Range{0.01, 1e3}, "longest side [m]");
+            "least ratio of the extent across the view to that in depth");
+    v.Field("max_side_m", max_side_m, Range{0.01, 1e3}, "greatest length of a side [m]");
     v.Field("max_side_per_depth",
             max_side_per_depth,
             Range{0.01, 1e3},
-            "longest side over the smallest depth");
-    v.Field("min_angle_deg", min_angle_deg, Range{0, 60}, "smallest angle of a face [deg]");
+            "greatest ratio of the longest side to the smallest depth");
+    v.Field("min_angle_deg", min_angle_deg, Range{0, 60}, "least angle of a corner [deg]");
     v.Field("max_grazing_deg",
             max_grazing_deg,
             Range{0, 90},
-            "angle between normal and line of sight [deg]");
+            "greatest angle between normal and line of sight [deg]");
     v.Field("max_depth_sigma",
             max_depth_sigma,
             Range{1e-4, 1e3},
-            "1-sigma of a vertex's depth over the depth");
+            "greatest ratio of a vertex's 1-sigma of depth to its depth");
     v.Field("noise_sigmas", noise_sigmas, Range{0, 10}, "depth differences below this are noise");
   }
 };
@@ -75,7 +76,7 @@ struct PlaneRescueOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("enabled", enabled, Range{}, "keep steep faces whose surroundings are plane");
+    v.Field("enabled", enabled, Range{}, "keep steep faces whose neighbours lie on one plane");
   }
 };
 
@@ -91,8 +92,11 @@ struct ContradictionOptions {
     v.Field("by_triangulation",
             by_triangulation,
             Range{},
-            "faces of seen vertices that the triangulation lacks go");
-    v.Field("by_view", by_view, Range{}, "faces that newer ones cover or sight proves wrong go");
+            "remove older faces that the newest triangulation of their vertices lacks");
+    v.Field("by_view",
+            by_view,
+            Range{},
+            "remove older faces that newer ones cover or that lines of sight cross");
   }
 };
 
@@ -121,18 +125,25 @@ struct SurfaceMapOptions {
     v.Field(
         "enabled", enabled, Range{}, "keep the surfaces that leave the horizon", Audience::kUsers);
     v.Field("voxel_m", voxel_m, Range{0.01, 1}, "side of a voxel [m]", Audience::kUsers);
-    v.Field("boundary_m", boundary_m, Range{0, 5}, "surfaces go on beyond what was seen [m]");
-    v.Field("boundary_weight", boundary_weight, Range{0, 1}, "weight of that part over the face's");
+    v.Field("boundary_m",
+            boundary_m,
+            Range{0, 5},
+            "surfaces are continued this far beyond what was seen [m]");
+    v.Field("boundary_weight",
+            boundary_weight,
+            Range{0, 1},
+            "weight of that part relative to the face");
     v.Field("carving_weight",
             carving_weight,
             Range{0, 1e6},
-            "taken from surfaces by each sight line through them");
+            "weight that each line of sight takes from a surface it crosses");
     v.Field("max_memory_mb",
             max_memory_mb,
             Range{1, 1e6},
-            "the map grows no more [MB]",
+            "from this much memory on the map takes in no new places [MB]",
             Audience::kUsers);
-    v.Field("max_hole_m", max_hole_m, Range{0, 100}, "perimeter of plane holes that close [m]");
+    v.Field(
+        "max_hole_m", max_hole_m, Range{0, 100}, "plane holes up to this perimeter are closed [m]");
   }
 };
 
@@ -147,7 +158,7 @@ struct SupportOptions {
     v.Field("max_side_per_depth",
             max_side_per_depth,
             Range{0.01, 1e3},
-            "longest side of a face over depth, with support points");
+            "with support points: greatest ratio of a face's side to its depth");
   }
 };
 
@@ -186,13 +197,16 @@ struct MeshOptions {
     v.Field("horizon_s",
             horizon_s,
             Range{0, 1e3},
-            "faces stay after the estimator forgot them [s]",
+            "faces stay this long after the estimator dropped their landmarks [s]",
             Audience::kUsers);
-    v.Field("min_observations", min_observations, Range{1, 100}, "frames that saw a vertex");
+    v.Field("min_observations",
+            min_observations,
+            Range{1, 100},
+            "least number of frames that saw a vertex");
     v.Field("unknown_corners",
             unknown_corners,
             Range{},
-            "matched corners without a landmark are vertices");
+            "matched corners that are no landmarks yet are vertices, too");
     v.Group("faces", faces);
     v.Group("voting", voting);
     v.Group("plane_rescue", plane_rescue);

@@ -23,7 +23,7 @@ struct MeshPoint {
   LandmarkId id;
   Vector2d xy = Vector2d::Zero();   ///< where it is seen, undistorted, on the plane z = 1
   Vector3d p_C = Vector3d::Zero();  ///< best estimate, in the left camera [m]
-  double sigma_depth_m = 0;         ///< 1-sigma along z
+  double sigma_depth_m = 0;         ///< 1-sigma of the distance; taken for that along z
   std::uint8_t intensity = 0;       ///< of the image there
 };
 

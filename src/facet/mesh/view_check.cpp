@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "facet/camera/camera_model.h"
 #include "facet/mesh/triangle_rows.h"
 
 namespace facet {
 namespace {
 
-constexpr double kMinDepth_m = 0.05;
 constexpr double kCell_px = 8;   // side of a cell of the view: larger is faster and coarser
 constexpr int kMaxSide = 400;    // cells
 constexpr int kCellsPerBin = 4;  // along the side of a bin of points

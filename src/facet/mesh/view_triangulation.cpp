@@ -51,9 +51,6 @@ void ViewTriangulation::Build(const MeshView& view) {
         return triangles_[t].points;
       });
   if (rescues_planes_) RescuePlanes(view);
-  verdicts_.fill(0);
-  for (const Triangle& triangle : triangles_)
-    ++verdicts_[static_cast<std::size_t>(triangle.verdict)];
 }
 
 void ViewTriangulation::ListPoints(const MeshView& view) {
@@ -83,15 +80,15 @@ void ViewTriangulation::JudgeTriangles(const MeshView& view) {
       triangle.seen.p_C[i] = point.p_C;
       triangle.seen.sigma_depth_m[i] = point.sigma_depth_m;
     }
-    triangle.verdict = accepted_.Judge(triangle.seen);
+    triangle.defect = accepted_.Judge(triangle.seen);
   }
 }
 
 void ViewTriangulation::RescuePlanes(const MeshView& view) {
   for (Triangle& triangle : triangles_) {
-    if (triangle.IsAccepted() || triangle.verdict == FaceVerdict::kNotFinite) continue;
-    if (rescued_.Judge(triangle.seen) == FaceVerdict::kAccepted && HasPlaneCorner(view, triangle)) {
-      triangle.verdict = FaceVerdict::kAccepted;
+    if (triangle.IsAccepted() || triangle.defect == FaceDefect::kNotFinite) continue;
+    if (rescued_.Judge(triangle.seen) == FaceDefect::kNone && HasPlaneCorner(view, triangle)) {
+      triangle.defect = FaceDefect::kNone;
     }
   }
 }

@@ -26,9 +26,9 @@ class ViewTriangulation {
   struct Triangle {
     std::array<int, 3> points;  ///< into points(), turning from x to y in the image
     CameraFace seen;
-    FaceVerdict verdict = FaceVerdict::kAccepted;
+    FaceDefect defect = FaceDefect::kNone;
 
-    bool IsAccepted() const { return verdict == FaceVerdict::kAccepted; }
+    bool IsAccepted() const { return defect == FaceDefect::kNone; }
   };
 
   /// Points that are not finite are left out. The view must be usable.
@@ -40,19 +40,14 @@ class ViewTriangulation {
 
   /// Whether an accepted triangle may vote for planes.
   bool MayVote(const Triangle& triangle) const {
-    return triangle.IsAccepted() && voting_.Judge(triangle.seen) == FaceVerdict::kAccepted;
+    return triangle.IsAccepted() && voting_.Judge(triangle.seen) == FaceDefect::kNone;
   }
   /// Whether no accepted triangle lies beyond the side opposite to a corner.
   bool IsBoundary(const Triangle& triangle, std::size_t corner) const;
 
   /// Whether a face of an older view still has a shape that is accepted.
   bool HasGoodShape(const std::array<Vector3d, 3>& p_W) const {
-    return accepted_.JudgeShape(p_W) == FaceVerdict::kAccepted;
-  }
-
-  /// How many triangles of the last view got each verdict.
-  const std::array<int, static_cast<int>(FaceVerdict::kCount)>& verdicts() const {
-    return verdicts_;
+    return accepted_.JudgeShape(p_W) == FaceDefect::kNone;
   }
 
  private:
@@ -68,7 +63,6 @@ class ViewTriangulation {
   std::vector<GridPoint> grid_;  // of points_
   std::vector<Triangle> triangles_;
   TriangleStars stars_;  // of triangles_, by point
-  std::array<int, static_cast<int>(FaceVerdict::kCount)> verdicts_{};
 };
 
 }  // namespace facet

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "facet/camera/camera_model.h"
 #include "facet/imu/preintegration.h"
 
 namespace facet {
@@ -11,7 +12,6 @@ namespace {
 
 // The newest image may come this much before the IMU sample that follows it.
 constexpr double kMaxExtrapolation_s = 0.03;
-constexpr double kMinDepth_m = 0.05;
 
 // Support points are for the mesh only.
 FrontendOptions FrontendOptionsOf(const VioOptions& options) {

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
 #include "facet/testing/pipeline/simulated_front.h"

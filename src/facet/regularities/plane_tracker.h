@@ -20,14 +20,14 @@ namespace facet {
 
 /// Finds planes among the faces that are not `taken` (one flag per face); the faces of one
 /// candidate are in no other.
-using FindPlanes = std::function<std::vector<PlaneCandidate>(const SurfaceFaces& faces,
-                                                             const std::vector<char>& taken)>;
+using PlaneSearch = std::function<std::vector<PlaneCandidate>(const SurfaceFaces& faces,
+                                                              const std::vector<char>& taken)>;
 
 /// Not thread-safe. Never throws for any content of the mesh.
 class PlaneTracker {
  public:
   /// `find` replaces the detector, for studies of what follows it.
-  explicit PlaneTracker(const RegularityOptions& options, FindPlanes find = nullptr)
+  explicit PlaneTracker(const RegularityOptions& options, PlaneSearch find = nullptr)
       : options_(options),
         detector_(options.detection),
         find_(std::move(find)),
@@ -69,7 +69,7 @@ class PlaneTracker {
 
   RegularityOptions options_;
   PlaneDetector detector_;
-  FindPlanes find_;  // empty: the detector's
+  PlaneSearch find_;  // empty: the detector's
   PlaneRelations relations_;
   std::vector<TrackedPlane> planes_;
   RetiredPlanes retired_;

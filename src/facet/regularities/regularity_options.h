@@ -42,12 +42,19 @@ struct DetectionOptions {
             Range{1e-3, 1e3},
             "least surface of a plane [m^2]",
             Audience::kUsers);
-    v.Field("min_extent_m", min_extent_m, Range{1e-3, 10}, "least spread across [m]");
+    v.Field("min_extent_m",
+            min_extent_m,
+            Range{1e-3, 10},
+            "least extent of a plane in its narrower direction [m]");
     v.Field(
         "max_distance_m", max_distance_m, Range{1e-3, 10}, "points farther off are not on it [m]");
     v.Field("min_faces", min_faces, Range{0, 1000}, "least number of faces on a plane");
-    v.Field("world_origin", world_origin, Range{}, "walls by their distance from the origin");
-    v.Field("only_in_view", only_in_view, Range{}, "search what the newest keyframe sees");
+    v.Field("world_origin",
+            world_origin,
+            Range{},
+            "walls are told apart by their distance from the world's origin; else from the camera");
+    v.Field(
+        "only_in_view", only_in_view, Range{}, "search only faces that the newest keyframe sees");
     v.Field("oblique", oblique, Range{}, "also planes that are neither level nor upright");
     v.Field("oblique_min_area_m2",
             oblique_min_area_m2,
@@ -101,10 +108,13 @@ struct PlaneTrackingOptions {
             Range{0, 90},
             "far apart: they determine its normal to this, 1-sigma; 0: never [deg]");
     v.Field("active_s", active_s, Range{0, 1e3}, "a plane out of view for longer is dormant [s]");
-    v.Field("max_chi_square", max_chi_square, Range{0, 1e3}, "squared sigmas of association");
+    v.Field("max_chi_square",
+            max_chi_square,
+            Range{0, 1e3},
+            "a face joins a plane up to this squared Mahalanobis distance");
     v.Field(
         "revise", revise, Range{}, "planes are merged, and removed when their landmarks misfit");
-    v.Field("max_age_s", max_age_s, Range{0, 1e6}, "a plane leaves after this; 0: it stays [s]");
+    v.Field("max_age_s", max_age_s, Range{0, 1e6}, "a plane is removed at this age; 0: never [s]");
   }
 };
 
@@ -140,7 +150,7 @@ struct SupportDepthOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("enabled", enabled, Range{}, "planes measure the depth of support points");
+    v.Field("enabled", enabled, Range{}, "planes correct the depth of their support points");
   }
 };
 
@@ -164,7 +174,7 @@ struct PlaneMeasurementOptions {
 };
 
 /// Whether planes decide which faces of the mesh are shown (triangle_verdicts.h).
-struct FaceVerdictOptions {
+struct TriangleVerdictOptions {
   bool enabled = true;
 
   template <class Visitor>
@@ -179,7 +189,7 @@ struct RegularityOptions {
   PlaneRelationOptions relations;
   PlaneMeasurementOptions measurements;
   SupportDepthOptions support_depths;
-  FaceVerdictOptions faces;
+  TriangleVerdictOptions faces;
 
   template <class Visitor>
   void Visit(Visitor& v) {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "facet/base/random.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "facet/geometry/so3.h"
 #include "facet/render/furniture.h"
 #include "facet/render/scene_builder.h"
 

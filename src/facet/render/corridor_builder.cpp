@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "facet/geometry/so3.h"
 #include "facet/render/floor_plan.h"
 #include "facet/render/furniture.h"
 #include "facet/render/scene_builder.h"

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "facet/geometry/so3.h"
+
 namespace facet {
 namespace {
 

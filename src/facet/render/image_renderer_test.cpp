@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/camera/stereo_rig.h"
+#include "facet/geometry/so3.h"
 #include "facet/render/shape_builder.h"
 #include "facet/sim/euroc_rig.h"
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "facet/geometry/so3.h"
 #include "facet/io/errors.h"
 #include "facet/sim/euroc_csv.h"
 #include "facet/sim/missing_biases.h"

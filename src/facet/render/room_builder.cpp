@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "facet/geometry/so3.h"
 #include "facet/render/floor_plan.h"
 #include "facet/render/furniture.h"
 #include "facet/render/scene_builder.h"

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 #include "facet/io/errors.h"
 #include "facet/io/yaml_file.h"
 #include "facet/render/furniture.h"

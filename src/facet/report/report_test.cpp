@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/geometry/so3.h"
 #include "facet/io/errors.h"
 #include "facet/report/comparison.h"
 #include "facet/report/figures.h"

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/imu/preintegration.h"
 #include "facet/sim/euroc_csv.h"

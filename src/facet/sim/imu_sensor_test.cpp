@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
 #include "facet/sim/flight.h"
 #include "facet/sim/vibration.h"
 

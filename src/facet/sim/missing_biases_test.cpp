@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/geometry/so3.h"
 #include "facet/sim/spline_trajectory.h"
 
 namespace facet {

@@ -8,6 +8,7 @@
 
 #include "facet/base/check.h"
 #include "facet/base/random.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/check.h"
+#include "facet/geometry/so3.h"
 #include "facet/imu/preintegration.h"
 #include "facet/sim/euroc_csv.h"
 #include "facet/testing/data_dir.h"

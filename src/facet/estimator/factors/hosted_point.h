@@ -4,6 +4,7 @@
 
 #include "facet/estimator/window/frame_geometry.h"
 #include "facet/estimator/window/window_landmark.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "facet/geometry/so3.h"
+
 namespace facet {
 
 static_assert(Factor<ImuFactor>);

@@ -2,6 +2,7 @@
 #include "facet/estimator/factors/plane_measurement_factor.h"
 
 #include "facet/estimator/factors/robust_loss.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

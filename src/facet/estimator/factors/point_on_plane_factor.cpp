@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "facet/estimator/factors/robust_loss.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "facet/estimator/factors/robust_loss.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

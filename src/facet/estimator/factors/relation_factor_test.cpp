@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
 #include "facet/testing/estimator/test_gauge.h"
 #include "facet/testing/estimator/test_window.h"
 #include "facet/testing/numeric_jacobian.h"

@@ -6,13 +6,12 @@
 
 #include "facet/estimator/factors/robust_loss.h"
 #include "facet/estimator/factors/row_kernel.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 
 namespace {
 
-// The homogeneous point has about unit length: smaller than this is beside or behind the camera.
-constexpr double kMinDepth = 0.05;
 // A point behind the camera counts as this far off, in sigmas and widths of the loss: as bad as
 // any, but finite.
 constexpr double kBehindSigma = 30.0;
@@ -41,7 +40,7 @@ struct CameraView {
 // Equation (3.3).
 std::optional<Vector2d> WhitenedError(const HostedPoint& point, const CameraView& view) {
   const Vector3d h = view.PointInCamera(point);
-  if (h.z() < kMinDepth) return std::nullopt;
+  if (h.z() < kMinUnitDepth) return std::nullopt;
   return Vector2d(view.observation.sqrt_info[view.camera] *
                   (h.head<2>() / h.z() - view.observation.xy[view.camera]));
 }
@@ -117,7 +116,7 @@ void ReprojectionFactor::AddTo(const LinearizedPoint& point, LandmarkBlock& bloc
     block.cost += loss.cost;
     const CameraView view{geometry_.frozen(observation_.frame), observation_, c};
     const Vector3d h = view.PointInCamera(point.frozen);
-    if (!error || h.z() < kMinDepth) continue;
+    if (!error || h.z() < kMinUnitDepth) continue;
     MakeRows(point, view, h, scale * loss.root_weight, *error, rows + 2 * c);
   }
   AddView(observation_, rows, block);

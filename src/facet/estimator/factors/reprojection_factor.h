@@ -12,6 +12,10 @@
 
 namespace facet {
 
+/// A HostedPoint has about unit length: with less than this along z it is beside or behind the
+/// camera.
+inline constexpr double kMinUnitDepth = 0.05;
+
 /// One landmark in one stereo frame. A view of the window, as in factor.h, but one that adds up in
 /// a LandmarkBlock.
 class ReprojectionFactor {

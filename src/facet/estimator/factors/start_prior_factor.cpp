@@ -2,6 +2,7 @@
 #include "facet/estimator/factors/start_prior_factor.h"
 
 #include "facet/base/check.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/planes/plane_anchor.h"
 
+#include "facet/geometry/so3.h"
+
 namespace facet {
 
 namespace {

@@ -7,6 +7,7 @@
 
 #include "facet/estimator/factors/prior_factor.h"
 #include "facet/estimator/solver/marginalization.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/estimator/test_gauge.h"
 #include "facet/testing/estimator/test_window.h"
 

@@ -7,6 +7,7 @@
 #include "facet/estimator/planes/plane_budget.h"
 #include "facet/estimator/planes/plane_judgement.h"
 #include "facet/estimator/planes/plane_membership.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "facet/estimator/factors/landmark_factors.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

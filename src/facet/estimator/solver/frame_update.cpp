@@ -10,13 +10,14 @@
 #include "facet/base/median.h"
 #include "facet/estimator/factors/imu_factor.h"
 #include "facet/estimator/factors/landmark_factors.h"
+#include "facet/estimator/factors/reprojection_factor.h"
 #include "facet/estimator/factors/robust_loss.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 
 namespace {
 
-constexpr double kMinDepth = 0.05;
 constexpr double kConverged = 1e-6;  // rad, m, m/s
 
 // Columns: 0..14 the reference, 15..29 the frame.
@@ -98,7 +99,7 @@ double FrameUpdater::MedianError(const std::vector<Match>& matches,
   errors_.clear();
   for (const auto& [landmark, observation] : matches) {
     const Vector3d h = R_CW * (landmark->d_W + landmark->rho * (landmark->p_WH - p_WC));
-    if (h.z() < kMinDepth || landmark->is_projection) continue;
+    if (h.z() < kMinUnitDepth || landmark->is_projection) continue;
     errors_.push_back(
         (observation->sqrt_info[0] * (h.head<2>() / h.z() - observation->xy[0])).norm());
   }
@@ -120,7 +121,7 @@ void FrameUpdater::AddVision(const std::vector<Match>& matches,
     const Vector3d l_B = R_BH * landmark->d_W + landmark->rho * baseline_B;
     for (int c = 0; c < (observation->has_right ? 2 : 1); ++c) {
       const Vector3d h = geometry_.R_CB[c] * (l_B - landmark->rho * geometry_.p_BC[c]);
-      if (h.z() < kMinDepth) continue;
+      if (h.z() < kMinUnitDepth) continue;
       const double scale =
           landmark->is_projection ? observation->sigma_px[c] / noise.projection.sigma_px : 1.0;
       const Matrix2d sqrt_info = scale * observation->sqrt_info[c];

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/estimator/solver/window_solver.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/estimator/test_window.h"
 
 namespace facet {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
 #include "facet/testing/estimator/balanced_prior.h"
 
 namespace facet {

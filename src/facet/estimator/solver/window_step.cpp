@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "facet/estimator/solver/landmark_elimination.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 

@@ -10,6 +10,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
+#include "facet/geometry/so3.h"
+
 namespace facet {
 
 namespace {

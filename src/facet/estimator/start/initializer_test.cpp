@@ -9,6 +9,7 @@
 
 #include "facet/estimator/window/landmark_depth.h"
 #include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/estimator/test_window.h"
 
 namespace facet {

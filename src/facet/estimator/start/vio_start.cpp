@@ -9,6 +9,7 @@
 #include "facet/estimator/window/landmark_depth.h"
 #include "facet/estimator/window/window_policy.h"
 #include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 
@@ -174,11 +175,11 @@ void VioStart::Solve(const ImuIntervals& imu,
   attempt.covariance = optimizer.solver().NewestFrameCovariance();
 }
 
-bool VioStart::IsOver(const Matrix<15, 15>& covariance,
-                      const ImuIntervals& imu,
-                      WindowOptimizer& optimizer,
-                      SlidingWindow& window,
-                      std::vector<KeyframePose>& finished) {
+bool VioStart::EndIfDue(const Matrix<15, 15>& covariance,
+                        const ImuIntervals& imu,
+                        WindowOptimizer& optimizer,
+                        SlidingWindow& window,
+                        std::vector<KeyframePose>& finished) {
   if (is_over_) return true;
   if (!ShouldEnd(covariance, imu, window, finished)) return false;
   is_over_ = true;

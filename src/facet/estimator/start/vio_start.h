@@ -43,14 +43,15 @@ class VioStart {
                    WindowOptimizer& optimizer,
                    SlidingWindow& window);
 
-  /// After each keyframe since: whether the start is over. The window is solved anew when it ends.
-  /// If it does not but the window is full of duplicates, one of them goes, and its final pose is
-  /// appended to `finished`. `covariance`: of the newest frame.
-  bool IsOver(const Matrix<15, 15>& covariance,
-              const ImuIntervals& imu,
-              WindowOptimizer& optimizer,
-              SlidingWindow& window,
-              std::vector<KeyframePose>& finished);
+  /// After each keyframe since: ends the start and solves the window anew if the tilt is certain
+  /// enough, and returns whether the start is over. If it goes on but the window is full of
+  /// duplicates, one of them is removed, and its final pose is appended to `finished`.
+  /// `covariance`: of the newest frame.
+  bool EndIfDue(const Matrix<15, 15>& covariance,
+                const ImuIntervals& imu,
+                WindowOptimizer& optimizer,
+                SlidingWindow& window,
+                std::vector<KeyframePose>& finished);
 
  private:
   bool HasEnoughFrames(const SlidingWindow& window) const;

@@ -9,6 +9,7 @@
 
 #include "facet/estimator/window/frame_observations.h"
 #include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/estimator/test_window.h"
 
 namespace facet {
@@ -87,8 +88,8 @@ class Recording {
       attempt = Add({});
     return attempt;
   }
-  bool IsOver(const Matrix<15, 15>& covariance) {
-    return start.IsOver(covariance, imu_, optimizer, window, finished);
+  bool EndIfDue(const Matrix<15, 15>& covariance) {
+    return start.EndIfDue(covariance, imu_, optimizer, window, finished);
   }
   NavState Truth() const { return motion_.At(kStep_s * (num_frames_ - 1)); }
 
@@ -229,12 +230,12 @@ TEST(VioStartTest, ItIsOverWhenTheTiltIsCertainButNotBeforeItsTime) {
   ASSERT_TRUE(run.AddGoodFrames(10).has_started);
   const EstimatorOptions options;
   const Matrix<15, 15> certain = CovarianceOfTilt(0.5 * options.window.start_tilt_deg * kDegree);
-  EXPECT_FALSE(run.IsOver(certain));
+  EXPECT_FALSE(run.EndIfDue(certain));
   const int enough = static_cast<int>(options.window.start_s / kStep_s);
   while (static_cast<int>(run.window.frames.size()) <= enough)
     run.Add({});
-  EXPECT_TRUE(run.IsOver(certain));
-  EXPECT_TRUE(run.IsOver(CovarianceOfTilt(1))) << "once over, always over";
+  EXPECT_TRUE(run.EndIfDue(certain));
+  EXPECT_TRUE(run.EndIfDue(CovarianceOfTilt(1))) << "once over, always over";
   EXPECT_TRUE(run.finished.empty());
 }
 
@@ -249,7 +250,7 @@ TEST(VioStartTest, AtRestItGoesOnWithoutAGrowingWindow) {
     moving.Add({});
     if (i < 12) continue;
     const std::size_t before = rest.window.frames.size();
-    EXPECT_FALSE(rest.IsOver(uncertain));
+    EXPECT_FALSE(rest.EndIfDue(uncertain));
     EXPECT_EQ(rest.window.frames.size(), before - 1);
   }
   EXPECT_EQ(rest.finished.size(), 18u);
@@ -257,7 +258,7 @@ TEST(VioStartTest, AtRestItGoesOnWithoutAGrowingWindow) {
   for (const WindowFrame& frame : rest.window.frames)
     time_s += frame.imu_link ? frame.imu_link->measured.dt() : 0;
   EXPECT_NEAR(time_s, 29 * kStep_s, 1e-6);
-  EXPECT_TRUE(moving.IsOver(uncertain));
+  EXPECT_TRUE(moving.EndIfDue(uncertain));
 }
 
 }  // namespace

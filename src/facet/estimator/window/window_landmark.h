@@ -24,7 +24,7 @@ struct WindowLandmark {
   LandmarkId id;
   int host = 0;                                 ///< index into SlidingWindow::frames
   bool has_depth = false;                       ///< false until stereo or parallax gave a distance
-  Vector3d bearing_H = Vector3d::UnitZ();       ///< unit vector in the host's left camera
+  Vector3d bearing_H{0, 0, 1};                  ///< unit vector in the host's left camera
   double inverse_distance = 0;                  ///< 1/m, >= 0
   std::vector<WindowObservation> observations;  ///< in order of time; at most one per frame
   PlaneLinks planes;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
 #include "facet/testing/regularities/test_scene.h"
 
 namespace facet {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {

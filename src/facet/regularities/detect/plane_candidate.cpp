@@ -9,6 +9,7 @@
 
 #include "facet/geometry/angles.h"
 #include "facet/geometry/plane_fit.h"
+#include "facet/geometry/so3.h"
 #include "facet/regularities/detect/surface_step.h"
 
 namespace facet {

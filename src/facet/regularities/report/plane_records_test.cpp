@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/regularities/test_scene.h"
 
 namespace facet {

@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/geometry/so3.h"
+
 namespace facet {
 
 namespace {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/numeric_jacobian.h"
 
 namespace facet {

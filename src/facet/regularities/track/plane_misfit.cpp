@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/geometry/so3.h"
 #include "facet/regularities/detect/surface_face.h"
 #include "facet/regularities/track/plane_gate.h"
 #include "facet/regularities/track/surface_curvature.h"

@@ -13,6 +13,7 @@
 
 #include "facet/estimator/factors/factor_noise.h"
 #include "facet/estimator/window/sliding_window.h"
+#include "facet/geometry/so3.h"
 
 namespace facet::testing {
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "facet/estimator/window/state_layout.h"
+#include "facet/geometry/so3.h"
 
 namespace facet::testing {
 

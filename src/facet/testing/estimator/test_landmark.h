@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "facet/estimator/factors/landmark_factors.h"
+#include "facet/geometry/so3.h"
 #include "facet/testing/estimator/test_window.h"
 
 namespace facet::testing {

@@ -8,6 +8,7 @@
 #include "facet/estimator/factors/landmark_factors.h"
 #include "facet/estimator/factors/window_factors.h"
 #include "facet/estimator/solver/landmark_elimination.h"
+#include "facet/geometry/so3.h"
 
 namespace facet::testing {
 

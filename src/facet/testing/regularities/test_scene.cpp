@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "facet/geometry/so3.h"
+
 namespace facet::testing {
 
 namespace {

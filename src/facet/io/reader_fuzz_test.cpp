@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Damaged files of every kind: readers take them or complain. FACET_FUZZ_RUNS sets how many for
+// each kind; `make test-long` runs the same readers under libFuzzer, which looks for new paths
+// through them.
+#include "facet/testing/io/reader_fuzz.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "facet/base/random.h"
+#include "facet/testing/io/test_sequence.h"
+
+namespace facet {
+namespace {
+
+int NumRuns() {
+  const char* text = std::getenv("FACET_FUZZ_RUNS");  // NOLINT(concurrency-mt-unsafe)
+  return text == nullptr ? 1000 : std::atoi(text);
+}
+
+std::size_t Place(const std::string& text, Rng& rng) {
+  return static_cast<std::size_t>(rng.Index(static_cast<int>(text.size()) + 1));
+}
+
+// One small damage: what happens to files on disks, in editors and in scripts that write them.
+void Damage(std::string& text, Rng& rng) {
+  static const char* const kWords[] = {"nan",       "-1", "1e999", "99999999999999999999",
+                                       "",          ",",  "\n",    ": ",
+                                       "[",         "{",  "\"",    "\t",
+                                       "\xff\xfe",  "0",  "-",     "#",
+                                       "%YAML:1.0", "- ", "&a",    "*a"};
+  const std::size_t at = Place(text, rng);
+  const std::size_t length =
+      std::min(text.size() - at, static_cast<std::size_t>(1 + rng.Index(16)));
+  switch (rng.Index(6)) {
+    case 0:
+      if (at < text.size()) text[at] = static_cast<char>(text[at] ^ (1 << rng.Index(8)));
+      break;
+    case 1:
+      text.resize(at);
+      break;
+    case 2:
+      text.erase(at, length);
+      break;
+    case 3:
+      text.insert(at, std::string(text, at, length));
+      break;
+    case 4:
+      text.replace(at, length, kWords[rng.Index(std::size(kWords))]);
+      break;
+    default:
+      text.insert(at, std::string(1, static_cast<char>(rng.Index(256))));
+      break;
+  }
+}
+
+TEST(ReaderFuzzTest, GoodFilesAreTaken) {
+  for (const FuzzedReader& reader : FuzzedReaders()) {
+    if (reader.name == "camera") continue;  // needs its second camera, too
+    for (std::size_t i = 0; i < reader.seeds.size(); ++i) {
+      const TempFolder folder;
+      EXPECT_TRUE(ReadsOrComplains(reader, folder.path(), reader.seeds[i]))
+          << reader.name << " " << i;
+    }
+  }
+}
+
+TEST(ReaderFuzzTest, DamagedFilesAreTakenOrComplainedAbout) {
+  const int num_runs = NumRuns();
+  ASSERT_GT(num_runs, 0) << "FACET_FUZZ_RUNS";
+  for (const FuzzedReader& reader : FuzzedReaders()) {
+    const TempFolder folder;
+    int num_rejected = 0;
+    Rng rng(1);
+    for (int run = 0; run < num_runs; ++run) {
+      std::string text = reader.seeds[static_cast<std::size_t>(run) % reader.seeds.size()];
+      for (int i = rng.Index(4); i >= 0; --i)
+        Damage(text, rng);
+      EXPECT_NO_THROW(num_rejected += ReadsOrComplains(reader, folder.path(), text) ? 0 : 1)
+          << reader.name << ", run " << run << ":\n"
+          << text;
+    }
+    EXPECT_GT(num_rejected, num_runs / 20) << reader.name << ": was anything damaged?";
+  }
+}
+
+}  // namespace
+}  // namespace facet
