@@ -132,7 +132,7 @@ class Odometry {
   /// on.
   void OnPose(std::function<void(const State&)> observer);
 
-  /// In order of time.
+  /// Takes the next sample; samples come in order of time.
   void AddImu(const ImuSample& sample);
 
   /// A stereo pair with the stamp of the left image, after the IMU samples up to it; one sample
@@ -152,7 +152,7 @@ class Odometry {
   std::unique_ptr<Impl> impl_;
 };
 
-/// For example "0.1.0".
+/// Returns the version of the library, for example "0.1.0".
 const char* Version();
 
 }  // namespace api

@@ -21,7 +21,7 @@ struct DistanceStatistics {
   double mean_m = 0, median_m = 0, p90_m = 0, rmse_m = 0;
 };
 
-/// At least one value.
+/// CHECKs that there is at least one value.
 DistanceStatistics SummarizeDistances(std::vector<double> distances_m);
 
 inline constexpr std::array<double, 3> kCompletenessLimits = {0.05, 0.10, 0.20};  // [m]
@@ -37,8 +37,8 @@ struct RangeBin {
 inline constexpr double kNearRange = 3;     // [m]
 inline constexpr double kNearLimit = 0.05;  // [m]
 
-/// What lies near the cameras: samples nearer than kNearRange to the camera that their range is
-/// counted from, and true points that a camera saw from less than kNearRange.
+/// Figures of what lies near the cameras: samples nearer than kNearRange to the camera that their
+/// range is counted from, and true points that a camera saw from less than kNearRange.
 struct NearFigures {
   std::size_t num_samples = 0;
   double median_m = 0;
@@ -77,7 +77,7 @@ struct MeshError {
   IcpFigures icp;
   std::optional<double> doubled_area;           ///< share of the area, where it was asked for
   std::optional<PlaneAreaFigures> plane_areas;  ///< as aligned; absent without true planes there
-  /// For pictures: every k-th sample and its distance, as aligned.
+  /// Every k-th sample and its distance, as aligned; pictures show them.
   std::vector<Vector3d> picture_samples_G;
   std::vector<double> picture_distances_m;
 };

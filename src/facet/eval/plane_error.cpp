@@ -53,8 +53,8 @@ bool LiesFlatOn(const TruePlane& plane, const TruePlane& larger, const PlaneErro
          std::abs(plane.d_G - larger.d_G) <= options.max_flat_offset_m;
 }
 
-// Those that were seen, the largest first. Planes are compared with the largest of a surface only:
-// a pile of thin things is not followed upwards.
+// Groups the planes that were seen into surfaces, the largest first. Planes are compared with the
+// largest of a surface only: a pile of thin things is not followed upwards.
 std::vector<TrueSurface> GroupSurfaces(std::span<const TruePlane> truth,
                                        const PlaneErrorOptions& options) {
   std::vector<TruePlane> sorted(truth.begin(), truth.end());

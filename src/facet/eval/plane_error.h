@@ -31,7 +31,7 @@ struct PlaneErrorOptions {
   double min_flat_area_ratio = 4;
 };
 
-/// For a second look: what is within the limits above may still be a plane between two surfaces.
+/// Tighter limits for a second judgement: a plane between two surfaces may pass the wider ones.
 inline constexpr PlaneErrorOptions kClosePlanes{.max_angle_deg = 3, .max_offset_m = 0.05};
 
 struct PlaneError {

@@ -36,10 +36,10 @@ struct ErrorStatistics {
   double rmse = 0, median = 0, mean = 0, max = 0;
 };
 
-/// At least one value.
+/// CHECKs that there is at least one value.
 ErrorStatistics Summarize(std::vector<double> errors);
 
-/// Over the positions of all pairs; at least one.
+/// The alignment that fits the positions of all pairs best. CHECKs that there is at least one.
 TrajectoryAlignment AlignPairs(std::span<const PosePair> pairs, AlignmentKind kind);
 
 /// Distances between the truth and the aligned estimate, pair by pair [m].

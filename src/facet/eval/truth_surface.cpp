@@ -39,7 +39,7 @@ class MeshSurface : public TruthSurface {
   std::vector<Vector3d> points_;
 };
 
-// What nanoflann asks of a container.
+// The interface that nanoflann requires of a container.
 struct PointContainer {
   std::vector<Vector3d> points;
   std::size_t kdtree_get_point_count() const { return points.size(); }

@@ -138,7 +138,8 @@ class Observer {
   std::vector<char> TakeSeen() { return std::move(seen_); }
 
  private:
-  // In the camera's frame; empty if too far away or clearly outside the image.
+  // Returns the point in the camera's frame; nothing if it is too far away or clearly outside the
+  // image.
   std::optional<Vector3d> InFront(const Vector3d& p_G) const {
     const Vector3d r = p_G - T_GC_.p;
     if (r.squaredNorm() > options_.max_distance_m * options_.max_distance_m) return std::nullopt;

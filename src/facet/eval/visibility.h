@@ -19,10 +19,10 @@ struct VisibilityOptions {
   double min_turn_rad = 0.1;
 };
 
-/// For each of surface.points(): whether it was inside the image of one of the cameras, not farther
-/// away than the limit and not hidden, at one of the true poses. Hidden: behind a triangle, or for
-/// a cloud behind a depth image of the cloud (cells of 4 px filled by the points' spacing, 8 cm of
-/// tolerance).
+/// Returns for each of surface.points() whether it was seen: inside the image of one of the
+/// cameras, not farther away than the limit and not hidden, at one of the true poses. A point is
+/// hidden behind a triangle or, if the surface is a cloud, behind a depth image of the cloud (cells
+/// of 4 px filled by the points' spacing, 8 cm of tolerance).
 std::vector<char> SeenPoints(const TruthSurface& surface,
                              const StereoRig& rig,
                              std::span<const SE3> T_GB,

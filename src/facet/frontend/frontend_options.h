@@ -28,7 +28,7 @@ struct KltOptions {
   }
 };
 
-/// Where new points come from (feature_detector.h).
+/// Detection of new points (feature_detector.h).
 struct DetectorOptions {
   /// Side of a square grid cell; one new point per cell that holds no track. Smaller: more points.
   /// (!)
@@ -62,7 +62,7 @@ struct DetectorOptions {
   }
 };
 
-/// From left image to left image (temporal_tracker.h).
+/// Tracking from left image to left image (temporal_tracker.h).
 struct TrackingOptions {
   /// A point that does not come back to within this distance when tracked back is lost. (!)
   double max_forward_backward_px = 0.4;
@@ -138,7 +138,7 @@ struct OutlierOptions {
   }
 };
 
-/// When a frame becomes a keyframe (keyframe_policy.h).
+/// Choice of keyframes (keyframe_policy.h).
 struct KeyframeOptions {
   /// Time between keyframes; half a frame of jitter is allowed for. (!)
   double interval_s = 0.2;

@@ -28,7 +28,7 @@ class KeyframePolicy {
   /// the last keyframe.
   KeyframeReason Decide(Timestamp t, const SharedPoints& shared);
 
-  /// To be told after each keyframe: the number of points that it observes.
+  /// Has to be called after each keyframe with the number of points that it observes.
   void SetKeyframeSize(int num_points) { num_points_ = num_points; }
 
  private:

@@ -38,7 +38,7 @@ struct PatchPyramid {
   bool IsValid(int level) const { return levels[static_cast<std::size_t>(level)].is_valid; }
 };
 
-/// What an alignment came to.
+/// The outcome of an alignment.
 struct Alignment {
   bool ok = false;     ///< converged inside the image on at least the finest level that was tried
   int level = 0;       ///< finest level that was aligned

@@ -44,7 +44,7 @@ class StereoMatcher {
     float zncc = -1;
   };
 
-  /// Where an alignment starts, and with what.
+  /// The first value of an alignment, and the tracker that does it.
   struct Start {
     double inverse_depth = 0;
     int coarsest_level = 0;

@@ -24,7 +24,7 @@ struct Calibration {
   std::vector<std::string> warnings;
 };
 
-/// Where to look; an empty path means "in the sequence".
+/// Paths of calibration files; an empty one means "in the sequence".
 struct CalibrationFiles {
   std::filesystem::path cameras;  ///< Kalibr camchain, or a folder with cam0/sensor.yaml (EuRoC)
   std::filesystem::path imu;      ///< Kalibr imu.yaml or EuRoC sensor.yaml of the IMU

@@ -31,7 +31,7 @@ class PgmText {
     return value;
   }
 
-  /// What follows the single blank behind the header.
+  /// Returns the bytes that follow the single blank behind the header.
   Bytes Rest() {
     if (position_ < bytes_.size()) ++position_;
     return bytes_.subspan(position_);

@@ -16,7 +16,8 @@ struct CubeIndex {
   auto operator<=>(const CubeIndex&) const = default;
 };
 
-/// From cubes to numbers from 0 on. Cubes can be added only: open addressing with linear probing.
+/// A hash table that gives each cube a number, from 0 on. Cubes can be added but not removed (open
+/// addressing with linear probing).
 class CubeMap {
  public:
   static constexpr int kNone = -1;

@@ -39,10 +39,10 @@ class HorizonMesh {
   /// What the search for planes gets of the last update; `out` keeps its storage.
   void FillSearchMesh(const MeshView& view, SearchMesh& out) const;
 
-  /// What planes say about the search mesh: faces know their planes; the support points of the
-  /// newest keyframe are shown where planes put them; bridges are hidden; rejected triangles on a
-  /// plane become faces, for as long as they are on one. Of all this only the plane ids reach the
-  /// map and the next search.
+  /// Applies to the search mesh what is known of planes: faces get the ids of their planes; the
+  /// support points of the newest keyframe are shown where planes put them; bridges are hidden;
+  /// rejected triangles on a plane become faces, for as long as they are on one. Only the plane ids
+  /// reach the map and the next search.
   void Take(const MeshRegularities& regularities);
 
   /// Every face leaves: the world has changed or the run is over.

@@ -43,7 +43,7 @@ class HorizonVertices {
 
   /// Adds or moves the vertices of these points of the view (sorted by id). Renumbers.
   void Add(const MeshView& view, std::span<const int> points);
-  /// Of the last Add: the vertex of the k-th point; whether a vertex is one of its points.
+  /// The vertex of the k-th point of the last Add, and whether a vertex is one of its points.
   int VertexOfPoint(int k) const { return vertex_of_point_[static_cast<std::size_t>(k)]; }
   bool IsInView(int vertex) const { return is_in_view_[static_cast<std::size_t>(vertex)] != 0; }
 

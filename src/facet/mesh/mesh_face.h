@@ -21,8 +21,8 @@ struct MeshFace {
   int plane_id = -1;
   bool by_plane = false;   ///< rejected by the tests, shown because a known plane says so
   bool is_hidden = false;  ///< known planes say that there is no surface
-  /// Of the sides opposite to the corners: whether the newest view that has it shows nothing
-  /// beyond.
+  /// For each side, by the corner opposite to it: whether the newest view that has the face shows
+  /// nothing beyond.
   std::array<bool, 3> is_boundary{};
   /// The camera of the newest keyframe whose triangulation has it.
   Eigen::Vector3f eye_W = Eigen::Vector3f::Zero();
@@ -46,8 +46,8 @@ struct ExpiredFace {
   double sigma_depth_m = 0;  ///< mean of the vertices
   int plane_id = -1;
   std::optional<Vector3d> eye_W;  ///< the camera that saw it last, if known
-  /// Of the sides opposite to p_W: no surface was seen beyond. Faces that newer ones cover have no
-  /// boundary, as it is for these to say what lies beyond.
+  /// For each side, by the corner p_W opposite to it: whether no surface was seen beyond. Faces
+  /// that newer ones cover have no boundary, because the newer ones say what lies beyond.
   std::array<bool, 3> is_boundary{};
 };
 

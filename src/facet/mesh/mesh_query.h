@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a planner asks a mesh: what is ahead, how high am I, how close is the nearest surface.
+// The questions of a planner: what is ahead, how high am I, how close is the nearest surface?
 #pragma once
 
 #include <optional>
@@ -24,7 +24,7 @@ struct SurfaceHit {
 /// Questions with values that are not finite have no answer.
 class MeshQuery {
  public:
-  /// In W, z up.
+  /// The mesh is in W, with z up.
   explicit MeshQuery(const TriangleMesh& mesh) : index_(mesh) {}
 
   /// The first face along a ray, from either side. `direction_W` need not have unit length; empty

@@ -7,7 +7,7 @@
 
 namespace facet {
 
-/// What planes say of one triangle.
+/// How the known planes judge one triangle.
 struct TriangleVerdict {
   int plane_id = -1;       ///< all corners lie on this plane, over or beside its known surface
   bool is_bridge = false;  ///< leads from a plane to something else, through free space

@@ -68,7 +68,7 @@ struct Sample {
   int plane_id;
 };
 
-// Without branches: what voxels know already cannot be predicted.
+// There are no branches, because the processor could not predict what a voxel already holds.
 void MergeInto(const Sample& sample, bool is_back, SurfaceMap::Voxel& voxel) {
   const float weight = is_back ? 0.0F : sample.weight;
   const float total = voxel.weight + weight, share = weight / total;

@@ -104,8 +104,8 @@ class SurfaceMap {
 
   SurfaceMapOptions options_;
   std::deque<Block> blocks_;  // in the order in which they were needed; never moved
-  // By block: which of its 4 x 4 x 4 cubes of voxels may know something. Sight lines pass through
-  // much that is empty, and this fits the processor's cache.
+  // One bit for each of the 4 x 4 x 4 cubes of voxels of a block: whether it may hold something.
+  // Sight lines pass through much that is empty, and these bits fit the processor's cache.
   std::vector<std::uint64_t> touched_;
   CubeMap index_;  // of blocks_
   // Columns and sight lines come back to the same blocks again and again: what index_ says of the
@@ -118,7 +118,7 @@ class SurfaceMap {
   std::array<KnownBlock, kKnownSide * kKnownSide * kKnownSide> known_;
   bool is_full_ = false;
   double shared_sight_ = 0;  // the part of a sight line that small faces have added up to
-  // Of Add.
+  // Storage that Add keeps between calls.
   std::vector<Run> runs_;
   std::vector<Voxel*> seen_through_;
 };

@@ -17,7 +17,8 @@ struct WholeNumbers {
   int last = -1;
 };
 
-/// Those between two bounds and within limits. For any bounds, NaN included: none then.
+/// Returns the whole numbers between two bounds and within the limits. The bounds may be anything;
+/// for NaN there are none.
 inline WholeNumbers WholeNumbersBetween(double low, double high, const WholeNumbers& limits) {
   if (!(low <= high)) return {};
   low = std::max<double>(limits.first, low);

@@ -28,7 +28,7 @@ class TriangleStars {
     }
   }
 
-  /// In ascending order; valid until the next Build().
+  /// Returns the triangles around a point in ascending order; valid until the next Build().
   std::span<const int> Around(int point) const {
     const auto i = static_cast<std::size_t>(point);
     return std::span(triangles_).subspan(first_[i], first_[i + 1] - first_[i]);

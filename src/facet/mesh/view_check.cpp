@@ -116,7 +116,7 @@ template <class Visit>
 void ViewCheck::VisitRows(const ProjectedFace& face, const Visit& visit) const {
   const LinearFace linear(face);
   if (linear.is_flat || columns_ == 0) return;
-  // In cells: their centres are the whole numbers.
+  // Coordinates in cells, whose centres are the whole numbers.
   const auto in_cells = [this](const Vector2d& xy) -> Vector2d {
     return (xy - corner_) / cell_ - Vector2d::Constant(0.5);
   };

@@ -34,7 +34,7 @@ class ViewTriangulation {
   /// Points that are not finite are left out. The view must be usable.
   void Build(const MeshView& view);
 
-  /// Of the last view: the points that were triangulated, as indices into it, sorted by id.
+  /// The points of the last view that were triangulated, as indices into it, sorted by id.
   std::span<const int> points() const { return points_; }
   std::span<const Triangle> triangles() const { return triangles_; }
 

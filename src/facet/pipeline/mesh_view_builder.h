@@ -21,7 +21,7 @@ class MeshViewBuilder {
   /// The points of a keyframe with a pose.
   const MeshView& Build(const FrontendResult& keyframe, const MapSnapshot& snapshot);
 
-  /// What Build made last.
+  /// The view that the last Build made.
   const MeshView& view() const { return view_; }
 
  private:

@@ -26,7 +26,8 @@ struct TrackedFrame {
   StageTimes times;
 };
 
-/// What the estimator knew after a keyframe; helps to predict where tracked points will be.
+/// State and landmarks after a keyframe; with them the front end predicts where tracked points will
+/// be.
 struct Feedback {
   FrameId frame;
   bool is_reset = false;  ///< the estimator started over: nothing is known any more

@@ -75,7 +75,7 @@ class PlaneTracker {
   RetiredPlanes retired_;
   std::int64_t next_id_ = 0;
   Timestamp now_;
-  // Of the newest keyframe
+  // These belong to the newest keyframe.
   SurfaceFaces faces_;
   std::vector<int> landmark_of_point_;    // into MapSnapshot::landmarks, -1: none
   std::vector<int> plane_index_of_face_;  // into planes_, -1: none

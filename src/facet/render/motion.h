@@ -16,8 +16,8 @@ namespace facet {
 struct Smoothing {
   double position_rms_m = 0, position_max_m = 0;
   double rotation_rms_deg = 0, rotation_max_deg = 0;
-  /// With a real IMU: what the record's vertical was off from the measured one; the path is turned
-  /// by it.
+  /// With a real IMU the angle between the vertical of the record and the measured one, by which
+  /// the path is turned.
   double tilt_deg = 0;
 };
 
@@ -26,7 +26,7 @@ struct Motion {
   std::vector<Timestamp> frames;  ///< middle of the exposure of each stereo pair
   Timestamp imu_begin, imu_end;
   VibrationKind vibration = VibrationKind::kRotors;
-  /// Of recorded flights only:
+  /// The following are filled for recorded flights only.
   std::vector<NavState> recorded;   ///< for its biases
   std::vector<ImuSample> real_imu;  ///< empty: the IMU is to be simulated
   std::optional<Smoothing> smoothing;

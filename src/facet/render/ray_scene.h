@@ -9,7 +9,7 @@
 
 namespace facet {
 
-/// What rays hit, sixteen at a time: the arrays that Embree works on, without its types.
+/// Sixteen rays and what they hit: the arrays that Embree works on, without its types.
 struct RayPacket {
   static constexpr int kSize = 16;
   static constexpr std::uint32_t kMiss = ~0U;

@@ -59,8 +59,8 @@ struct SimulatorOptions {
   CalibrationErrorOptions calibration;
   TruthOptions truth;
   double min_clearance_m = 0.3;  ///< between the body's path and every surface
-  /// In `room`: benches, heaps and rails about this far in front of the cameras, as for somebody
-  /// who holds them and looks at something. 0: none; -1: as the made-up motion says.
+  /// Distance at which `room` has benches, heaps and rails in front of the cameras [m], as for
+  /// somebody who holds them and looks at something. 0: none; -1: as the made-up motion says.
   double near_things_m = -1;
 
   template <class Visitor>

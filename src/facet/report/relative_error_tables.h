@@ -13,8 +13,8 @@
 
 namespace facet {
 
-/// From the "rpe" of several evaluation.json: by length, the medians over the runs of the median
-/// errors, and how many runs have the length. Empty if none has any.
+/// Returns for each length in the "rpe" of several evaluation.json the medians over the runs of the
+/// median errors, and how many runs have the length. Empty if none has any.
 nlohmann::ordered_json MedianRelativeErrors(std::span<const nlohmann::ordered_json> evaluations);
 
 /// For each configuration with the pipelines SPR and SP (and SPR and S): 1 - ratio of the errors,

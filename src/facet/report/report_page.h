@@ -25,7 +25,7 @@ struct ReportSection {
 struct Report {
   std::string title;
   std::vector<ReportSection> sections;
-  /// Of `facet compare`: comparison.json. Null for a report about single runs.
+  /// The comparison.json of `facet compare`; null for a report about single runs.
   nlohmann::ordered_json comparison;
 };
 

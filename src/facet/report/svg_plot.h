@@ -22,7 +22,7 @@ Interval Cover(const std::vector<double>& values, double margin = 0.04);
 struct BoxSummary {
   double p5 = 0, q1 = 0, median = 0, q3 = 0, p95 = 0;
 };
-/// At least one value.
+/// CHECKs that there is at least one value.
 BoxSummary SummarizeBox(std::vector<double> values);
 
 /// The colour of the i-th run in every figure.

@@ -39,7 +39,7 @@ std::string ToCsv(const Table& table);
 /// `prefix` goes before every pointer, for a table of a part of the page's document.
 std::string ToHtml(const Table& table, const std::string& prefix = "");
 
-/// With &, <, > and quotes replaced.
+/// Returns the text with &, <, > and quotes replaced.
 std::string EscapeHtml(const std::string& text);
 
 }  // namespace facet

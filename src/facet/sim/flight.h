@@ -13,7 +13,7 @@ namespace facet {
 
 enum class FlightKind { kGentle, kFast, kAggressive, kHover, kHandHeld, kWalk };
 
-/// From gentle, fast, aggressive, hover, hand-held, walk.
+/// Returns the flight of a name: gentle, fast, aggressive, hover, hand-held or walk.
 std::optional<FlightKind> FlightKindFromText(const std::string& name);
 /// "gentle, fast, ...", for messages.
 std::string FlightNames();

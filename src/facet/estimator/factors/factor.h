@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What every factor between frames and planes offers.
+// The interface of every factor between frames and planes.
 #pragma once
 
 #include <concepts>

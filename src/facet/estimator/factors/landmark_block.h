@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What all factors on one landmark say together.
+// The sum of all factors on one landmark.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where factors add up: H += J^T J and b += J^T r, in the columns of the variables that they touch.
+// The sum of all factors: each adds J^T J to H and J^T r to b, in the columns of its variables.
 #pragma once
 
 #include <initializer_list>

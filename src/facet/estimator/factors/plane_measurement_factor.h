@@ -36,7 +36,7 @@ class PlaneMeasurementFactor {
   double Cost() const;
   double AddTo(NormalEquations& equations) const;
 
-  /// With the frame. If the plane alone leaves, its measurements are lost.
+  /// A measurement is used up when its frame leaves. If the plane alone leaves, it is lost.
   bool IsUsedUp(const MarginalizationPlan& plan) const { return plan.Drops(pose_); }
 
   template <class Visitor>

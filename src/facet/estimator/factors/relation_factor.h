@@ -37,7 +37,8 @@ class RelationFactor {
   double Cost() const;
   double AddTo(NormalEquations& equations) const;
 
-  /// With a plane that leaves. When its frame leaves, the relation goes over to another one.
+  /// A relation is used up when one of its planes leaves. When its frame leaves, another frame
+  /// takes it over.
   bool IsUsedUp(const MarginalizationPlan& plan) const {
     return plan.Drops(plane_a_) || plan.Drops(plane_b_);
   }

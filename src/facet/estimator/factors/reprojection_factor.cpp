@@ -26,7 +26,7 @@ double BehindSigma(const FactorNoise& noise) {
   return std::max(kBehindSigma, kBehindWidths * noise.reprojection_width);
 }
 
-// What one camera of one frame saw.
+// One observation of the landmark: by one camera of one frame.
 struct CameraView {
   const FrameGeometry::Pose& pose;
   const WindowObservation& observation;

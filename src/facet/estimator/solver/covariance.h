@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a solved window knows of its variables.
+// Covariances and information of the variables of a solved window.
 #pragma once
 
 #include <vector>

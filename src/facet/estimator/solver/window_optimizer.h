@@ -24,7 +24,7 @@ class WindowOptimizer {
     return solver_.Solve(window, noise_, max_iterations);
   }
 
-  /// Of the last Solve.
+  /// The solver as the last Solve left it; it answers questions about covariances.
   WindowSolver& solver() { return solver_; }
 
   /// Removes what does not fit after a solve; updates the geometry.

@@ -66,7 +66,7 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window,
   return summary;
 }
 
-// From the present linearisation: damps until a step lowers the cost.
+// Starts at the present linearisation and increases the damping until a step lowers the cost.
 WindowSolver::StepResult WindowSolver::Step(SlidingWindow& window,
                                             const FactorNoise& noise,
                                             SolveSummary& summary) {

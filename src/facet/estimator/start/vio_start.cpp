@@ -18,10 +18,10 @@ namespace {
 constexpr int kStartIterations = 25;
 // Duplicates are kept up to this many frames: they average the pixel noise.
 constexpr int kMinStartFrames = 8;
-// Of a slow camera: velocity and gravity from positions need three.
+// A slow camera brings few frames; velocity and gravity from positions need at least three.
 constexpr int kFewestStartFrames = 4;
-// Fewer than min_frames are enough when they span this: gravity and velocity show in time, not in
-// frames.
+// Fewer frames than min_frames are enough when they span this time: what gravity and velocity do
+// grows with time, not with the number of frames.
 constexpr double kEnoughSpan_s = 0.28;
 // A start needs gravity: at most this many intervals of its window may be without IMU.
 constexpr int kMaxSyntheticIntervals = 1;

@@ -13,7 +13,7 @@
 
 namespace facet {
 
-/// What came of an attempt to start.
+/// The outcome of an attempt to start.
 struct StartAttempt {
   bool has_started = false;
   std::string reason;        ///< why not yet

@@ -40,7 +40,7 @@ void FuseIfNearer(const FacePoint& point,
   fused = {scale, square};
 }
 
-// By the plane that explains the depth best.
+// Returns the scale that the plane asks for which explains the depth best.
 double BestScale(const FacePoint& point,
                  const Vector3d& camera_W,
                  const std::vector<SolvedPlane>& seen) {

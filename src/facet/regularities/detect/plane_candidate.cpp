@@ -47,7 +47,7 @@ class CornerLister {
   explicit CornerLister(const SurfaceFaces& faces)
       : faces_(faces), listed_in_(faces.points.size(), 0) {}
 
-  /// Of these faces; valid until the next call.
+  /// Returns the corners of these faces, each once; valid until the next call.
   const std::vector<int>& DistinctCorners(const std::vector<int>& on_plane) {
     ++call_;
     corners_.clear();

@@ -51,7 +51,8 @@ class Adjacency {
     }
   };
 
-  // By the lower end, counting; few share one, and these are sorted among themselves.
+  // Sorts the sides by their lower end, with a counting sort; few sides share one, and these are
+  // then sorted among themselves.
   static std::vector<Side> SortedSides(const SurfaceFaces& faces, std::span<const int> pool) {
     std::vector<int> next(faces.points.size() + 1, 0);
     const auto visit = [&](const auto& function) {

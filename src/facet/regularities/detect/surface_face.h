@@ -25,7 +25,7 @@ struct FacePoint {
   double sigma_along_m = 0;            ///< 1-sigma along the ray
   double sigma_across_m = 0;           ///< and across it
 
-  /// In the direction of a unit normal.
+  /// Returns the variance of the point along a unit normal [m^2].
   double VarianceAlong(const Vector3d& n_W) const {
     const double c = n_W.dot(ray_W);
     return c * c * sigma_along_m * sigma_along_m + (1 - c * c) * sigma_across_m * sigma_across_m;

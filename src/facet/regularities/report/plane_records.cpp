@@ -51,7 +51,8 @@ bool IsRowOfThings(const TrackedPlane& plane) {
          plane.scatter.mean > kMaxScatterOfSmall;
 }
 
-// In most keyframes: a plane that gets some landmarks of another surface at last was flat before.
+// A plane is curved if it was in most keyframes: one that only in the end gets landmarks of another
+// surface was flat before.
 bool IsCurved(const TrackedPlane& plane) {
   return plane.curvature.num_judged >= kMinJudged &&
          2 * plane.curvature.num_curved > plane.curvature.num_judged;
