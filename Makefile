@@ -35,7 +35,8 @@ format:  ## clang-format on every source file
 docs:  ## the API reference in build/docs/html; installs doxygen if it is missing
 	@scripts/docs.sh
 
-install: build  ## make install PREFIX=...
+install: setup  ## make install PREFIX=...
+	@scripts/build.sh $(PRESET) installable
 	@cmake --install build --prefix "$(PREFIX)"
 
 clean:

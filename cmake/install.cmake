@@ -10,7 +10,10 @@ install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Facet)
 set(modules facade io pipeline regularities mesh estimator frontend map imu camera geometry base)
+# What `make install` has to build.
+add_custom_target(installable DEPENDS facet)
 foreach(module ${modules})
+  add_dependencies(installable facet_${module})
   set_target_properties(facet_${module} PROPERTIES EXPORT_NAME ${module})
   install(TARGETS facet_${module} EXPORT FacetTargets DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY src/facet/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/facet

@@ -7,9 +7,9 @@ Looked at: every Markdown file; the comments of src, apps, bench, studies, examp
 and the build files; and what the programs say to their users (files and option keys in strings). Looked for: files and
 folders, programs and the commands of `facet`, their options, option keys, tests, presets and make targets, sections and
 equations of documents, links and anchors, and in documents the names of code. docs/notebook/ names earlier versions:
-there only links and sections are checked. Besides, in Markdown: phrases that only the authors understand, lines over
-120 characters (tables and links aside), and dates outside of the notebook. Prints file:line and what is missing; exit
-code 1 if anything is. Needs no build.
+there only links and sections are checked. Besides, in Markdown: phrases that only the authors understand, torn
+marks of bold text, lines over 120 characters (tables and links aside), and dates outside of the notebook. Prints
+file:line and what is missing; exit code 1 if anything is. Needs no build.
 """
 
 import argparse
@@ -289,6 +289,8 @@ def check_style(index, passage):
     if passage.kind == "markdown" and (passage.path.startswith("docs/") or "/" not in passage.path):
         for match in re.finditer(DATE, passage.text):
             yield match.start(), f"date {match.group()} outside of {NOTEBOOK}"
+    for match in re.finditer(r"^\s*\* \*(?!\*)[^*\n]+\*\*", passage.text, re.MULTILINE):
+        yield match.start(), "a blank tears the mark of bold text apart"
     offset = 0
     for line in passage.text.split("\n"):
         is_free = line.lstrip().startswith(("|", "![")) or re.fullmatch(r"\s*\S*\]\(\S+\)\S*|\s*\S+", line)

@@ -144,6 +144,7 @@ class ReferencesTest(unittest.TestCase):
         self.expect("src/facet/a.h", "// drawn by hand\n", "// (by hand: 3)\n", "private phrase")
         self.expect("docs/a.md", "x " * 60 + "\n", "x " * 60 + "x\n", "121 characters")
         self.expect("docs/a.md", "| " + "x" * 200 + " |\n", "x " * 70 + "x\n", "141 characters")
+        self.expect("docs/a.md", "* **Bold** text\n\n* *slanted* text\n", "* *Bold** text\n", "tears")
         self.expect("docs/a.md", "ICRA 2019\n", "on 2026-11-22\n", "date 2026-11-22")
         self.assertEqual(complaints({"docs/notebook/a.md": "on 2026-11-22\n"}), [])
 

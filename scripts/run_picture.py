@@ -24,9 +24,10 @@ from matplotlib.patches import Patch  # noqa: E402
 
 from render_mesh import look_at, quaternion_to_matrix, rasterise, read_ply  # noqa: E402
 
-LABELS = {"floor": (214, 170, 110), "table": (110, 180, 90), "ceiling": (190, 150, 210), "wall": (100, 150, 215),
-          "other": (230, 130, 90)}
+LABELS = {"floor": (214, 176, 70), "table": (60, 170, 130), "ceiling": (190, 150, 210), "wall": (92, 148, 218),
+          "other": (205, 92, 60)}
 NO_PLANE = (178, 178, 178)
+LEGEND_SHADE = 0.85  # of a typical face in the picture
 OUTSIDE = (1000, 700)
 NUM_VIEWS = 3
 
@@ -52,7 +53,7 @@ def colours_of(xyz, faces, ids, labels):
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
     shade = 0.6 + 0.4 * np.abs(normal @ np.array([0.36, 0.48, 0.8]))
     base = np.array([LABELS.get(labels.get(i, "other"), LABELS["other"]) if i >= 0 else NO_PLANE for i in ids], float)
-    tone = np.where(ids >= 0, 0.82 + 0.09 * (ids * 7 % 5), 1.0)
+    tone = np.where(ids >= 0, 0.92 + 0.04 * (ids * 7 % 5), 1.0)
     return np.clip(base * (shade * tone)[:, None], 0, 255).astype(np.uint8)
 
 
@@ -162,8 +163,8 @@ def main():
     ax = figure.add_subplot(grid[:3, :])
     uv = draw_outside(ax, (xyz, faces), colours, trajectory[:, 1:4])
     found = [name for name in LABELS if name in {labels.get(i, "other") for i in set(ids[ids >= 0].tolist())}]
-    handles = [Patch(color=np.array(LABELS[name]) / 255, label=name) for name in found]
-    handles += [Patch(color=np.array(NO_PLANE) / 255, label="no plane"),
+    handles = [Patch(color=LEGEND_SHADE * np.array(LABELS[name]) / 255, label=name) for name in found]
+    handles += [Patch(color=LEGEND_SHADE * np.array(NO_PLANE) / 255, label="no plane"),
                 plt.Line2D([], [], color="black", marker="o", markevery=[0], label="flight")]
     ax.legend(handles=handles, loc="lower left", ncols=4, frameon=False)
     ax.set_title("mesh of the whole run, coloured by plane; below: camera image, and the mesh from there"

@@ -128,6 +128,10 @@ class Odometry {
   Odometry(Odometry&&) noexcept;
   Odometry& operator=(Odometry&&) noexcept;
 
+  /// What the options held that has no effect any more, or another name now: one line each, for a
+  /// log.
+  const std::vector<std::string>& Notices() const;
+
   /// Called within AddStereo as soon as the pose is known, before mesh, planes and map are worked
   /// on.
   void OnPose(std::function<void(const State&)> observer);
@@ -144,7 +148,8 @@ class Odometry {
   /// The mesh of the whole run so far; takes a moment.
   Mesh Map() const;
   /// The planes of the run so far: those in the estimator and retired ones, merged ones once.
-  /// Planes that turned out not to fit their landmarks, or to be curved, are left out.
+  /// Planes that turned out not to fit their landmarks, or to be curved, are left out. Takes as
+  /// long as Map().
   std::vector<Plane> Planes() const;
 
  private:

@@ -24,7 +24,8 @@ enum class Audience { kExperts, kUsers };
 struct RetiredOption {
   const char* key;
   const char* default_text;  ///< as `facet config` printed it
-  const char* new_key;       ///< the option that replaced it; empty: it is a constant now
+  const char* new_key;       ///< the option that replaced it; empty: it is none any more
+  const char* now = "";  ///< what it follows from instead; empty: it is fixed at its old default
 };
 
 /// Allowed range of a number, both ends included. Ignored for bool and std::string.

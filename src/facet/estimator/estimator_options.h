@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Parameters of the fixed-lag smoother. (!) marks the ones worth tuning for another vehicle.
+// Parameters of the fixed-lag smoother. `facet config` prints those that users turn.
 #pragma once
 
 #include "facet/base/options.h"
@@ -8,8 +8,8 @@ namespace facet {
 
 /// How much noisier the IMU is in use than on its datasheet (vibration, scale errors, timing).
 struct ImuOptions {
-  double gyro_noise_scale = 3.0;   ///< (!) times the calibration's gyro noise density
-  double accel_noise_scale = 8.0;  ///< (!) times the calibration's accelerometer noise density
+  double gyro_noise_scale = 3.0;   ///< times the calibration's gyro noise density
+  double accel_noise_scale = 8.0;  ///< times the calibration's accelerometer noise density
   double gyro_walk_scale = 1.0;    ///< times the gyro bias walk density
   double accel_walk_scale = 1.0;   ///< times the accelerometer bias walk density
   /// A longer hole between samples (and longer than one and a half of their usual steps) is counted
@@ -43,8 +43,8 @@ struct ImuOptions {
 
 /// Which frames stay in the window.
 struct WindowOptions {
-  int max_full_keyframes = 5;   ///< (!) newest keyframes that keep velocity and biases
-  int max_pose_keyframes = 10;  ///< (!) older keyframes that keep only their pose
+  int max_full_keyframes = 5;   ///< newest keyframes that keep velocity and biases
+  int max_pose_keyframes = 10;  ///< older keyframes that keep only their pose
   int max_start_keyframes =
       16;  ///< nothing is marginalised before the start is over or this many keyframes exist
   double start_s = 2.0;         ///< shortest start: nothing is marginalised or frozen before
@@ -82,9 +82,9 @@ struct WindowOptions {
 
 /// How the window is solved.
 struct SolverOptions {
-  int keyframe_iterations = 2;  ///< (!) Levenberg-Marquardt iterations on keyframes, at most
+  int keyframe_iterations = 2;  ///< Levenberg-Marquardt iterations on keyframes, at most
   int frame_iterations = 2;     ///< iterations on the frames in between, at most
-  /// Reprojections beyond this many times the usual (median) error count ever less. (!)
+  /// Reprojections beyond this many times the usual (median) error count ever less.
   double loss_width = 5.0;
   double outlier_sigma = 5.0;  ///< observations beyond this many sigma are removed after the solve
   double pixel_sigma_scale = 1.0;  ///< times the front end's pixel sigmas
@@ -92,7 +92,7 @@ struct SolverOptions {
   /// then moved by sqrt(2 x) sigma, and the next step is a fraction of it.
   double min_cost_decrease = 3.0;
   double plane_sigma_m = 0.02;  ///< landmarks of a plane across it, each for itself, 1-sigma
-  /// The same, what those of one plane have in common: things on a wall are in front of it. (!)
+  /// The same, what those of one plane have in common: things on a wall are in front of it.
   double plane_common_sigma_m = 0.0025;
   double plane_huber_sigma = 2.0;  ///< distances to planes beyond this many sigma grow linearly
 

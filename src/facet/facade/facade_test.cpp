@@ -187,6 +187,15 @@ TEST(FacadeErrorTest, SaysWhatIsWrong) {
   EXPECT_THROW(api::ReadCalibration("/nowhere"), api::Error);
 }
 
+TEST(FacadeErrorTest, SaysWhichOptionsHaveNoEffectAnyMore) {
+  api::Odometry::Options options;
+  options.overrides = {"mesh.map.truncation_m=0.16", "frontend.max_features=100"};
+  const api::Odometry odometry(TestCalibration(), options);
+  ASSERT_EQ(odometry.Notices().size(), 1u);
+  EXPECT_THAT(odometry.Notices()[0], HasSubstr("truncation_m is now twice mesh.map.voxel_m"));
+  EXPECT_TRUE(api::Odometry(TestCalibration()).Notices().empty());
+}
+
 TEST(FacadeErrorTest, ReadsTheCalibrationOfASequence) {
   TempFolder folder;
   WriteTestSequence(folder / "seq");

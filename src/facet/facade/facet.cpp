@@ -94,13 +94,14 @@ facet::ImuNoise NoiseOf(const Calibration& calibration) {
   return noise;
 }
 
-VioOptions OptionsOf(const Odometry::Options& plain) {
+VioOptions OptionsOf(const Odometry::Options& plain, std::vector<std::string>& notices) {
   VioOptions options;
   const std::vector<ConfigField> fields = ListFields(options);
   try {
     if (!plain.config_file.empty())
-      ApplyConfig(ReadConfigFile(plain.config_file), fields, RetiredOptions());
-    ApplyOverrides(plain.overrides, fields, RetiredOptions());
+      notices = ApplyConfig(ReadConfigFile(plain.config_file), fields, RetiredOptions());
+    for (std::string& notice : ApplyOverrides(plain.overrides, fields, RetiredOptions()))
+      notices.push_back(std::move(notice));
   } catch (const ConfigError& error) {
     throw Error(error.what());
   }
@@ -175,8 +176,9 @@ Plane Plain(const PlaneRecord& record) {
 
 struct Odometry::Impl {
   Impl(const Calibration& calibration, const Options& options)
-      : pipeline(RigOf(calibration), NoiseOf(calibration), OptionsOf(options)) {}
+      : pipeline(RigOf(calibration), NoiseOf(calibration), OptionsOf(options, notices)) {}
 
+  std::vector<std::string> notices;
   VioPipeline pipeline;
   std::shared_ptr<const MeshSnapshot> mesh;
   PoseObserver observer;
@@ -212,6 +214,10 @@ Odometry::Odometry(const Calibration& calibration, const Options& options)
 Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
 Odometry& Odometry::operator=(Odometry&&) noexcept = default;
+
+const std::vector<std::string>& Odometry::Notices() const {
+  return impl_->notices;
+}
 
 void Odometry::OnPose(std::function<void(const State&)> observer) {
   impl_->observer = nullptr;

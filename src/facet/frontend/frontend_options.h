@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Every option of the front end. (!) marks the ones worth tuning.
+// Every option of the front end. `facet config` prints those that users turn.
 #pragma once
 
 #include <string>
@@ -31,7 +31,6 @@ struct KltOptions {
 /// Detection of new points (feature_detector.h).
 struct DetectorOptions {
   /// Side of a square grid cell; one new point per cell that holds no track. Smaller: more points.
-  /// (!)
   int cell_px = 40;
   /// Distance that a new point keeps from every track.
   double min_distance_px = 16;
@@ -64,7 +63,7 @@ struct DetectorOptions {
 
 /// Tracking from left image to left image (temporal_tracker.h).
 struct TrackingOptions {
-  /// A point that does not come back to within this distance when tracked back is lost. (!)
+  /// A point that does not come back to within this distance when tracked back is lost.
   double max_forward_backward_px = 0.4;
   /// Similarity (ZNCC, -1..1) with the previous frame below which a point is lost.
   double min_zncc = 0.8;
@@ -95,9 +94,9 @@ struct StereoMatcherOptions {
   double min_depth_m = 0.3;
   /// Similarity (ZNCC) of the final match.
   double min_zncc = 0.8;
-  /// A match that does not come back to within this distance when tracked back is dropped. (!)
+  /// A match that does not come back to within this distance when tracked back is dropped.
   double max_left_right_px = 0.5;
-  /// Distance from the epipolar line, in pixels of the mean focal length. (!)
+  /// Distance from the epipolar line, in pixels of the mean focal length.
   double max_epipolar_px = 1.0;
 
   template <class Visitor>
@@ -122,7 +121,7 @@ struct StereoMatcherOptions {
 /// Outliers between frames, rotation known (outlier_rejection.h).
 struct OutlierOptions {
   bool enabled = true;
-  /// Angle between a ray and its epipolar plane, in pixels of the mean focal length. (!)
+  /// Angle between a ray and its epipolar plane, in pixels of the mean focal length.
   double max_error_px = 1.5;
 
   template <class Visitor>
@@ -140,7 +139,7 @@ struct OutlierOptions {
 
 /// Choice of keyframes (keyframe_policy.h).
 struct KeyframeOptions {
-  /// Time between keyframes; half a frame of jitter is allowed for. (!)
+  /// Time between keyframes; half a frame of jitter is allowed for.
   double interval_s = 0.2;
   /// A keyframe is due when fewer than this share of the last keyframe's points is still tracked.
   double min_tracked_ratio = 0.7;
@@ -171,9 +170,9 @@ struct KeyframeOptions {
 /// checks it).
 struct PixelNoiseOptions {
   /// Base of a left pixel: what no residual shows, for example calibration. Twice as much for each
-  /// pyramid level that the alignment could not descend. (!)
+  /// pyramid level that the alignment could not descend.
   double left_base_px = 0.2;
-  /// The same for a right pixel. (!)
+  /// The same for a right pixel.
   double right_base_px = 0.25;
   /// Above 1 because errors of a track are correlated from frame to frame.
   double residual_factor = 1.5;
@@ -202,7 +201,7 @@ struct PixelNoiseOptions {
 struct SupportPointOptions {
   bool enabled = true;
   /// Side of a cell with at most one support point, if it holds no corner. The cells take turns
-  /// over two keyframes. Smaller: more points, more time. (!)
+  /// over two keyframes. Smaller: more points, more time.
   int cell_px = 23;
   /// Mean difference between pixels two apart along the rows that a place must have [grey values].
   double min_contrast = 1.5;
@@ -220,7 +219,7 @@ struct SupportPointOptions {
 };
 
 struct FrontendOptions {
-  /// Tracks per frame; more cost time everywhere. (!)
+  /// Tracks per frame; more cost time everywhere.
   int max_features = 160;
   KltOptions klt;
   DetectorOptions detector;

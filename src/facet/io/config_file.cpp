@@ -159,7 +159,7 @@ std::string Suggest(const std::string& key, std::span<const ConfigField> fields)
     if (distance < best_distance) best = &field, best_distance = distance;
   }
   if (best == nullptr || best_distance > std::max<std::size_t>(3, key.size() / 3)) {
-    return "`facet config` prints all keys";
+    return "`facet config --all` prints all keys";
   }
   return "did you mean '" + best->key + "'?";
 }
@@ -247,7 +247,9 @@ std::string ApplyRetired(const ConfigEntry& entry,
   const std::string new_key = option.new_key;
   if (!new_key.empty() && Set(new_key, entry, fields))
     return entry.origin + ": " + entry.key + " is now called " + new_key;
-  const std::string fixed = std::string("is now fixed at ") + option.default_text;
+  const std::string now = option.now;
+  const std::string fixed =
+      "is now " + (now.empty() ? "fixed at " + std::string(option.default_text) : now);
   if (!SameValue(entry.text, option.default_text)) {
     throw ConfigError(entry.origin + ": " + entry.key + " = '" + entry.text + "': " + entry.key +
                       " is no option any more, it " + fixed + "; remove it");

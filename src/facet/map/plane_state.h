@@ -7,7 +7,8 @@ namespace facet {
 enum class PlaneState {
   kTentative,   ///< detected in some keyframes; the estimator does not know it
   kConfirmed,   ///< a variable of the estimator, which may still drop it
-  kPersistent,  ///< determined well enough to enter the marginalisation prior: stays for the run
+  kPersistent,  ///< determined well enough to enter the marginalisation prior; no longer dropped
+                ///< for being hardly known, but still ended by misfit, merging or a lack of room
   kRetired      ///< the estimator no longer has it
 };
 

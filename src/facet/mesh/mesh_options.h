@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Every option of the mesh. (!) marks the ones worth tuning.
+// Every option of the mesh. `facet config` prints those that users turn.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ struct FaceLimits {
   /// Shortest over longest side. Raising it removes narrow faces.
   double min_side_ratio = 0.1;
   /// Extent across the view over extent in depth. Raising it removes faces that lead away from the
-  /// camera, first of all those between a near and a far surface. (!)
+  /// camera, first of all those between a near and a far surface.
   double min_elongation = 1.2;
   /// Longest side [m].
   double max_side_m = 3.0;
@@ -23,7 +23,7 @@ struct FaceLimits {
   double min_angle_deg = 6;
   /// Largest angle between the normal and the line of sight [deg].
   double max_grazing_deg = 82;
-  /// Largest greatest ratio of a vertex's 1-sigma of depth to its depth. (!)
+  /// Greatest ratio of a vertex's 1-sigma of depth to its depth.
   double max_depth_sigma = 0.06;
   /// Differences in depth below this many sigma are noise and not held against a face.
   double noise_sigmas = 1;
@@ -103,11 +103,11 @@ struct ContradictionOptions {
 /// The map of the whole run (surface_map.h).
 struct SurfaceMapOptions {
   bool enabled = true;
-  /// Side of a voxel [m]. Smaller: finer, and memory grows with its inverse square. (!)
+  /// Side of a voxel [m]. Smaller: finer, and memory grows with its inverse square.
   double voxel_m = 0.08;
   /// Beyond a side where nothing was seen a surface is expected to go on this far [m]: the corners
   /// between which faces hang are rarely at the boundary of things. More: more complete, less
-  /// exact. (!)
+  /// exact.
   double boundary_m = 0.2;
   /// That part counts by this share of the face's weight.
   double boundary_weight = 0.2;
@@ -176,7 +176,7 @@ struct BorderOptions {
 struct MeshOptions {
   bool enabled = true;
   /// How long faces stay, where they were, after the estimator has forgotten a vertex [s]. 0: they
-  /// go with it, as in the paper. (!)
+  /// go with it, as in the paper.
   double horizon_s = 3;
   /// Keyframes' landmarks with fewer observations have no vertex.
   int min_observations = 2;

@@ -58,7 +58,7 @@ std::span<const RetiredOption> RetiredOptions() {
       {"mesh.border.min_distance_px", "25", ""},
       {"mesh.border.max_sigmas", "2", ""},
       {"mesh.border.max_depth_sigma", "0.03", ""},
-      {"mesh.map.truncation_m", "0.16", ""},
+      {"mesh.map.truncation_m", "0.16", "", "twice mesh.map.voxel_m"},
       {"mesh.map.min_weight", "0.02", ""},
       {"mesh.map.rim_m", "0.2", "mesh.map.boundary_m"},
       {"mesh.map.rim_weight", "0.2", "mesh.map.boundary_weight"},

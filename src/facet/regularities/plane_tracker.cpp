@@ -59,9 +59,9 @@ RegularityResult PlaneTracker::Process(const SearchMesh& mesh, const MapSnapshot
 void PlaneTracker::TakeEstimates(const MapSnapshot& map, PlaneAssignments& out) {
   for (std::size_t k = planes_.size(); k-- > 0;) {
     TrackedPlane& plane = planes_[k];
-    plane.detection_offset_m = 0;
+    plane.detections.offset_m = 0;
     if (plane.IsTentative()) {
-      if (ToSeconds(now_ - plane.last_seen) > options_.tracking.active_s)
+      if (ToSeconds(now_ - plane.seen.last) > options_.tracking.active_s)
         planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(k));
       continue;
     }
@@ -115,7 +115,7 @@ void PlaneTracker::Associate(const MapSnapshot& map, const PlaneCandidate& candi
   int plane = FindConfirmed(map, candidate);
   if (plane >= 0) {
     if (candidate.normal_covariance.trace() > kMaxDetectionSigma * kMaxDetectionSigma) return;
-    planes_[plane].detection_offset_m =
+    planes_[plane].detections.offset_m =
         std::abs(planes_[plane].estimate.plane_W.SignedDistance(candidate.centroid_W));
   } else {
     if (IsNearConfirmed(candidate)) return;
@@ -127,8 +127,8 @@ void PlaneTracker::Associate(const MapSnapshot& map, const PlaneCandidate& candi
     TrackedPlane& tentative = planes_[plane];
     tentative.estimate.plane_W = candidate.plane_W;
     tentative.orientation = candidate.orientation;
-    if (tentative.num_detections == 0 || tentative.last_seen < now_) ++tentative.num_detections;
-    tentative.last_seen = now_;
+    if (tentative.detections.num == 0 || tentative.seen.last < now_) ++tentative.detections.num;
+    tentative.seen.last = now_;
   }
   for (const int f : candidate.faces)
     plane_index_of_face_[f] = plane;
@@ -246,8 +246,8 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
 void PlaneTracker::Confirm(PlaneAssignments& out) {
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     TrackedPlane& plane = planes_[k];
-    if (!plane.IsTentative() || plane.last_seen < now_ ||
-        plane.num_detections < options_.tracking.min_detections) {
+    if (!plane.IsTentative() || plane.seen.last < now_ ||
+        plane.detections.num < options_.tracking.min_detections) {
       continue;
     }
     if (options_.detection.only_in_view) AddFacesOfEarlierViews(static_cast<int>(k));

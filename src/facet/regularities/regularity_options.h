@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Every option of the search for planes. (!) marks the ones worth tuning.
+// Every option of the search for planes. `facet config` prints those that users turn.
 #pragma once
 
 #include "facet/base/options.h"
@@ -11,7 +11,7 @@ struct DetectionOptions {
   /// A plane that leans more than this, and more than three of its sigmas, is neither level nor
   /// upright but oblique [deg].
   double max_plane_lean_deg = 2;
-  /// Least surface of a plane [m^2]. Smaller: more and less certain planes. (!)
+  /// Least surface of a plane [m^2]. Smaller: more and less certain planes.
   double min_area_m2 = 0.15;
   /// Least spread (1-sigma) of a plane's points in its narrow direction, and of the landmarks of a
   /// new plane [m].
@@ -67,19 +67,18 @@ struct DetectionOptions {
 struct PlaneTrackingOptions {
   /// Keyframes that must have detected a plane before it becomes a variable of the estimator.
   int min_detections = 3;
-  /// Landmarks that must lie on it then, or min_spread_landmarks of them. (!)
+  /// Landmarks that must lie on it then, or min_spread_landmarks of them.
   int min_landmarks = 10;
-  /// 1-sigma of its normal as these landmarks determine it [deg]. (!)
+  /// 1-sigma of its normal as these landmarks determine it [deg].
   double max_normal_sigma_deg = 3;
   /// Fewer landmarks, but so many, are enough if they determine its normal to
-  /// max_spread_sigma_deg [deg] (0: never): large walls with little texture have no more. (!)
+  /// max_spread_sigma_deg [deg] (0: never): large walls with little texture have no more.
   int min_spread_landmarks = 7;
   double max_spread_sigma_deg = 1;
   /// A plane out of view for longer is dormant: only a new detection finds it again. A tentative
   /// plane is forgotten [s].
   double active_s = 1.5;
   /// Squared sigmas within which a detection is a plane of the estimator (3 degrees of freedom).
-  /// (!)
   double max_chi_square = 11.3;
   /// Planes that turn out to be one surface are merged, and those that turn out to be none are
   /// removed.
@@ -111,7 +110,7 @@ struct PlaneTrackingOptions {
     v.Field("max_chi_square",
             max_chi_square,
             Range{0, 1e3},
-            "a face joins a plane up to this squared Mahalanobis distance");
+            "a detection is a known plane up to this squared Mahalanobis distance (of 3 numbers)");
     v.Field(
         "revise", revise, Range{}, "planes are merged, and removed when their landmarks misfit");
     v.Field("max_age_s", max_age_s, Range{0, 1e6}, "a plane is removed at this age; 0: never [s]");
@@ -158,9 +157,9 @@ struct SupportDepthOptions {
 struct PlaneMeasurementOptions {
   bool enabled = true;
   /// Errors of neighbouring points are correlated, and so are those of the next keyframe: what many
-  /// points say together is worse than their own sigmas by this factor. (!)
+  /// points say together is worse than their own sigmas by this factor.
   double sigma_scale = 2;
-  /// Least 1-sigma of a distance [m] and of a slope [deg]. (!)
+  /// Least 1-sigma of a distance [m] and of a slope [deg].
   double min_sigma_m = 0.003, min_sigma_deg = 0.1;
 
   template <class Visitor>

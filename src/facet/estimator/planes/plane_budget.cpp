@@ -9,7 +9,7 @@
 namespace facet {
 
 namespace {
-constexpr int kSharePerChance = 10;  // of the budget, one plane may be settling
+constexpr int kSharePerChance = 10;  // one plane in so many may be one that is not known well yet
 }  // namespace
 
 std::vector<PlaneId> ExcessPlanes(const SlidingWindow& window,
@@ -26,7 +26,7 @@ std::vector<PlaneId> ExcessPlanes(const SlidingWindow& window,
   struct Rank {
     double determinant;  // does not depend on where the anchor is
     PlaneId id;
-    bool is_settling;  // in view, and not yet known well
+    bool is_new;  // in view, and not yet known well
     bool has_chance = false;
     auto Key() const { return std::tie(determinant, id); }
   };
@@ -40,7 +40,7 @@ std::vector<PlaneId> ExcessPlanes(const SlidingWindow& window,
       ranks.begin(), ranks.end(), [](const Rank& a, const Rank& b) { return a.Key() < b.Key(); });
   int num_chances = std::max(1, max_planes / kSharePerChance);
   for (auto rank = ranks.rbegin(); rank != ranks.rend(); ++rank)
-    rank->has_chance = rank->is_settling && num_chances-- > 0;
+    rank->has_chance = rank->is_new && num_chances-- > 0;
   std::stable_partition(
       ranks.begin(), ranks.end(), [](const Rank& rank) { return !rank.has_chance; });
   std::vector<PlaneId> excess;

@@ -19,9 +19,8 @@ struct PersistenceLimits {
   double max_offset_m = 0.01;
 };
 
-/// Marks the planes that their landmarks and measurements determine well enough
-/// (PlaneOptions); `information` as from
-/// WindowSolver::PlaneInformation. What is persistent stays persistent.
+/// Marks the planes that their landmarks and measurements determine to within `limits`;
+/// `information` as from WindowSolver::PlaneInformation. What is persistent stays persistent.
 void MarkPersistentPlanes(const std::vector<Matrix3d>& information,
                           const PersistenceLimits& limits,
                           SlidingWindow& window);

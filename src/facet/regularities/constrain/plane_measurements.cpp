@@ -128,7 +128,7 @@ std::vector<PlaneMeasurement> MeasurePlanes(const SearchMesh& mesh,
   const PlanesAround around(faces, plane_index_of_face);
   for (std::size_t k = 0; k < planes.size(); ++k) {
     const TrackedPlane& plane = planes[k];
-    if (plane.IsTentative() || plane.last_seen < mesh.t) continue;
+    if (plane.IsTentative() || plane.seen.last < mesh.t) continue;
     const WeightedPoints points =
         PointsOn(plane, static_cast<int>(k), faces, matched, around, map.latest.T_WB);
     std::optional<PlaneMeasurement> measured = Measure(points, map.latest.T_WB, options);

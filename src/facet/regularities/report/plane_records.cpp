@@ -47,15 +47,15 @@ bool AreOneSurface(const TrackedPlane& a, const TrackedPlane& b) {
 }
 
 bool IsRowOfThings(const TrackedPlane& plane) {
-  return plane.extent.area_m2() < kSmall_m2 && plane.scatter.num >= kMinJudged &&
-         plane.scatter.mean > kMaxScatterOfSmall;
+  return plane.extent.area_m2() < kSmall_m2 && plane.fit.scatter.num >= kMinJudged &&
+         plane.fit.scatter.mean > kMaxScatterOfSmall;
 }
 
 // A plane is curved if it was in most keyframes: one that only in the end gets landmarks of another
 // surface was flat before.
 bool IsCurved(const TrackedPlane& plane) {
-  return plane.curvature.num_judged >= kMinJudged &&
-         2 * plane.curvature.num_curved > plane.curvature.num_judged;
+  return plane.fit.curvature.num_judged >= kMinJudged &&
+         2 * plane.fit.curvature.num_curved > plane.fit.curvature.num_judged;
 }
 
 // Mean of both directions [rad^2].
@@ -69,10 +69,11 @@ bool IsPoorlyKnown(const TrackedPlane& plane) {
 }
 
 void MergeScatter(const TrackedPlane& part, TrackedPlane& whole) {
-  const double a = part.scatter.num * part.extent.area_m2();
-  const double b = whole.scatter.num * whole.extent.area_m2();
-  if (a + b > 0) whole.scatter.mean = (a * part.scatter.mean + b * whole.scatter.mean) / (a + b);
-  whole.scatter.num = std::max(part.scatter.num, whole.scatter.num);
+  const double a = part.fit.scatter.num * part.extent.area_m2();
+  const double b = whole.fit.scatter.num * whole.extent.area_m2();
+  if (a + b > 0)
+    whole.fit.scatter.mean = (a * part.fit.scatter.mean + b * whole.fit.scatter.mean) / (a + b);
+  whole.fit.scatter.num = std::max(part.fit.scatter.num, whole.fit.scatter.num);
 }
 
 // `planes` is sorted by id. The result has the id of the oldest and the estimate of the best one.
@@ -101,8 +102,8 @@ PlaneRecord MakeRecord(const TrackedPlane& plane) {
   record.plane_W = plane.best->plane_W;
   record.centroid_W = plane.extent.Centroid(record.plane_W);
   record.orientation = plane.orientation;
-  record.first_seen = plane.first_seen;
-  record.last_seen = plane.last_seen;
+  record.first_seen = plane.seen.first;
+  record.last_seen = plane.seen.last;
   record.num_landmarks = plane.landmark_count.num();
   record.merged_ids = plane.merged_ids;
   record.area_m2 = plane.extent.area_m2();

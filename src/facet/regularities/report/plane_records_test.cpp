@@ -99,7 +99,7 @@ TEST(PlaneRecordsTest, LargePiecesAreOneAcrossAGap) {
 
 TrackedPlane Scattered(TrackedPlane plane, double scatter, int num_keyframes) {
   for (int k = 0; k < num_keyframes; ++k)
-    plane.scatter.Add(scatter);
+    plane.fit.scatter.Add(scatter);
   return plane;
 }
 
@@ -128,7 +128,7 @@ TEST(PlaneRecordsTest, WhatWasBentMostOfTheTimeIsNotTold) {
   const auto is_told = [](int num_curved, int num_judged) {
     TrackedPlane plane = Wall(0, {3, 0, 1}, 0, 0.5, 3);
     for (int k = 0; k < num_judged; ++k)
-      plane.curvature.Add(k < num_curved);
+      plane.fit.curvature.Add(k < num_curved);
     return !MakeRecords(std::vector{plane}, true).empty();
   };
   EXPECT_FALSE(is_told(4, 7));
@@ -137,9 +137,9 @@ TEST(PlaneRecordsTest, WhatWasBentMostOfTheTimeIsNotTold) {
   // A board before a wall that is known to be one surface with it.
   std::vector<TrackedPlane> planes = {Wall(0, {3, 0, 1}, 0, 0.5, 3), Wall(1, {3, 2, 1}, 0, 0.5, 1)};
   for (int k = 0; k < 60; ++k)
-    planes[1].curvature.Add(true);
+    planes[1].fit.curvature.Add(true);
   for (int k = 0; k < 10; ++k)
-    planes[0].curvature.Add(false);
+    planes[0].fit.curvature.Add(false);
   EXPECT_EQ(MakeRecords(planes, true).size(), 1u);
 }
 

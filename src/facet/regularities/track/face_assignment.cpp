@@ -129,7 +129,7 @@ void ExtendPlanes(const SurfaceFaces& faces,
     const auto& c = faces.faces[f].corners;
     plane.extent.AddTriangle(
         {faces.points[c[0]].p_W, faces.points[c[1]].p_W, faces.points[c[2]].p_W});
-    plane.last_seen = now;
+    plane.seen.last = now;
     const Vector3d& centre_W = faces.faces[f].centre_W;
     const double distance_m = DistanceFrom(plane, centre_W);
     for (const int k : rivals[plane_index_of_face[f]]) {

@@ -188,15 +188,15 @@ TEST_F(FaceAssignmentTest, OnlyTheNewestViewBecomesSurface) {
   for (SurfaceFace& face : faces.faces)
     face.in_view = false;
   const std::vector<int> all_on_it(faces.faces.size(), 0);
-  planes_[0].last_seen = Timestamp{0};
+  planes_[0].seen.last = Timestamp{0};
   ExtendPlanes(faces, all_on_it, map_.latest.t, planes_);
   EXPECT_EQ(planes_[0].extent.area_m2(), 0);
-  EXPECT_EQ(planes_[0].last_seen, Timestamp{0});
+  EXPECT_EQ(planes_[0].seen.last, Timestamp{0});
   for (SurfaceFace& face : faces.faces)
     face.in_view = true;
   ExtendPlanes(faces, all_on_it, map_.latest.t, planes_);
   EXPECT_GT(planes_[0].extent.area_m2(), 0.2);
-  EXPECT_EQ(planes_[0].last_seen, map_.latest.t);
+  EXPECT_EQ(planes_[0].seen.last, map_.latest.t);
 }
 
 // A vanished surface is no reason to leave, as long as nobody else has it.

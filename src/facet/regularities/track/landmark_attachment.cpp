@@ -48,7 +48,7 @@ void AttachLandmarks(const MapSnapshot& map,
     same = end;
     if (count < 2 && 2 * count < faces_around[landmark]) continue;
     const TrackedPlane& known = planes[plane];
-    out.attached.push_back({map.landmarks[landmark].id, known.id, 2 * known.detection_offset_m});
+    out.attached.push_back({map.landmarks[landmark].id, known.id, 2 * known.detections.offset_m});
   }
 }
 

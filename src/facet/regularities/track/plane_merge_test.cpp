@@ -59,8 +59,8 @@ TEST(PlaneMergeTest, TwoPartsOfAWallBecomeTheOlder) {
     ASSERT_EQ(planes.size(), 1u);
     EXPECT_EQ(planes[0].id, PlaneId{3});
     EXPECT_EQ(planes[0].landmark_count.num(), 50);
-    EXPECT_EQ(planes[0].first_seen, Timestamp{0} + FromSeconds(3));
-    EXPECT_EQ(planes[0].last_seen, Timestamp{0} + FromSeconds(8));
+    EXPECT_EQ(planes[0].seen.first, Timestamp{0} + FromSeconds(3));
+    EXPECT_EQ(planes[0].seen.last, Timestamp{0} + FromSeconds(8));
     EXPECT_NEAR(planes[0].extent.area_m2(), 8, 0.5);
     EXPECT_LT((planes[0].extent.Centroid(planes[0].estimate.plane_W) - Vector3d(3, 1.15, 1)).norm(),
               0.1);

@@ -119,15 +119,15 @@ bool IsMisfit(const MapSnapshot& map, double sigma_direction, TrackedPlane& plan
   const std::optional<LandmarkFit> fit =
       FitLandmarks(LandmarksByVision(map, sigma_direction, plane), plane.estimate, map.latest.T_WB);
   if (!fit) {
-    plane.num_misfits = 0;
+    plane.fit.num_misfits = 0;
     return false;
   }
   const bool misfits = fit->chi_square > kMaxChiSquare || fit->scatter > kMaxScatterAtOnce;
-  plane.num_misfits = misfits ? plane.num_misfits + 1 : 0;
-  plane.scatter.Add(fit->scatter);
-  if (fit->curvature) plane.curvature.Add(IsCurved(*fit->curvature));
-  return plane.num_misfits >= kMaxMisfits ||
-         (plane.scatter.num >= kMinJudged && plane.scatter.mean > kMaxScatter);
+  plane.fit.num_misfits = misfits ? plane.fit.num_misfits + 1 : 0;
+  plane.fit.scatter.Add(fit->scatter);
+  if (fit->curvature) plane.fit.curvature.Add(IsCurved(*fit->curvature));
+  return plane.fit.num_misfits >= kMaxMisfits ||
+         (plane.fit.scatter.num >= kMinJudged && plane.fit.scatter.mean > kMaxScatter);
 }
 
 }  // namespace

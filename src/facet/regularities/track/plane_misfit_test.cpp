@@ -111,7 +111,7 @@ TEST(PlaneMisfitTest, ABendIsCounted) {
       RemoveMisfits(map, kSigmaDirection, planes, out);
     }
     EXPECT_EQ(planes.size(), 1u);
-    const CurvatureRecord& bends = planes.at(0).curvature;
+    const CurvatureRecord& bends = planes.at(0).fit.curvature;
     return bends.num_judged == 0 ? -1.0 : bends.num_curved / static_cast<double>(bends.num_judged);
   };
   const auto board_and_wall = [](double, double z) { return 3 + 0.07 * (std::abs(z - 1) - 0.5); };

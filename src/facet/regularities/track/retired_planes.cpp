@@ -37,10 +37,10 @@ std::optional<PlaneId> RetiredPlanes::Reidentify(double max_angle,
   if (same == planes_.end()) return std::nullopt;
   const PlaneId id = same->id;
   plane.best = same->best;
-  plane.first_seen = same->first_seen;
+  plane.seen.first = same->seen.first;
   plane.landmark_count.Add(same->landmark_count);
-  plane.curvature = same->curvature;
-  plane.scatter = same->scatter;
+  plane.fit.curvature = same->fit.curvature;
+  plane.fit.scatter = same->fit.scatter;
   plane.merged_ids = std::move(same->merged_ids);
   plane.extent.Add(same->extent, plane_W);
   planes_.erase(same);

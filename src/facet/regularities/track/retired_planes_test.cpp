@@ -40,8 +40,8 @@ TEST(RetiredPlanesTest, APlaneGetsItsIdBack) {
   TrackedPlane again = Wall(0.05, 0.03, 0.2, Timestamp{900});
   again.landmark_count = testing::CountOf(2, 100);
   EXPECT_EQ(retired.Reidentify(kMaxAngle, kMaxDistance_m, again), PlaneId{3});
-  EXPECT_EQ(again.first_seen, Timestamp{5});
-  EXPECT_EQ(again.last_seen, Timestamp{900});
+  EXPECT_EQ(again.seen.first, Timestamp{5});
+  EXPECT_EQ(again.seen.last, Timestamp{900});
   EXPECT_EQ(again.landmark_count.num(), 7);
   EXPECT_TRUE(again.best.has_value());
   EXPECT_TRUE(again.extent.HasSurface({3, -0.3, 0.6}));  // where only the retired one had been seen

@@ -46,6 +46,23 @@ struct CurvatureRecord {
   }
 };
 
+/// How well the landmarks of a plane have fitted it.
+struct FitHistory {
+  int num_misfits = 0;  ///< keyframes in a row in which they did not
+  RecentMean scatter;   ///< across the plane, mean square over what is expected
+  CurvatureRecord curvature;
+};
+
+/// Detections of a plane in the mesh of a keyframe.
+struct DetectionHistory {
+  int num = 0;          ///< keyframes with one while the plane was tentative
+  double offset_m = 0;  ///< distance of the newest keyframe's detection; 0: none
+};
+
+struct TimeSpan {
+  Timestamp first, last;
+};
+
 struct TrackedPlane {
   PlaneState state = PlaneState::kTentative;
   PlaneId id;  ///< invalid while tentative
@@ -55,23 +72,21 @@ struct TrackedPlane {
   std::optional<PlaneEstimate> best;
   PlaneOrientation orientation = PlaneOrientation::kOblique;
   PlaneExtent extent;
-  int num_detections = 0;         ///< keyframes in which it was detected while it was tentative
-  double detection_offset_m = 0;  ///< distance of the newest keyframe's detection; 0: none
+  DetectionHistory detections;
   LandmarkCount landmark_count;
-  int num_misfits = 0;  ///< keyframes in a row in which its landmarks did not fit
-  RecentMean scatter;   ///< of its landmarks across it, mean square over what is expected
-  CurvatureRecord curvature;
-  Timestamp first_seen, last_seen, confirmed_at;
+  FitHistory fit;
+  TimeSpan seen;
+  Timestamp confirmed_at;
   std::vector<PlaneId> merged_ids;  ///< planes that turned out to be the same surface
 
   TrackedPlane(const PlaneCandidate& candidate, Timestamp t)
-      : extent(candidate.plane_W, candidate.centroid_W), first_seen(t), last_seen(t) {}
+      : extent(candidate.plane_W, candidate.centroid_W), seen{t, t} {}
 
   bool IsTentative() const { return state == PlaneState::kTentative; }
 
   /// A variable of the estimator that is out of view: only a new detection finds it again.
   bool IsDormant(Timestamp now, double active_s) const {
-    return !IsTentative() && ToSeconds(now - last_seen) > active_s;
+    return !IsTentative() && ToSeconds(now - seen.last) > active_s;
   }
 
   /// Whether the landmark lies on it, or on a plane that was merged into it.
@@ -117,12 +132,12 @@ inline void TrackedPlane::UpdateOrientation(double max_lean_deg) {
 }
 
 inline void TrackedPlane::Merge(const TrackedPlane& other, const Plane& other_plane_W) {
-  curvature.Keep(extent.area_m2(), other.curvature, other.extent.area_m2());
+  fit.curvature.Keep(extent.area_m2(), other.fit.curvature, other.extent.area_m2());
   extent.Add(other.extent, other_plane_W);
   landmark_count.Add(other.landmark_count);
-  num_detections += other.num_detections;
-  first_seen = std::min(first_seen, other.first_seen);
-  last_seen = std::max(last_seen, other.last_seen);
+  detections.num += other.detections.num;
+  seen.first = std::min(seen.first, other.seen.first);
+  seen.last = std::max(seen.last, other.seen.last);
   merged_ids.push_back(other.id);
   merged_ids.insert(merged_ids.end(), other.merged_ids.begin(), other.merged_ids.end());
 }
