@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Does every header compile alone? A source that includes nothing else is compiled with the flags of its folder.
+"""Does every header compile alone? A source that includes nothing else is compiled with the flags of all.
 
   check_headers.py build-no-pch/compile_commands.json     of a build without precompiled headers (preset no-pch)
 """
@@ -30,29 +30,28 @@ def arguments_of(entry):
     return kept
 
 
-def commands_by_folder(database):
-    """Of each folder the entry that knows most include directories: a test's, where there are tests."""
-    best = {}
+def add_command(words, to):
+    """`to` gets the include directories and macros that it lacks; of a macro the first value counts."""
+    if not to:
+        to.extend(words)
+        return
+    macros = {word.split("=")[0] for word in to if word.startswith("-D")}
+    for word, value in zip(words, [*words[1:], ""]):
+        if word == "-isystem" and value not in to:
+            to += [word, value]
+        elif word.startswith("-I") and word not in to or word.startswith("-D") and word.split("=")[0] not in macros:
+            to.append(word)
+
+
+def common_command(database):
+    """What all sources together are compiled with."""
+    words = []
     for entry in json.loads(database.read_text()):
-        words = arguments_of(entry)
-        folder = Path(entry["file"]).parent
-        if folder not in best or len(words) > len(best[folder]):
-            best[folder] = words
-    return best
+        add_command(arguments_of(entry), words)
+    return words
 
 
-def nearest(folder, commands):
-    while folder not in commands:
-        if folder == ROOT:
-            return None
-        folder = folder.parent
-    return commands[folder]
-
-
-def check(header, commands):
-    words = nearest(header.parent, commands)
-    if words is None:
-        return f"{header}: no source of its folder is built"
+def check(header, words):
     command = [*words, "-fsyntax-only", "-x", "c++", "-include", str(header), os.devnull]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     return "" if run.returncode == 0 else f"{header.relative_to(ROOT)}:\n{run.stderr}"
@@ -63,10 +62,10 @@ def main():
     parser.add_argument("database", type=Path)
     parser.add_argument("--only", default="", metavar="REGEX", help="headers whose path matches")
     arguments = parser.parse_args()
-    commands = commands_by_folder(arguments.database)
+    words = common_command(arguments.database)
     headers = sorted(h for folder in FOLDERS for h in (ROOT / folder).rglob("*.h") if re.search(arguments.only, str(h)))
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        wrong = [text for text in pool.map(lambda header: check(header, commands), headers) if text]
+        wrong = [text for text in pool.map(lambda header: check(header, words), headers) if text]
     print("\n".join(wrong))
     print(f"{len(headers)} headers, {len(wrong)} do not compile alone")
     return 1 if wrong or not headers else 0

@@ -281,6 +281,14 @@ TEST(PlanesFileTest, ReadsBothKinds) {
   EXPECT_TRUE(ReadTruePlanes(folder / "none.csv").empty());
 }
 
+TEST(PlanesFileTest, AnIdIsAnInteger) {
+  const TempFolder folder;
+  for (const std::string id : {"1e42", "1.5", "", "x", "99999999999999999999"}) {
+    WriteText(folder / "planes.csv", "id,nx,ny,nz,d\n" + id + ",0,0,1,0.5,1,2,0.5,,,,,,2\n");
+    EXPECT_THROW(ReadEstimatedPlanes(folder / "planes.csv"), InputError) << id;
+  }
+}
+
 TEST(PlanesFileTest, NamesFileAndLine) {
   const TempFolder folder;
   const auto message = [&](const std::string& text) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <initializer_list>
+#include <string_view>
 #include <tuple>
 
 #include "facet/io/csv_reader.h"
@@ -27,6 +28,13 @@ double Number(const CsvReader& row, std::size_t column, const char* name) {
                      "', a finite number is expected");
   }
   return *value;
+}
+
+std::int64_t IdOf(const CsvReader& row) {
+  const std::string_view text = row.fields().empty() ? std::string_view() : row.fields()[0];
+  if (const auto id = ParseInteger(text)) return *id;
+  throw InputError(row.Where() + ": column 1 (id) is '" + std::string(text) +
+                   "', an integer is expected");
 }
 
 std::string Text(const CsvReader& row, std::size_t column) {
@@ -64,7 +72,7 @@ std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& fil
   CsvReader row(file);
   while (row.Next()) {
     EstimatedPlane plane;
-    plane.id = static_cast<std::int64_t>(Number(row, 0, "id"));
+    plane.id = IdOf(row);
     std::tie(plane.n_W, plane.d_W) = NormalAndDistance(row);
     plane.centre_W = {Number(row, 5, "cx"), Number(row, 6, "cy"), Number(row, 7, "cz")};
     plane.orientation = Text(row, 8);
