@@ -73,7 +73,7 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
 }
 
 bool VioEstimator::IsAfterNewest(Timestamp t) const {
-  if (window_.frames.empty()) return true;
+  if (window_.frames.empty()) return !last_good_ || t > last_good_->t;
   return t > (intermediate_ ? intermediate_->x : window_.frames.back().x).t;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "facet/frontend/feature_detector.h"
@@ -62,6 +63,7 @@ struct StereoFrontend::Impl {
   Images images;
   Motion motion;
   std::int64_t next_frame = 0;
+  std::optional<Timestamp> newest_t;
 };
 
 StereoFrontend::Impl::Impl(const StereoRig& stereo_rig, const FrontendOptions& frontend_options)
@@ -184,6 +186,9 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
   FrontendResult result;
   result.observations.frame = FrameId{next_frame++};
   result.observations.t = frame.t;
+  result.in_order = !newest_t || frame.t > *newest_t;
+  if (!result.in_order) return result;
+  newest_t = frame.t;
   TakeHint(hint);
   result.image_ok = IsUsable(frame.left, rig.cameras[0]);
   if (!result.image_ok) return result;

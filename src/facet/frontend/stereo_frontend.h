@@ -61,6 +61,7 @@ struct FrontendResult {
   int num_stereo = 0;        ///< observations with a right pixel
   bool right_ok = false;     ///< keyframes: there was a right image that could be used
   bool image_ok = true;      ///< false: no left image, or one of the wrong size or type
+  bool in_order = true;      ///< false: the stamp is not after the newest one; nothing was done
 };
 
 /// Owns the tracks. Deterministic: the same frames and hints give the same observations on every
@@ -79,7 +80,8 @@ class StereoFrontend {
   /// kDetect.
   ///
   /// A left image that cannot be used gives empty observations. The tracks are kept and sought in
-  /// the next frame; the hints of both frames are composed.
+  /// the next frame; the hints of both frames are composed. A frame that is not after the newest
+  /// one gives empty observations and leaves the tracks and the hints as they are.
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
 
  private:

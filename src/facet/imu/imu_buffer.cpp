@@ -48,6 +48,7 @@ ImuInterval ImuBuffer::Between(Timestamp t0,
   const Duration usual = LongestUsualStep();
   max_gap = std::max(max_gap, usual);
   max_extrapolation = std::max(max_extrapolation, usual);
+  result.allowed_gap = max_gap;
   // The first sample after t; samples_.front() is never after t0.
   const auto after = [this](Timestamp t) {
     return std::upper_bound(

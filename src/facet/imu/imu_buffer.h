@@ -18,6 +18,7 @@ struct ImuInterval {
   /// Longest time between two samples that overlaps [t0, t1], as far as it is known at t1.
   Duration longest_gap;
   bool has_hole = false;  ///< longest_gap is longer than allowed
+  Duration allowed_gap{21'000'000};  ///< a longer step between two samples is a hole
 };
 
 /// Not thread-safe. Accepts any content: what is not finite, not in order or a duplicate is

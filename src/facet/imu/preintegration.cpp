@@ -6,38 +6,58 @@
 
 namespace facet {
 
-void ImuPreintegration::Integrate(std::span<const ImuSample> samples) {
+namespace {
+
+void CheckThatTheyMeet(const std::vector<ImuSample>& before, const ImuSample& next) {
+  FACET_CHECK(before.empty() || next.t == before.back().t)
+      << "the interval ends at " << before.back().t.ns << " but the samples begin at " << next.t.ns;
+}
+
+}  // namespace
+
+void ImuPreintegration::Integrate(std::span<const ImuSample> samples, const StepNoise& noise) {
   if (samples.empty()) return;
-  std::size_t first = 0;
-  if (!samples_.empty()) {
-    FACET_CHECK(samples.front().t == samples_.back().t)
-        << "the interval ends at " << samples_.back().t.ns << " but the samples begin at "
-        << samples.front().t.ns;
-    // The end sample was interpolated at the same stamp, possibly by holding; both are valid.
-    first = 1;
-  }
-  samples_.reserve(samples_.size() + samples.size() - first);
-  for (const ImuSample& sample : samples.subspan(first)) {
-    if (!samples_.empty()) {
-      FACET_CHECK(sample.t >= samples_.back().t)
-          << "sample at " << sample.t.ns << " after one at " << samples_.back().t.ns;
-      if (sample.t == samples_.back().t) continue;
-      Step(samples_.back(), sample);
-    }
-    samples_.push_back(sample);
-  }
+  CheckThatTheyMeet(samples_, samples.front());
+  samples_.reserve(samples_.size() + samples.size());
+  step_noise_.reserve(step_noise_.size() + samples.size());
+  for (const ImuSample& sample : samples)
+    Add(sample, noise);
+}
+
+void ImuPreintegration::Append(const ImuPreintegration& next) {
+  if (next.samples_.empty()) return;
+  CheckThatTheyMeet(samples_, next.samples_.front());
+  samples_.reserve(samples_.size() + next.samples_.size());
+  step_noise_.reserve(step_noise_.size() + next.samples_.size());
+  for (std::size_t i = 0; i < next.samples_.size(); ++i)
+    Add(next.samples_[i], next.step_noise_[i]);
 }
 
 void ImuPreintegration::Reintegrate(const ImuBias& bias) {
   ImuPreintegration fresh(bias, noise_);
-  fresh.Integrate(samples_);
+  fresh.Append(*this);
   *this = std::move(fresh);
+}
+
+// Where two intervals meet, both have a sample with the stamp of the seam, possibly one of them
+// held: the first one counts.
+void ImuPreintegration::Add(const ImuSample& sample, const StepNoise& noise) {
+  if (!samples_.empty()) {
+    FACET_CHECK(sample.t >= samples_.back().t)
+        << "sample at " << sample.t.ns << " after one at " << samples_.back().t.ns;
+    if (sample.t == samples_.back().t) return;
+    Step(samples_.back(), sample, noise);
+  }
+  samples_.push_back(sample);
+  step_noise_.push_back(noise);
 }
 
 // Midpoint rule: mean rate, and the mean of the accelerations at both ends turned into the first
 // body frame. Its linearisation in (theta, p, v), in the noise of the mean measurements and in the
 // biases is in docs/math.md, section 2.
-void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b) {
+void ImuPreintegration::Step(const ImuSample& a,
+                             const ImuSample& b,
+                             const StepNoise& step_noise) {
   const double dt = ToSeconds(b.t - a.t);
   const Vector3d w = 0.5 * (a.gyro + b.gyro) - bias_.b_g;
   const Vector3d a0 = a.accel - bias_.b_a;
@@ -72,18 +92,21 @@ void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b) {
 
   // Variance of the mean measurement over the step. Neighbouring steps share a sample, yet count as
   // independent: summed over a chain of intervals that gives every sample its full weight.
-  const bool is_gap = dt > noise_.max_step_s;
+  const bool is_gap = dt > step_noise.max_step_s;
   const double gap_w = is_gap ? noise_.gyro_in_gap : 0.0;
   const double gap_a = is_gap ? noise_.accel_in_gap : 0.0;
+  const double gyro = noise_.gyro * step_noise.scale;
+  const double accel = noise_.accel * step_noise.scale;
+  const double integration = noise_.integration * step_noise.scale;
   Vector<6> variance;
-  variance.head<3>().setConstant(noise_.gyro * noise_.gyro / dt + gap_w * gap_w);
-  variance.tail<3>().setConstant(noise_.accel * noise_.accel / dt + gap_a * gap_a);
+  variance.head<3>().setConstant(gyro * gyro / dt + gap_w * gap_w);
+  variance.tail<3>().setConstant(accel * accel / dt + gap_a * gap_a);
 
   covariance_ = A * covariance_ * A.transpose() + B * variance.asDiagonal() * B.transpose();
   // Inside a hole the acceleration may also have come early or late: (p, v) are not tied together.
   const double sigma_p_gap = gap_a * dt * dt / std::sqrt(12.0);
   covariance_.block<3, 3>(3, 3).diagonal().array() +=
-      noise_.integration * noise_.integration * dt + sigma_p_gap * sigma_p_gap;
+      integration * integration * dt + sigma_p_gap * sigma_p_gap;
   J_bias_ = A * J_bias_ - B;
 
   dp_ += dv_ * dt + 0.5 * dt * dt * acceleration;

@@ -15,13 +15,18 @@ struct PreintegrationNoise {
   double gyro = 1.6968e-4;    ///< rad/s/sqrt(Hz)
   double accel = 2.0e-3;      ///< m/s^2/sqrt(Hz)
   double integration = 1e-8;  ///< m/sqrt(s): keeps the position covariance regular
-  /// A longer step than this is a hole in the recording: what happened inside is only guessed from
-  /// its ends, and the mean rate and acceleration over the hole get these extra standard
-  /// deviations. EuRoC flights with artificial holes of 25-200 ms: up to 0.07 rad/s and 0.9 m/s^2
-  /// rms per axis.
-  double max_step_s = 0.021;
+  /// What happened inside a hole between two samples is only guessed from its ends: the mean rate
+  /// and acceleration over the hole get these extra standard deviations. EuRoC flights with
+  /// artificial holes of 25-200 ms: up to 0.07 rad/s and 0.9 m/s^2 rms per axis.
   double gyro_in_gap = 0.1;   ///< rad/s
   double accel_in_gap = 1.0;  ///< m/s^2
+};
+
+/// How much the steps between some samples are trusted. It stays with them when an interval is
+/// integrated again or joined to another one.
+struct StepNoise {
+  double scale = 1;           ///< multiplies the densities of PreintegrationNoise
+  double max_step_s = 0.021;  ///< a longer step is a hole
 };
 
 /// The motion between two stamps as the IMU saw it, in the body frame at the first of them and
@@ -36,10 +41,15 @@ class ImuPreintegration {
   ImuPreintegration(const ImuBias& bias, const PreintegrationNoise& noise)
       : bias_(bias), noise_(noise) {}
 
-  /// Extends the interval by the samples. CHECKs that they are in order of time and that the first
-  /// one has the stamp of the last one that is already there (intervals share their end samples;
-  /// see ImuBuffer::Between). Samples with the stamp of their predecessor add nothing.
-  void Integrate(std::span<const ImuSample> samples);
+  /// Extends the interval by the samples, with the same noise for each of their steps. CHECKs that
+  /// they are in order of time and that the first one has the stamp of the last one that is already
+  /// there (intervals share their end samples; see ImuBuffer::Between). Samples with the stamp of
+  /// their predecessor add nothing.
+  void Integrate(std::span<const ImuSample> samples, const StepNoise& noise = {});
+
+  /// Extends the interval by the samples of `next`, each step with the noise that it has there.
+  /// CHECKs as Integrate does.
+  void Append(const ImuPreintegration& next);
 
   /// Integrates the stored samples again about another bias.
   void Reintegrate(const ImuBias& bias);
@@ -63,11 +73,13 @@ class ImuPreintegration {
   NavState Predict(const NavState& start) const;
 
  private:
-  void Step(const ImuSample& a, const ImuSample& b);
+  void Add(const ImuSample& sample, const StepNoise& noise);
+  void Step(const ImuSample& a, const ImuSample& b, const StepNoise& noise);
 
   ImuBias bias_;
   PreintegrationNoise noise_;
   std::vector<ImuSample> samples_;
+  std::vector<StepNoise> step_noise_;  // of the step that ends at the sample of the same index
   double dt_s_ = 0;
   Quaterniond dR_ = Quaterniond::Identity();
   Vector3d dp_ = Vector3d::Zero();

@@ -139,11 +139,41 @@ TEST(PreintegrationTest, JoinedIntervalsEqualOneInterval) {
   const auto samples = AnalyticMotion().Samples(0, 0.4);
   const auto middle = samples.begin() + 33;
   ImuPreintegration joined = Integrated({samples.begin(), middle + 1});
-  joined.Integrate(Integrated({middle, samples.end()}).samples());
+  joined.Append(Integrated({middle, samples.end()}));
   const ImuPreintegration one = Integrated(samples);
   EXPECT_EQ(Difference(joined, one).norm(), 0);
   EXPECT_EQ((joined.Covariance() - one.Covariance()).norm(), 0);
   EXPECT_EQ(joined.samples().size(), one.samples().size());
+}
+
+TEST(PreintegrationTest, EachStepKeepsItsNoiseWhenIntervalsAreJoinedOrIntegratedAgain) {
+  const auto samples = AnalyticMotion().Samples(0, 0.3);
+  const auto third = static_cast<std::ptrdiff_t>(samples.size() / 3);
+  const auto a = samples.begin() + third, b = samples.begin() + 2 * third;
+  ImuPreintegration outage;
+  outage.Integrate(std::vector(a, b + 1), StepNoise{300});
+  ImuPreintegration joined = Integrated({samples.begin(), a + 1});
+  joined.Append(outage);
+  joined.Integrate(std::vector(b, samples.end()));
+  EXPECT_GT(joined.Covariance()(0, 0), 0.9 * outage.Covariance()(0, 0));
+  EXPECT_EQ(Difference(joined, Integrated(samples)).norm(), 0) << "noise moves nothing";
+
+  const Matrix<9, 9> before = joined.Covariance();
+  joined.Reintegrate(ImuBias{});
+  EXPECT_EQ((joined.Covariance() - before).norm(), 0);
+}
+
+TEST(PreintegrationTest, ASlowSensorHasNoHoles) {
+  std::vector<ImuSample> slow;
+  const auto samples = AnalyticMotion().Samples(0, 0.5);
+  for (std::size_t i = 0; i < samples.size(); i += 5)  // 40 Hz
+    slow.push_back(samples[i]);
+  ImuPreintegration as_holes, as_usual;
+  as_holes.Integrate(slow, StepNoise{1, 0.021});
+  as_usual.Integrate(slow, StepNoise{1, 0.04});
+  EXPECT_GT(as_holes.Covariance()(0, 0), 100 * as_usual.Covariance()(0, 0));
+  const double expected = Integrated(samples).Covariance()(0, 0);
+  EXPECT_NEAR(as_usual.Covariance()(0, 0), expected, 0.01 * expected);
 }
 
 // Samples with white noise of variance density^2 * rate, as a real sensor's.

@@ -47,9 +47,10 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   tracked.times = prediction.times;
   tracked.used_feedback = prediction.hint.inverse_depth != nullptr;
   tracked.frontend = frontend_.Process(frame, prediction.hint, tracked.times);
+  ++next_frame_;
+  if (!tracked.frontend.in_order) return tracked;
   previous_t_ = frame.t + rig_.time_offset;
   has_previous_ = true;
-  ++next_frame_;
   ForgetOldImu();
   return tracked;
 }

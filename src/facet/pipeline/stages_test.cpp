@@ -66,6 +66,22 @@ TEST_F(FrontStageTest, FeedbackReachesBackToItsFrame) {
   }
 }
 
+TEST_F(FrontStageTest, AFrameOutOfOrderLeavesNoTrace) {
+  for (int i = 0; i < 5; ++i)
+    Next();
+  for (const Duration back : {Duration{0}, Duration{30'000'000}, Duration{500'000'000}}) {
+    StereoFrame late = frame_;
+    late.t = frame_.t - back;
+    const TrackedFrame refused = front_.Track(late, front_.Predict(late.t));
+    EXPECT_FALSE(refused.frontend.in_order);
+    EXPECT_TRUE(refused.frontend.observations.features.empty());
+    const TrackedFrame next = Next();
+    EXPECT_TRUE(next.frontend.in_order);
+    ASSERT_EQ(next.imu.samples.size(), 11u) << "the interval begins at the newest frame";
+    EXPECT_EQ(next.imu.samples.front().t, frame_.t - kFrameInterval + rig_.time_offset);
+  }
+}
+
 TEST_F(FrontStageTest, ForgetsWhatWasKnownBeforeAReset) {
   front_.AddFeedback(FeedbackOf(Next()));
   Next();

@@ -99,7 +99,7 @@ VelocityAndGravity SolveVelocityAndGravity(const SlidingWindow& window) {
   MatrixXd A(3 * (frames.size() - 1), 6);
   VectorXd y(3 * (frames.size() - 1));
   for (std::size_t k = 1; k < frames.size(); ++k) {
-    if (k > 1) total.Integrate(frames[k].imu_link->measured.samples());
+    if (k > 1) total.Append(frames[k].imu_link->measured);
     const double T = total.dt();
     const long row = static_cast<long>(3 * (k - 1));
     A.block<3, 3>(row, 0) = T * Matrix3d::Identity();

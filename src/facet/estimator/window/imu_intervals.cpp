@@ -17,10 +17,6 @@ constexpr double kNoImuNoiseScale = 300.0;
 constexpr double kRelinearizeGyro = 2e-3;   // rad/s
 constexpr double kRelinearizeAccel = 2e-2;  // m/s^2
 
-PreintegrationNoise Scaled(const PreintegrationNoise& noise, double scale) {
-  return {noise.gyro * scale, noise.accel * scale, noise.integration * scale};
-}
-
 // Whether the samples can be integrated: finite, in order of time, from t0 to t1 or nearly so.
 bool IsUsable(const std::vector<ImuSample>& samples, Timestamp t0, Timestamp t1) {
   constexpr Duration kMaxEndError{10'000'000};
@@ -61,22 +57,18 @@ PredictedFrame ImuIntervals::Next(const NavState& last,
   if (is_synthetic) invented = ConstantVelocity(last, end_, t1);
   const std::span<const ImuSample> samples = is_synthetic ? invented : imu.samples;
   const double scale = is_synthetic ? kNoImuNoiseScale : imu.has_hole ? kGapNoiseScale : 1.0;
+  const StepNoise noise{scale, ToSeconds(imu.allowed_gap)};
 
   PredictedFrame frame;
   frame.link.is_synthetic = is_synthetic;
   ImuPreintegration& measured = frame.link.measured;
-  measured = ImuPreintegration(last.bias, Scaled(noise_, scale));
-  measured.Integrate(samples);
+  measured = ImuPreintegration(last.bias, noise_);
+  measured.Integrate(samples, noise);
   frame.x = measured.Predict(last);
   frame.x.t = t;
-  if (passing && scale == 1.0) {
+  if (passing) {
     measured = std::move(passing->measured);
-    measured.Integrate(samples);
-  } else if (passing) {
-    std::vector<ImuSample> all = passing->measured.samples();
-    all.insert(all.end(), samples.begin() + 1, samples.end());
-    measured = ImuPreintegration(last.bias, Scaled(noise_, scale));
-    measured.Integrate(all);
+    measured.Integrate(samples, noise);
   }
   UpdateSqrtInfo(frame.link);
   end_ = samples.back().t;
@@ -84,7 +76,7 @@ PredictedFrame ImuIntervals::Next(const NavState& last,
 }
 
 ImuLink ImuIntervals::Join(ImuLink first, const ImuLink& second) const {
-  first.measured.Integrate(second.measured.samples());
+  first.measured.Append(second.measured);
   first.is_synthetic = second.is_synthetic;
   UpdateSqrtInfo(first);
   return first;

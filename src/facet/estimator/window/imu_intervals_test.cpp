@@ -129,7 +129,7 @@ TEST_F(ImuIntervalsTest, TheLinkOfAPassingFrameGoesOn) {
   EXPECT_LT(testing::Difference(motion_.At(0.2), frame.x).norm(), 1e-3);
 }
 
-TEST_F(ImuIntervalsTest, AfterAPassingFrameNoImuMakesAllOfItUncertain) {
+TEST_F(ImuIntervalsTest, AfterAPassingFrameNoImuMakesItUncertain) {
   PredictedFrame passing = Next(0.1, Samples(0, 0.1));
   const NavState middle = passing.x;
   const PredictedFrame frame =
@@ -139,12 +139,41 @@ TEST_F(ImuIntervalsTest, AfterAPassingFrameNoImuMakesAllOfItUncertain) {
   EXPECT_GT(std::sqrt(frame.link.measured.Covariance()(8, 8)), 1.0);  // m/s
 }
 
+// What happened while there were no samples stays unknown, whatever comes after it.
+TEST_F(ImuIntervalsTest, AnOutageStaysUncertainWhenSamplesComeAgain) {
+  PredictedFrame outage = Next(0.1, ImuInterval{});
+  const double sigma_angle = std::sqrt(outage.link.measured.Covariance()(0, 0));
+  const NavState middle = outage.x;
+  ImuInterval with_hole = Samples(0.1, 0.2);
+  with_hole.has_hole = true;
+  const PredictedFrame frame =
+      intervals_.Next(middle, std::move(outage.link), StampOf(0.2), with_hole);
+  EXPECT_GT(std::sqrt(frame.link.measured.Covariance()(0, 0)), 0.9 * sigma_angle);
+
+  const PredictedFrame next = Next(0.3, Samples(0.2, 0.3));
+  const ImuLink joined = intervals_.Join(frame.link, next.link);
+  EXPECT_GT(std::sqrt(joined.measured.Covariance()(0, 0)), 0.9 * sigma_angle);
+}
+
+TEST_F(ImuIntervalsTest, WhatIsAHoleIsSaidByTheBuffer) {
+  ImuInterval slow;
+  for (const double t : {0.0, 0.025, 0.05, 0.075, 0.1}) {
+    slow.samples.push_back(motion_.ImuAt(t, ImuBias{}));
+    slow.samples.back().t = slow.samples.back().t + kOffset;
+  }
+  slow.allowed_gap = FromSeconds(0.04);
+  const double usual = std::sqrt(Next(0.1, slow).link.measured.Covariance()(0, 0));
+  intervals_.Begin(StampOf(0));
+  slow.allowed_gap = FromSeconds(0.02);
+  EXPECT_GT(std::sqrt(Next(0.1, slow).link.measured.Covariance()(0, 0)), 10 * usual);
+}
+
 TEST_F(ImuIntervalsTest, JoinedIntervalsAreOne) {
   const PredictedFrame first = Next(0.1, Samples(0, 0.1));
   const PredictedFrame second = Next(0.2, Samples(0.1, 0.2));
   const ImuLink joined = intervals_.Join(first.link, second.link);
   ImuPreintegration expected = first.link.measured;
-  expected.Integrate(second.link.measured.samples());
+  expected.Append(second.link.measured);
   EXPECT_EQ(joined.measured.dv(), expected.dv());
   EXPECT_EQ(joined.sqrt_info, ImuSqrtInfo(expected, testing::DefaultBiasWalk()));
 }
