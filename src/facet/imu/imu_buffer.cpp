@@ -25,17 +25,22 @@ bool IsUsable(const Vector3d& x) {
 /// The measurement at t on the line through a and b; a.t <= t <= b.t, a.t < b.t.
 ImuSample Interpolate(const ImuSample& a, const ImuSample& b, Timestamp t) {
   const double u = ToSeconds(t - a.t) / ToSeconds(b.t - a.t);
-  return {t, (1 - u) * a.gyro + u * b.gyro, (1 - u) * a.accel + u * b.accel};
+  return {t,
+          (1 - u) * a.gyro + u * b.gyro,
+          (1 - u) * a.accel + u * b.accel,
+          b.gyro_doubt,
+          b.accel_doubt};
 }
 
 }  // namespace
 
 ImuBuffer::AddResult ImuBuffer::Add(const ImuSample& sample) {
   if (!IsUsable(sample.gyro) || !IsUsable(sample.accel)) return AddResult::kNotFinite;
-  if (!samples_.empty() && sample.t <= samples_.back().t) return AddResult::kNotInOrder;
-  if (!samples_.empty()) steps_s_.push_back(ToSeconds(sample.t - samples_.back().t));
+  if (newest_ && sample.t <= *newest_) return AddResult::kNotInOrder;
+  if (newest_) steps_s_.push_back(ToSeconds(sample.t - *newest_));
   if (steps_s_.size() > kNumSteps) steps_s_.pop_front();
-  samples_.push_back(sample);
+  newest_ = sample.t;
+  screen_.Add(sample, samples_);
   return AddResult::kAdded;
 }
 
@@ -64,7 +69,7 @@ ImuInterval ImuBuffer::Between(Timestamp t0,
     const auto next = after(t);
     const ImuSample& previous = *std::prev(next);
     if (is_known(next)) return Interpolate(previous, *next, t);
-    return ImuSample{t, previous.gyro, previous.accel};
+    return ImuSample{t, previous.gyro, previous.accel, previous.gyro_doubt, previous.accel_doubt};
   };
 
   Timestamp previous = std::prev(after(t0))->t;

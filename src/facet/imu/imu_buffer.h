@@ -3,8 +3,10 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <vector>
 
+#include "facet/imu/imu_screen.h"
 #include "facet/imu/imu_types.h"
 
 namespace facet {
@@ -17,12 +19,12 @@ struct ImuInterval {
   int gaps = 0;
   /// Longest time between two samples that overlaps [t0, t1], as far as it is known at t1.
   Duration longest_gap;
-  bool has_hole = false;  ///< longest_gap is longer than allowed
+  bool has_hole = false;             ///< longest_gap is longer than allowed
   Duration allowed_gap{21'000'000};  ///< a longer step between two samples is a hole
 };
 
 /// Not thread-safe. Accepts any content: what is not finite, not in order or a duplicate is
-/// refused.
+/// refused; what contradicts the samples around it is cut out (ImuScreen).
 class ImuBuffer {
  public:
   /// kNotFinite: not a number, or beyond kMaxMagnitude (its squares would soon overflow).
@@ -32,6 +34,9 @@ class ImuBuffer {
   static constexpr double kMaxMagnitude = 1e5;
 
   AddResult Add(const ImuSample& sample);
+
+  /// What was cut out or doubted.
+  const ImuScreenCounts& screen_counts() const { return screen_.counts(); }
 
   /// A step between samples is a hole if it is longer than `max_gap` and than one and a half times
   /// the usual step: a slow sensor has no holes.
@@ -58,6 +63,8 @@ class ImuBuffer {
   Duration LongestUsualStep() const;
 
   std::deque<ImuSample> samples_;
+  ImuScreen screen_;
+  std::optional<Timestamp> newest_;  // of all samples that were not refused
   std::deque<double> steps_s_;  // between the newest samples, also those that were dropped since
 };
 

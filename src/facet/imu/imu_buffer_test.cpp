@@ -17,7 +17,7 @@ Timestamp Ms(double ms) {
 }
 
 ImuSample Sample(double ms) {
-  return {Ms(ms), Vector3d(ms, 2 * ms, -ms), Vector3d(1 + ms, 0, 9.81)};
+  return {Ms(ms), 1e-3 * Vector3d(ms, 2 * ms, -ms), Vector3d(1 + 1e-3 * ms, 0, 9.81)};
 }
 
 ImuBuffer EveryFiveMs(int count) {

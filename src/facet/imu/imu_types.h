@@ -17,6 +17,10 @@ struct ImuSample {
   Timestamp t;
   Vector3d gyro;   ///< w_B [rad/s]
   Vector3d accel;  ///< specific force a_B [m/s^2]
+  /// Standard deviations of what the sample may be off by beyond its noise, per axis; not zero at
+  /// the end of the sensor's range. See ImuScreen.
+  Vector3d gyro_doubt = Vector3d::Zero();
+  Vector3d accel_doubt = Vector3d::Zero();
 };
 
 struct ImuBias {

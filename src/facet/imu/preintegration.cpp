@@ -55,9 +55,7 @@ void ImuPreintegration::Add(const ImuSample& sample, const StepNoise& noise) {
 // Midpoint rule: mean rate, and the mean of the accelerations at both ends turned into the first
 // body frame. Its linearisation in (theta, p, v), in the noise of the mean measurements and in the
 // biases is in docs/math.md, section 2.
-void ImuPreintegration::Step(const ImuSample& a,
-                             const ImuSample& b,
-                             const StepNoise& step_noise) {
+void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b, const StepNoise& step_noise) {
   const double dt = ToSeconds(b.t - a.t);
   const Vector3d w = 0.5 * (a.gyro + b.gyro) - bias_.b_g;
   const Vector3d a0 = a.accel - bias_.b_a;
@@ -101,6 +99,8 @@ void ImuPreintegration::Step(const ImuSample& a,
   Vector<6> variance;
   variance.head<3>().setConstant(gyro * gyro / dt + gap_w * gap_w);
   variance.tail<3>().setConstant(accel * accel / dt + gap_a * gap_a);
+  variance.head<3>() += b.gyro_doubt.cwiseAbs2();
+  variance.tail<3>() += b.accel_doubt.cwiseAbs2();
 
   covariance_ = A * covariance_ * A.transpose() + B * variance.asDiagonal() * B.transpose();
   // Inside a hole the acceleration may also have come early or late: (p, v) are not tied together.

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/imu/imu_screen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "facet/base/median.h"
+
+namespace facet {
+
+namespace {
+
+// Faster changes are glitches until samples confirm them: 2.5 rad/s and 40 m/s^2 from one sample to
+// the next at 200 Hz. Flights that are called aggressive reach a tenth of it.
+constexpr double kGyroJump = 500;    // rad/s^2
+constexpr double kAccelJump = 8000;  // m/s^3
+constexpr double kShortestStep_s = 0.005;
+constexpr double kJumpInUsualChanges = 40;
+constexpr std::size_t kNumToConfirm = 5;
+
+// A single sample that is further off the line between its neighbours than these are from each
+// other. In clean recordings it is at most seven times the usual change.
+constexpr double kGyroSpike = 0.6;  // rad/s
+constexpr double kAccelSpike = 9;   // m/s^2
+constexpr double kSpikeInUsualChanges = 15;
+
+// Of noisy samples four in a row are not equal by chance where they would also have to be the
+// largest ones.
+constexpr int kNumEqual = 4;
+// A turning point is reached slowly, the end of the range is not.
+constexpr double kLeastChangeIntoLimit = 0.25;  // of the usual change
+constexpr double kAtLimit = 0.999;  // the two ends of a range differ by one digit or two
+// How far beyond its range the true value may be, on average over the stay there.
+constexpr double kExcessOfRange = 0.25;
+
+// What a sensor that repeats itself may have missed.
+constexpr double kGyroOfRepeated = 0.3;  // rad/s
+constexpr double kAccelOfRepeated = 3;   // m/s^2
+
+double Interval_s(const ImuSample& a, const ImuSample& b) {
+  return std::max(ToSeconds(b.t - a.t), kShortestStep_s);
+}
+
+bool AreEqual(const ImuSample& a, const ImuSample& b) {
+  return a.gyro == b.gyro && a.accel == b.accel;
+}
+
+/// The error is the same for all of a stay of `num_now` samples: the variance that the newest one
+/// adds, so that the steps together have a standard deviation that grows with their number, as if
+/// they were not independent. The stay's first samples were not doubted when they came.
+double GrowingSigma(double sigma, int num_now, int num_doubted) {
+  return sigma * std::sqrt(static_cast<double>(num_now) * num_now -
+                           static_cast<double>(num_doubted) * num_doubted);
+}
+
+}  // namespace
+
+void UsualChange::Add(double change) {
+  changes_[num_ % kNumKept] = change;
+  ++num_;
+  if (num_ % kNumBetweenUpdates != 0) return;
+  std::array<double, kNumKept> sorted = changes_;
+  value_ = Median(std::span(sorted).first(std::min(num_, kNumKept))).value_or(0);
+}
+
+int SaturationWatch::Add(double x, double usual_change) {
+  if (run_ > 0 && x == previous_) {
+    ++run_;
+  } else {
+    change_into_run_ = run_ > 0 ? std::abs(x - previous_) : 0;
+    run_ = 1;
+  }
+  previous_ = x;
+  const double size = std::abs(x);
+  if (size * kAtLimit > limit_) limit_ = std::numeric_limits<double>::infinity();
+  largest_ = std::max(largest_, size);
+  if (run_ >= kNumEqual && size >= largest_ && size > least_ && usual_change > 0 &&
+      change_into_run_ > kLeastChangeIntoLimit * usual_change) {
+    limit_ = size;
+    num_at_limit_ = std::max(num_at_limit_, run_ - 1);
+  }
+  num_at_limit_ = size >= kAtLimit * limit_ ? num_at_limit_ + 1 : 0;
+  return num_at_limit_;
+}
+
+void ImuScreen::Add(const ImuSample& sample, std::deque<ImuSample>& samples) {
+  ImuSample doubted = sample;
+  DoubtSaturated(doubted);
+  DoubtRepeated(doubted);
+  newest_ = sample;
+  if (samples.empty() || !IsJump(samples.back(), sample)) {
+    counts_.num_cut += static_cast<int>(held_back_.size());
+    held_back_.clear();
+    Accept(doubted, samples);
+    return;
+  }
+  if (!held_back_.empty() && IsJump(held_back_.back(), sample)) {
+    counts_.num_cut += static_cast<int>(held_back_.size());
+    held_back_.clear();
+  }
+  held_back_.push_back(doubted);
+  if (held_back_.size() < kNumToConfirm) return;
+  // If nothing else had been seen before the jump, the first sample was the glitch.
+  if (num_accepted_ == 1 && samples.size() == 1) {
+    samples.clear();
+    ++counts_.num_cut;
+  }
+  for (const ImuSample& confirmed : held_back_)
+    Accept(confirmed, samples);
+  held_back_.clear();
+}
+
+void ImuScreen::DoubtSaturated(ImuSample& sample) {
+  bool is_saturated = false;
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    const auto axis = static_cast<Eigen::Index>(i % 3);
+    const bool is_gyro = i < 3;
+    const double usual = is_gyro ? gyro_change_.value() : accel_change_.value();
+    const int stay = watches_[i].Add(is_gyro ? sample.gyro[axis] : sample.accel[axis], usual);
+    if (stay > 0) {
+      const double sigma = kExcessOfRange * watches_[i].limit();
+      (is_gyro ? sample.gyro_doubt : sample.accel_doubt)[axis] =
+          GrowingSigma(sigma, stay, num_doubted_[i]);
+      is_saturated = true;
+    }
+    num_doubted_[i] = stay;
+  }
+  counts_.num_saturated += is_saturated ? 1 : 0;
+}
+
+void ImuScreen::DoubtRepeated(ImuSample& sample) {
+  // A simulated sensor without noise repeats itself at rest, and has no usual change.
+  const bool repeats = newest_ && AreEqual(*newest_, sample) && gyro_change_.value() > 0;
+  num_repeats_ = repeats ? num_repeats_ + 1 : 0;
+  if (num_repeats_ + 1 < kNumEqual) return;
+  ++counts_.num_repeated;
+  const int num_doubted = num_repeats_ + 1 == kNumEqual ? 0 : num_repeats_ - 1;
+  const double growth = GrowingSigma(1, num_repeats_, num_doubted);
+  sample.gyro_doubt = sample.gyro_doubt.cwiseMax(growth * kGyroOfRepeated);
+  sample.accel_doubt = sample.accel_doubt.cwiseMax(growth * kAccelOfRepeated);
+}
+
+void ImuScreen::Accept(const ImuSample& sample, std::deque<ImuSample>& samples) {
+  if (samples.size() >= 2 && IsSpike(samples[samples.size() - 2], samples.back(), sample)) {
+    samples.pop_back();
+    ++counts_.num_cut;
+  }
+  if (!samples.empty()) {
+    gyro_change_.Add((sample.gyro - samples.back().gyro).norm());
+    accel_change_.Add((sample.accel - samples.back().accel).norm());
+  }
+  samples.push_back(sample);
+  ++num_accepted_;
+}
+
+bool ImuScreen::IsJump(const ImuSample& from, const ImuSample& to) const {
+  const double dt = Interval_s(from, to);
+  return (to.gyro - from.gyro).norm() >
+             std::max(kGyroJump * dt, kJumpInUsualChanges * gyro_change_.value()) ||
+         (to.accel - from.accel).norm() >
+             std::max(kAccelJump * dt, kJumpInUsualChanges * accel_change_.value());
+}
+
+bool ImuScreen::IsSpike(const ImuSample& before,
+                        const ImuSample& sample,
+                        const ImuSample& after) const {
+  const auto excess = [](const Vector3d& a, const Vector3d& x, const Vector3d& b) {
+    return (x - 0.5 * (a + b)).norm() - (b - a).norm();
+  };
+  return excess(before.gyro, sample.gyro, after.gyro) >
+             std::max(kGyroSpike, kSpikeInUsualChanges * gyro_change_.value()) ||
+         excess(before.accel, sample.accel, after.accel) >
+             std::max(kAccelSpike, kSpikeInUsualChanges * accel_change_.value());
+}
+
+}  // namespace facet

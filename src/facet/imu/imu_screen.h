@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Finds the samples of an IMU that cannot be what the body did: glitches of the bus, values at the
+// end of the sensor's range, a sensor that repeats itself.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "facet/imu/imu_types.h"
+
+namespace facet {
+
+/// What was found since the beginning.
+struct ImuScreenCounts {
+  int num_cut = 0;        ///< samples that contradict the ones before and after them
+  int num_saturated = 0;  ///< samples at the end of the sensor's range
+  int num_repeated = 0;   ///< samples that repeat the one before them, digit by digit
+};
+
+/// Median size of the last two hundred changes from sample to sample. Not thread-safe.
+class UsualChange {
+ public:
+  void Add(double change);
+  /// Zero while it is not known.
+  double value() const { return value_; }
+
+ private:
+  static constexpr std::size_t kNumKept = 200;
+  static constexpr std::size_t kNumBetweenUpdates = 20;
+
+  std::array<double, kNumKept> changes_{};
+  std::size_t num_ = 0;
+  double value_ = 0;
+};
+
+/// One axis of a sensor. Clipped values stand still where the axis has never been further out: four
+/// equal values in a row that are reached at speed, not by slowing down. Not thread-safe.
+class SaturationWatch {
+ public:
+  /// No sensor ends below `least`.
+  explicit SaturationWatch(double least) : least_(least) {}
+
+  /// For how many samples the axis has now stood at the end of its range; 0: it does not.
+  int Add(double x, double usual_change);
+
+  /// The end of the range, as far as it is known; infinite while it is not.
+  double limit() const { return limit_; }
+
+ private:
+  double least_;
+  double largest_ = 0;
+  double limit_ = std::numeric_limits<double>::infinity();
+  double previous_ = 0;
+  double change_into_run_ = 0;  // from the sample before the newest run of equal values
+  int run_ = 0;                 // length of that run
+  int num_at_limit_ = 0;
+};
+
+/// Not thread-safe. Judges by the samples alone, so that a sample is judged when the next one has
+/// come, and a jump that lasts when five samples agree on it. Clean recordings pass unchanged.
+class ImuScreen {
+ public:
+  /// Takes the next sample, in order of time. Appends to `samples` what is believed, which may be
+  /// nothing yet, and takes from its end what the new sample shows to have been a glitch.
+  void Add(const ImuSample& sample, std::deque<ImuSample>& samples);
+
+  const ImuScreenCounts& counts() const { return counts_; }
+
+ private:
+  void DoubtSaturated(ImuSample& sample);
+  void DoubtRepeated(ImuSample& sample);
+  void Accept(const ImuSample& sample, std::deque<ImuSample>& samples);
+  bool IsJump(const ImuSample& from, const ImuSample& to) const;
+  bool IsSpike(const ImuSample& before, const ImuSample& sample, const ImuSample& after) const;
+
+  /// Distance between two samples of either sensor.
+  UsualChange gyro_change_, accel_change_;
+  std::array<SaturationWatch, 6> watches_{SaturationWatch(kLeastGyroRange),
+                                          SaturationWatch(kLeastGyroRange),
+                                          SaturationWatch(kLeastGyroRange),
+                                          SaturationWatch(kLeastAccelRange),
+                                          SaturationWatch(kLeastAccelRange),
+                                          SaturationWatch(kLeastAccelRange)};
+  std::array<int, 6> num_doubted_{};  // samples of the present stay at the end of the range
+  std::optional<ImuSample> newest_;   // whether it was believed or not
+  int num_repeats_ = 0;               // of the newest sample
+  std::vector<ImuSample> held_back_;
+  std::size_t num_accepted_ = 0;
+  ImuScreenCounts counts_;
+
+  static constexpr double kLeastGyroRange = 0.3;    // rad/s
+  static constexpr double kLeastAccelRange = 12.0;  // m/s^2
+};
+
+}  // namespace facet
