@@ -64,8 +64,8 @@ TEST(ImuBufferTest, NeighbouringIntervalsShareTheirEndSample) {
 TEST(ImuBufferTest, AnIntervalBetweenTwoSamplesHasTwo) {
   const ImuInterval interval = Between(EveryFiveMs(10), 11, 13);
   ASSERT_EQ(interval.samples.size(), 2u);
-  EXPECT_NEAR(interval.samples[0].gyro.x(), 11, 1e-12);
-  EXPECT_NEAR(interval.samples[1].gyro.x(), 13, 1e-12);
+  EXPECT_NEAR(interval.samples[0].gyro.x(), 0.011, 1e-12);
+  EXPECT_NEAR(interval.samples[1].gyro.x(), 0.013, 1e-12);
 }
 
 TEST(ImuBufferTest, AnEmptyIntervalHasOne) {

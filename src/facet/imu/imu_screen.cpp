@@ -38,10 +38,6 @@ constexpr double kExcessOfRange = 0.25;
 constexpr double kGyroOfRepeated = 0.3;  // rad/s
 constexpr double kAccelOfRepeated = 3;   // m/s^2
 
-double Interval_s(const ImuSample& a, const ImuSample& b) {
-  return std::max(ToSeconds(b.t - a.t), kShortestStep_s);
-}
-
 bool AreEqual(const ImuSample& a, const ImuSample& b) {
   return a.gyro == b.gyro && a.accel == b.accel;
 }
@@ -89,13 +85,14 @@ void ImuScreen::Add(const ImuSample& sample, std::deque<ImuSample>& samples) {
   DoubtSaturated(doubted);
   DoubtRepeated(doubted);
   newest_ = sample;
-  if (samples.empty() || !IsJump(samples.back(), sample)) {
+  if (samples.empty() || !IsJump(samples.back(), sample, TimeToNext(samples.back(), sample))) {
     counts_.num_cut += static_cast<int>(held_back_.size());
     held_back_.clear();
     Accept(doubted, samples);
     return;
   }
-  if (!held_back_.empty() && IsJump(held_back_.back(), sample)) {
+  if (!held_back_.empty() &&
+      IsJump(held_back_.back(), sample, ToSeconds(sample.t - held_back_.back().t))) {
     counts_.num_cut += static_cast<int>(held_back_.size());
     held_back_.clear();
   }
@@ -154,8 +151,13 @@ void ImuScreen::Accept(const ImuSample& sample, std::deque<ImuSample>& samples) 
   ++num_accepted_;
 }
 
-bool ImuScreen::IsJump(const ImuSample& from, const ImuSample& to) const {
-  const double dt = Interval_s(from, to);
+// Samples that are held back make no hole: over one, much may change.
+double ImuScreen::TimeToNext(const ImuSample& accepted, const ImuSample& sample) const {
+  return ToSeconds((held_back_.empty() ? sample : held_back_.front()).t - accepted.t);
+}
+
+bool ImuScreen::IsJump(const ImuSample& from, const ImuSample& to, double dt_s) const {
+  const double dt = std::max(dt_s, kShortestStep_s);
   return (to.gyro - from.gyro).norm() >
              std::max(kGyroJump * dt, kJumpInUsualChanges * gyro_change_.value()) ||
          (to.accel - from.accel).norm() >

@@ -74,7 +74,8 @@ class ImuScreen {
   void DoubtSaturated(ImuSample& sample);
   void DoubtRepeated(ImuSample& sample);
   void Accept(const ImuSample& sample, std::deque<ImuSample>& samples);
-  bool IsJump(const ImuSample& from, const ImuSample& to) const;
+  double TimeToNext(const ImuSample& accepted, const ImuSample& sample) const;
+  bool IsJump(const ImuSample& from, const ImuSample& to, double dt_s) const;
   bool IsSpike(const ImuSample& before, const ImuSample& sample, const ImuSample& after) const;
 
   /// Distance between two samples of either sensor.

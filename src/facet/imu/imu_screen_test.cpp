@@ -125,7 +125,7 @@ TEST(ImuScreenTest, TheEndOfTheRangeIsNoticed) {
   int num_clipped = 0;
   for (ImuSample& sample : motion) {
     num_clipped += std::abs(sample.gyro.x()) > 0.6 ? 1 : 0;
-    sample.gyro.x() = std::clamp(sample.gyro.x(), -0.6, 0.599);
+    sample.gyro.x() = std::clamp(sample.gyro.x(), -0.6, 0.5995);
   }
   const Screened screened = Screen(motion);
   EXPECT_EQ(screened.counts.num_cut, 0);
@@ -133,7 +133,9 @@ TEST(ImuScreenTest, TheEndOfTheRangeIsNoticed) {
   EXPECT_LE(screened.counts.num_saturated, num_clipped + 5);
   double variance = 0;
   for (const ImuSample& sample : screened.samples) {
-    if (sample.gyro_doubt.x() > 0) EXPECT_GE(std::abs(sample.gyro.x()), 0.599);
+    if (sample.gyro_doubt.x() > 0) {
+      EXPECT_GE(std::abs(sample.gyro.x()), 0.599);
+    }
     EXPECT_EQ(sample.gyro_doubt.y(), 0);
     EXPECT_TRUE(sample.accel_doubt.isZero(0));
     variance += sample.gyro_doubt.squaredNorm();
