@@ -221,7 +221,14 @@ void AddOptions(CLI::App& command, SimulateArguments& a) {
   command.add_flag("--calibration-error",
                    a.calibration_error,
                    "the written calibration has errors like a real one; truth/ has the exact one");
-  command.add_flag("--list", a.list, "print known scenes, flights and options");
+  command
+      .add_option("--fault",
+                  a.faults,
+                  "name:parameter=value,...: planted in the sequence of --of; repeatable; --list")
+      ->allow_extra_args(false);
+  command.add_option(
+      "--of", a.damaged_sequence, "an existing sequence, to be copied with --fault in it");
+  command.add_flag("--list", a.list, "print known scenes, flights, faults and options");
   command.add_flag("--quiet", a.quiet, "no progress bar, no summary");
 }
 

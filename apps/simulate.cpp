@@ -11,6 +11,7 @@
 #include "progress_bar.h"
 #include "run.h"
 
+#include "facet/faults/fault.h"
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
 #include "facet/io/result_folder.h"
@@ -128,16 +129,36 @@ void PrintOutcome(const SimulationReport& report,
     std::printf("written: %s\n", folder->target().c_str());
 }
 
+/// A copy of an existing sequence with faults in it.
+void DamageSequence(const SimulateArguments& a) {
+  if (a.damaged_sequence.empty())
+    throw ConfigError("--fault needs --of SEQUENCE: the sequence that it is planted in");
+  if (a.faults.empty()) throw ConfigError("--of needs --fault: what to plant; --list names them");
+  if (a.out.empty()) throw ConfigError("--out DIR is required: where the sequence is written");
+  CheckOut(a.out);
+  RecordingCopy recording = ReadRecording(a.damaged_sequence);
+  for (const std::string& fault : a.faults)
+    PlantFault(fault, recording);
+  ResultFolder folder(a.out);
+  WriteRecording(recording, folder.staging());
+  WriteTextFile(folder.staging() / "simulation.txt",
+                "Made by Facet " FACET_VERSION " with\n\n  " + a.command_line + "\n");
+  folder.Commit();
+  if (!a.quiet) std::printf("written: %s\n", folder.target().c_str());
+}
+
 }  // namespace
 
 void SimulateCommand(SimulateArguments a) {
   if (a.list) {
     SimulatorOptions defaults;
-    std::printf("scenes: room, corridor, clutter, or a scene file\nflights: %s\n\n%s",
+    std::printf("scenes: room, corridor, clutter, or a scene file\nflights: %s\nfaults:\n%s\n%s",
                 FlightNames().c_str(),
+                ListFaults().c_str(),
                 FormatConfig(ListFields(defaults)).c_str());
     return;
   }
+  if (!a.faults.empty() || !a.damaged_sequence.empty()) return DamageSequence(a);
   const std::vector<std::string> outputs = ListOutputs(a);
   for (const std::string& out : outputs)
     CheckOut(out);

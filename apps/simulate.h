@@ -13,6 +13,8 @@ struct SimulateArguments {
   SimulationRequest request;
   std::string out;
   std::vector<std::string> overrides;
+  std::string damaged_sequence;     ///< to plant the faults in; empty: a scene is rendered
+  std::vector<std::string> faults;  ///< see PlantFault
   int num_noise_seeds = 1;
   bool noise_free = false, clean_images = false, clean_imu = false, calibration_error = false;
   bool list = false, quiet = false;

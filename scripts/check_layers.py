@@ -30,9 +30,10 @@ RANK = {
     "report": 7,
     "render": 7,
     "viewer": 7,
-    "apps": 8,
-    "bench": 8,
-    "studies": 9,
+    "faults": 8,
+    "apps": 9,
+    "bench": 9,
+    "studies": 10,
 }
 # Folders with sub-folders, lowest first; sub-folders in one set are siblings. What lies in the folder itself
 # comes last, but for headers that are named here. Tests may use all of their folder.

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/faults/fault.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "facet/geometry/angles.h"
+#include "facet/io/asl_dataset.h"
+#include "facet/io/errors.h"
+#include "facet/testing/io/test_sequence.h"
+
+namespace facet {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A still view: images at 20 Hz from 0 to 0.55 s, an IMU at rest.
+class FaultTest : public ::testing::Test {
+ protected:
+  FaultTest() {
+    WriteTestSequence(source_ / "sequence");
+    recording_ = ReadRecording(source_ / "sequence");
+  }
+
+  AslDataset Written(const std::string& fault) {
+    PlantFault(fault, recording_);
+    WriteRecording(recording_, out_ / "damaged");
+    return AslDataset(out_ / "damaged");
+  }
+
+  double SecondsOf(Timestamp t) const { return ToSeconds(t - recording_.images[0].front().t); }
+
+  TempFolder source_, out_;
+  RecordingCopy recording_;
+};
+
+TEST_F(FaultTest, WithoutAFaultTheCopyIsTheRecording) {
+  const AslDataset source(source_ / "sequence");
+  WriteRecording(recording_, out_ / "copy");
+  AslDataset copy(out_ / "copy");
+  ASSERT_EQ(copy.frames().size(), source.frames().size());
+  ASSERT_EQ(copy.imu().size(), source.imu().size());
+  EXPECT_EQ(copy.imu()[7].t, source.imu()[7].t);
+  EXPECT_EQ(copy.imu()[7].accel, source.imu()[7].accel);
+  EXPECT_LT((copy.rig().T_C1C0().p - source.rig().T_C1C0().p).norm(), 1e-12);
+  EXPECT_EQ(copy.rig().cameras[1].intrinsics().fx, source.rig().cameras[1].intrinsics().fx);
+  cv::Mat left, right, left_copy, right_copy;
+  AslDataset(source_ / "sequence").ReadPair(3, left, right);
+  EXPECT_EQ(copy.ReadPair(3, left_copy, right_copy), "");
+  EXPECT_EQ(cv::norm(left, left_copy, cv::NORM_INF), 0);
+}
+
+TEST_F(FaultTest, AGlitchIsOneSample) {
+  const AslDataset damaged = Written("imu_glitch:at=0.2,gyro=35,axis=2");
+  int num = 0;
+  for (const ImuSample& sample : damaged.imu()) {
+    if (sample.gyro.norm() < 1) continue;
+    ++num;
+    EXPECT_EQ(sample.gyro.z(), 35);
+    EXPECT_NEAR(SecondsOf(sample.t), 0.2, 0.0051);
+  }
+  EXPECT_EQ(num, 1);
+}
+
+TEST_F(FaultTest, APauseHasNothing) {
+  const AslDataset damaged = Written("pause:at=0.2,length=0.1");
+  for (const ImuSample& sample : damaged.imu())
+    EXPECT_TRUE(SecondsOf(sample.t) < 0.2 || SecondsOf(sample.t) >= 0.3);
+  for (const FrameEntry& frame : damaged.frames())
+    EXPECT_TRUE(SecondsOf(frame.t) < 0.2 || SecondsOf(frame.t) >= 0.3);
+  EXPECT_EQ(damaged.frames().size(), 10u);
+}
+
+TEST_F(FaultTest, OneCameraMayBeMissingOrFrozen) {
+  const AslDataset damaged = Written("no_camera:at=0.2,length=0.1,camera=1");
+  EXPECT_EQ(std::count_if(damaged.frames().begin(),
+                          damaged.frames().end(),
+                          [](const FrameEntry& frame) { return !frame.HasRight(); }),
+            2);
+  PlantFault("frozen:at=0.3,length=0.2,camera=0", recording_);
+  EXPECT_EQ(recording_.images[0][7].file, recording_.images[0][6].file);
+  EXPECT_EQ(recording_.images[0][9].file, recording_.images[0][6].file);
+  EXPECT_NE(recording_.images[0][10].file, recording_.images[0][6].file);
+  EXPECT_NE(recording_.images[1][7].file, recording_.images[1][6].file);
+}
+
+TEST_F(FaultTest, ImagesAreEditedWhereTheFaultIs) {
+  AslDataset damaged = Written("black:at=0.2,length=0.1,camera=0");
+  cv::Mat left, right;
+  for (std::size_t i = 0; i < damaged.frames().size(); ++i) {
+    ASSERT_EQ(damaged.ReadPair(i, left, right), "");
+    EXPECT_EQ(cv::countNonZero(left) == 0, i == 4 || i == 5) << i;
+    EXPECT_GT(cv::countNonZero(right), 0);
+  }
+}
+
+TEST_F(FaultTest, AnObjectMovesThroughBothImages) {
+  AslDataset clean(source_ / "sequence");
+  AslDataset damaged = Written("object:at=0.1,length=0.3,crossing=0.3,share=0.25");
+  cv::Mat left, right, left_clean, right_clean, changed;
+  std::vector<double> centres;
+  for (const std::size_t i : {std::size_t{2}, std::size_t{5}, std::size_t{7}}) {
+    damaged.ReadPair(i, left, right);
+    clean.ReadPair(i, left_clean, right_clean);
+    changed = left != left_clean;
+    EXPECT_NEAR(cv::countNonZero(changed), 0.25 * 160 * 120, 0.03 * 160 * 120);
+    std::vector<cv::Point> places;
+    cv::findNonZero(changed, places);
+    double sum = 0;
+    for (const cv::Point& place : places)
+      sum += place.x;
+    centres.push_back(sum / static_cast<double>(places.size()));
+    changed = right != right_clean;
+    EXPECT_GT(cv::countNonZero(changed), 0.1 * 160 * 120);
+  }
+  EXPECT_LT(centres[0] + 20, centres[1]);
+  EXPECT_LT(centres[1] + 15, centres[2]);
+}
+
+TEST_F(FaultTest, TheCalibrationIsWhatIsWrong) {
+  const StereoRig before = recording_.rig;
+  const AslDataset damaged = Written("right_turned:axis=1,deg=0.2");
+  const Quaterniond turn = before.T_BC[1].q.conjugate() * damaged.rig().T_BC[1].q;
+  EXPECT_NEAR(turn.y(), 0.1 * kDegree, 1e-9);
+  PlantFault("focal:percent=-1", recording_);
+  EXPECT_NEAR(
+      recording_.rig.cameras[0].intrinsics().fx, 0.99 * before.cameras[0].intrinsics().fx, 1e-9);
+  PlantFault("baseline:percent=100", recording_);
+  EXPECT_NEAR(recording_.rig.baseline_m(), 2 * before.baseline_m(), 1e-12);
+}
+
+TEST_F(FaultTest, EveryFaultCanBePlanted) {
+  int num = 0;
+  for (const std::string& line : Lines(ListFaults())) {
+    if (line.starts_with("      ")) continue;
+    RecordingCopy damaged = recording_;
+    PlantFault(line.substr(2), damaged);  // with its defaults written out
+    ++num;
+  }
+  EXPECT_GE(num, 20);
+}
+
+TEST_F(FaultTest, WhatIsNotKnownIsRefused) {
+  const auto message = [&](const std::string& fault) {
+    try {
+      PlantFault(fault, recording_);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(message("gremlin"), HasSubstr("imu_glitch:"));
+  EXPECT_THAT(message("black:lenght=3"), HasSubstr("'lenght=3'"));
+  EXPECT_THAT(message("black:length=x"), HasSubstr("length=1"));
+  EXPECT_THAT(message("imu_glitch:axis=3"), HasSubstr("axis is 0, 1 or 2"));
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Changes of single images.
+#pragma once
+
+#include "facet/camera/stereo_rig.h"
+#include "facet/faults/recording_copy.h"
+
+namespace facet {
+
+/// Every pixel gets this value.
+ImageEdit Filled(int grey);
+
+/// Every pixel times `gain`, clipped.
+ImageEdit Brightened(double gain);
+
+/// Dirt or a hand over the lower part of the lens: `share` of the rows, without texture.
+ImageEdit Covered(double share);
+
+/// White noise of this standard deviation [grey values]; differs with the seed.
+ImageEdit Noisy(double sigma, std::uint64_t seed);
+
+/// A board with a texture of its own that moves to and fro in front of the cameras at a depth of
+/// `depth_m`, upright to the left camera's axis, and covers `share` of the left image. Distortion
+/// is left out. `phase`: 0 at the left border, 1 at the right one.
+ImageEdit WithBoard(
+    const StereoRig& rig, std::size_t camera, double share, double depth_m, double phase);
+
+}  // namespace facet

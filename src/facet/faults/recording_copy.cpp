@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/faults/recording_copy.h"
+
+#include <fstream>
+#include <string>
+#include <system_error>
+
+#include "facet/io/asl_dataset.h"
+#include "facet/io/errors.h"
+#include "facet/io/image_reader.h"
+#include "facet/io/png_writer.h"
+#include "facet/render/sequence_writer.h"
+
+namespace facet {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path CameraFolder(const fs::path& mav0, std::size_t camera) {
+  return mav0 / ("cam" + std::to_string(camera));
+}
+
+void LinkOrCopy(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::create_hard_link(from, to, error);
+  if (!error) return;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error) throw OutputError(to.string() + ": " + error.message());
+}
+
+void CopyFolder(const fs::path& from, const fs::path& to) {
+  if (!fs::is_directory(from)) return;
+  std::error_code error;
+  fs::create_directories(to, error);
+  if (!error)
+    fs::copy(from, to, fs::copy_options::recursive | fs::copy_options::overwrite_existing, error);
+  if (error) throw OutputError(to.string() + ": " + error.message());
+}
+
+void WriteImages(const std::vector<RecordedImage>& images, const fs::path& camera) {
+  std::ofstream list(camera / "data.csv");
+  list << "#timestamp [ns],filename\n";
+  ImageReader reader;
+  for (const RecordedImage& image : images) {
+    const std::string extension = image.edits.empty() ? image.file.extension().string() : ".png";
+    const std::string name = std::to_string(image.t.ns) + extension;
+    list << image.t.ns << ',' << name << '\n';
+    if (image.edits.empty()) {
+      LinkOrCopy(image.file, camera / "data" / name);
+      continue;
+    }
+    cv::Mat pixels;
+    reader.Read(image.file, pixels);
+    for (const ImageEdit& edit : image.edits)
+      edit(pixels);
+    WritePng(camera / "data" / name, pixels);
+  }
+  list.close();
+  if (!list) throw OutputError((camera / "data.csv").string() + ": cannot be written");
+}
+
+}  // namespace
+
+RecordingCopy ReadRecording(const fs::path& sequence) {
+  const AslDataset dataset(sequence);
+  const fs::path mav0 = FindMav0(sequence);
+  RecordingCopy recording;
+  recording.source = mav0.parent_path();
+  recording.rig = dataset.rig();
+  recording.imu_noise = dataset.imu_noise();
+  recording.imu = dataset.imu();
+  for (const FrameEntry& frame : dataset.frames()) {
+    recording.images[0].push_back({frame.t, CameraFolder(mav0, 0) / "data" / frame.left, {}});
+    if (frame.HasRight())
+      recording.images[1].push_back({frame.t, CameraFolder(mav0, 1) / "data" / frame.right, {}});
+  }
+  return recording;
+}
+
+void WriteRecording(const RecordingCopy& recording, const fs::path& folder) {
+  const auto& left = recording.images[0];
+  const double span_s = left.size() < 2 ? 0 : ToSeconds(left.back().t - left.front().t);
+  const double rate_hz = span_s > 0 ? static_cast<double>(left.size() - 1) / span_s : 20;
+  CopyFolder(recording.source / "truth", folder / "truth");
+  for (const char* truth : {"state_groundtruth_estimate0", "mocap0", "vicon0", "pointcloud0"})
+    CopyFolder(recording.source / "mav0" / truth, folder / "mav0" / truth);
+  WriteCalibration(folder, recording.rig, recording.rig, recording.imu_noise, rate_hz);
+  for (std::size_t camera = 0; camera < 2; ++camera)
+    WriteImages(recording.images[camera], CameraFolder(folder / "mav0", camera));
+  WriteImu(folder, recording.imu);
+}
+
+}  // namespace facet
