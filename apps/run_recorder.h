@@ -34,6 +34,7 @@ class RunRecorder {
   void MoveInto(RunRecord& record);
 
   int num_imu_gaps() const { return num_imu_gaps_; }
+  int num_repeated_images() const { return num_repeated_images_; }
   int num_resets() const { return num_resets_; }
 
  private:
@@ -47,6 +48,7 @@ class RunRecorder {
   std::optional<Timestamp> last_good_;
   int num_resets_ = 0;
   int num_imu_gaps_ = 0;
+  int num_repeated_images_ = 0;
 };
 
 }  // namespace facet

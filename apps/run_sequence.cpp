@@ -86,6 +86,7 @@ struct UnusableImages {
 struct InputProblems {
   UnusableImages left, right;
   int num_refused_imu = 0;
+  ImuScreenCounts imu_screen;
 };
 
 class SequenceRunner {
@@ -219,6 +220,7 @@ class SequenceRunner {
     record.map_is_full = result.map_memory.is_full;
     record.planes = std::move(result.planes);
     problems_.num_refused_imu = result.num_refused_imu;
+    problems_.imu_screen = result.imu_screen;
   }
 
   void StopAt(std::size_t i) {
@@ -263,6 +265,26 @@ class SequenceRunner {
     if (problems_.num_refused_imu > 0) {
       warnings.push_back(std::to_string(problems_.num_refused_imu) +
                          " IMU samples were refused (not finite or not in order)");
+    }
+    if (problems_.imu_screen.num_cut > 0) {
+      warnings.push_back(std::to_string(problems_.imu_screen.num_cut) +
+                         " IMU samples were cut out because the ones before and after them "
+                         "contradict them (a glitch of the bus?)");
+    }
+    if (problems_.imu_screen.num_saturated > 0) {
+      warnings.push_back(std::to_string(problems_.imu_screen.num_saturated) +
+                         " IMU samples are at the end of the sensor's range; the estimate trusts "
+                         "them less");
+    }
+    if (problems_.imu_screen.num_repeated > 0) {
+      warnings.push_back(std::to_string(problems_.imu_screen.num_repeated) +
+                         " IMU samples repeat the one before digit by digit; the estimate trusts "
+                         "them less");
+    }
+    if (recorder_.num_repeated_images() > 0) {
+      warnings.push_back(std::to_string(recorder_.num_repeated_images()) + of_all +
+                         " left images repeat the one before although the camera moves; they were "
+                         "not used");
     }
     if (run_.record.num_dropped > 0) {
       warnings.push_back(std::to_string(run_.record.num_dropped) + " frames arrived while busy");

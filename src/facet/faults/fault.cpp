@@ -141,7 +141,7 @@ void FreezeCamera(const Values& value, RecordingCopy& recording) {
 void RepeatImages(const Values& value, RecordingCopy& recording) {
   Rng rng(static_cast<std::uint64_t>(value.at("seed")));
   std::vector<RecordedImage>& left = recording.images[0];
-  for (std::size_t i = left.size() - 1; i > 0; --i) {
+  for (std::size_t i = 1; i < left.size(); ++i) {
     if (rng.Uniform() >= value.at("share")) continue;
     for (auto& images : recording.images) {
       if (i < images.size()) images[i].file = images[i - 1].file;

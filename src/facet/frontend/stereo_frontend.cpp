@@ -8,6 +8,7 @@
 
 #include "facet/frontend/feature_detector.h"
 #include "facet/frontend/keyframe_stereo.h"
+#include "facet/frontend/repeated_image.h"
 #include "facet/frontend/support_places.h"
 #include "facet/frontend/temporal_tracker.h"
 #include "facet/frontend/track_outliers.h"
@@ -22,6 +23,9 @@ bool IsUsable(const cv::Mat& image, const CameraModel& camera) {
          image.rows == camera.height();
 }
 
+// The bias of a gyroscope before the estimator knows it [rad/s].
+constexpr double kLargestUnknownBias = 0.1;
+
 std::uint8_t GreyValueAt(const cv::Mat& image, const Vector2d& px) {
   const int x = std::clamp(static_cast<int>(std::lround(px.x())), 0, image.cols - 1);
   const int y = std::clamp(static_cast<int>(std::lround(px.y())), 0, image.rows - 1);
@@ -35,6 +39,7 @@ struct StereoFrontend::Impl {
 
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
   void TakeHint(const FrontendHint& hint);
+  bool IsRepeated(const StereoFrame& frame, const FrontendHint& hint, double interval_s);
   void FollowTracks(const cv::Mat& left, FrontendResult& result);
   void DetectNew(const cv::Mat& left, FrontendResult& result);
   void MatchStereo(const cv::Mat& right, FrontendResult& result);
@@ -64,6 +69,11 @@ struct StereoFrontend::Impl {
   Motion motion;
   std::int64_t next_frame = 0;
   std::optional<Timestamp> newest_t;
+  struct Repetitions {
+    RepeatedImage left;
+    cv::Mat newest_right;
+    bool is_right_repeated = false;
+  } repetitions;
 };
 
 StereoFrontend::Impl::Impl(const StereoRig& stereo_rig, const FrontendOptions& frontend_options)
@@ -75,7 +85,8 @@ StereoFrontend::Impl::Impl(const StereoRig& stereo_rig, const FrontendOptions& f
       detector(options.detector, options.klt),
       stereo(rig, options),
       keyframe_policy(options.keyframe),
-      support_places(options.support) {}
+      support_places(options.support),
+      repetitions{RepeatedImage(rig.cameras[0].mean_focal_px()), {}, false} {}
 
 void StereoFrontend::Impl::TakeHint(const FrontendHint& hint) {
   motion.T_Bprev_Bnow = motion.T_Bprev_Bnow * SE3(hint.R_prev_now, hint.p_prev_now);
@@ -85,6 +96,27 @@ void StereoFrontend::Impl::TakeHint(const FrontendHint& hint) {
     const auto known = hint.inverse_depth->find(track.id);
     if (known != hint.inverse_depth->end()) track.inverse_depth = known->second;
   }
+}
+
+bool StereoFrontend::Impl::IsRepeated(const StereoFrame& frame,
+                                      const FrontendHint& hint,
+                                      double interval_s) {
+  const SE3& T_BC = rig.T_BC[0];
+  RepeatedImage::Motion moved;
+  moved.T_prev_now = T_BC.Inverse() * SE3(hint.R_prev_now, hint.p_prev_now) * T_BC;
+  const bool is_bias_known = hint.inverse_depth != nullptr;
+  moved.rotation_slack = is_bias_known ? 0 : kLargestUnknownBias * interval_s;
+  int num = 0;
+  for (const Track& track : tracks.slots()) {
+    if (!track.id.IsValid() || !track.inverse_depth) continue;
+    moved.mean_inverse_depth += (*track.inverse_depth - moved.mean_inverse_depth) / ++num;
+  }
+  const bool is_repeated = repetitions.left.Add(frame.left, moved);
+  // Where the left image changes, the right one has to.
+  repetitions.is_right_repeated =
+      !repetitions.left.is_same() && AreSameImage(repetitions.newest_right, frame.right);
+  repetitions.newest_right = frame.right;
+  return is_repeated;
 }
 
 void StereoFrontend::Impl::FollowTracks(const cv::Mat& left, FrontendResult& result) {
@@ -119,7 +151,7 @@ void StereoFrontend::Impl::DetectNew(const cv::Mat& left, FrontendResult& result
 }
 
 void StereoFrontend::Impl::MatchStereo(const cv::Mat& right, FrontendResult& result) {
-  if (!IsUsable(right, rig.cameras[1])) return;
+  if (!IsUsable(right, rig.cameras[1]) || repetitions.is_right_repeated) return;
   stereo.MatchTracks(images.now, right, tracks.slots());
   result.right_ok = true;
 }
@@ -188,10 +220,13 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
   result.observations.t = frame.t;
   result.in_order = !newest_t || frame.t > *newest_t;
   if (!result.in_order) return result;
+  const double interval_s = newest_t ? ToSeconds(frame.t - *newest_t) : 0;
   newest_t = frame.t;
   TakeHint(hint);
   result.image_ok = IsUsable(frame.left, rig.cameras[0]);
   if (!result.image_ok) return result;
+  result.is_repeated = IsRepeated(frame, hint, interval_s);
+  if (result.is_repeated) return result;
   stereo.Clear();
   {
     const ScopedStage stage(times, Stage::kTrack);

@@ -24,7 +24,7 @@ namespace facet {
 /// A stereo pair, 8 bit grey. An empty right image makes a mono frame.
 ///
 /// The pixels are not copied but referenced until two further frames have been processed: do not
-/// write into the same memory before that.
+/// write into the same memory before that, or an image looks like a repetition of the one before.
 struct StereoFrame {
   Timestamp t;
   cv::Mat left;
@@ -61,7 +61,9 @@ struct FrontendResult {
   int num_stereo = 0;        ///< observations with a right pixel
   bool right_ok = false;     ///< keyframes: there was a right image that could be used
   bool image_ok = true;      ///< false: no left image, or one of the wrong size or type
-  bool in_order = true;      ///< false: the stamp is not after the newest one; nothing was done
+  /// The left image is the previous one although the camera has moved: it was not used.
+  bool is_repeated = false;
+  bool in_order = true;  ///< false: the stamp is not after the newest one; nothing was done
 };
 
 /// Owns the tracks. Deterministic: the same frames and hints give the same observations on every
@@ -79,9 +81,9 @@ class StereoFrontend {
   /// that what it has slid contradicts nothing. Adds the time to the stages kTrack, kStereo and
   /// kDetect.
   ///
-  /// A left image that cannot be used gives empty observations. The tracks are kept and sought in
-  /// the next frame; the hints of both frames are composed. A frame that is not after the newest
-  /// one gives empty observations and leaves the tracks and the hints as they are.
+  /// A left image that cannot be used, or is repeated, gives empty observations. The tracks are
+  /// kept and sought in the next frame; the hints of both frames are composed. A frame that is not
+  /// after the newest one gives empty observations and leaves the tracks and the hints as they are.
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
 
  private:

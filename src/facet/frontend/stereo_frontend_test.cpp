@@ -292,7 +292,9 @@ TEST_F(FrontendTest, ABlackOrWhiteImageLosesEverythingQuietly) {
     EXPECT_TRUE(result.image_ok);
     EXPECT_TRUE(result.observations.features.empty());
   }
+  const Timestamp next = frame.t + FromSeconds(kFrameInterval);
   frame = FrameAt(1);
+  frame.t = next;
   const FrontendResult result = frontend.Process(frame, {}, times);
   EXPECT_TRUE(result.observations.is_keyframe) << "nothing is tracked any more";
   EXPECT_GT(result.observations.features.size(), 40U);

@@ -27,6 +27,9 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
   out.is_keyframe = observations.is_keyframe;
   out.status = result.status;
   out.reason = result.reason;
+  out.is_image_repeated = frame.frontend.is_repeated;
+  if (frame.frontend.is_repeated && result.status == TrackingStatus::kDegraded)
+    out.reason = "image repeated";
   out.has_pose = result.has_state;
   out.state = result.state;
   const Vector<15> sigma = result.covariance.diagonal().cwiseMax(0).cwiseSqrt();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "facet/imu/imu_screen.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/plane_record.h"
 #include "facet/mesh/surface_map.h"
@@ -21,6 +22,7 @@ struct RunResult {
   /// Every plane that was ever a variable, in the order of their ids; empty but in pipeline SPR.
   std::optional<std::vector<PlaneRecord>> planes;
   int num_refused_imu = 0;  ///< samples that were not finite or not in order
+  ImuScreenCounts imu_screen;
 };
 
 }  // namespace facet

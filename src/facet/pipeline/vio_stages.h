@@ -23,6 +23,7 @@ struct VioStages {
     result.map = scene.Map(result.map_memory);
     result.planes = scene.Planes();
     result.num_refused_imu = front.num_refused_imu();
+    result.imu_screen = front.imu_screen_counts();
     return result;
   }
 };

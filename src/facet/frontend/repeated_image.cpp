@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/frontend/repeated_image.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "facet/geometry/so3.h"
+
+namespace facet {
+
+namespace {
+// Predicted motion of the image from which on it should have changed. Rotation is known well;
+// translation comes from a velocity that may be a little off, and little harm is done before.
+constexpr double kMaxRotation_px = 0.5;
+constexpr double kMaxTranslation_px = 3.0;
+// After images that all differed, the first few that do not are never needed, at rest or not.
+constexpr int kNumDifferent = 5;
+constexpr int kNumNotNeeded = 3;
+}  // namespace
+
+bool AreSameImage(const cv::Mat& a, const cv::Mat& b) {
+  if (a.empty() || a.size() != b.size() || a.type() != b.type()) return false;
+  const std::size_t row_bytes = static_cast<std::size_t>(a.cols) * a.elemSize();
+  for (int row = 0; row < a.rows; ++row) {
+    if (std::memcmp(a.ptr(row), b.ptr(row), row_bytes) != 0) return false;
+  }
+  return true;
+}
+
+bool RepeatedImage::Add(const cv::Mat& image, const Motion& motion) {
+  is_same_ = AreSameImage(newest_, image);
+  newest_ = image;
+  if (!is_same_) {
+    num_different_ = num_same_ == 0 ? num_different_ + 1 : 1;
+    num_same_ = 0;
+    since_first_ = Motion();
+    return false;
+  }
+  ++num_same_;
+  since_first_.T_prev_now = since_first_.T_prev_now * motion.T_prev_now;
+  since_first_.mean_inverse_depth = motion.mean_inverse_depth;
+  since_first_.rotation_slack += motion.rotation_slack;
+  return HasMoved() || (num_different_ >= kNumDifferent && num_same_ <= kNumNotNeeded);
+}
+
+bool RepeatedImage::HasMoved() const {
+  const SE3& T = since_first_.T_prev_now;
+  const double rotation = LogSO3(T.q).norm() - since_first_.rotation_slack;
+  return focal_px_ * rotation > kMaxRotation_px ||
+         focal_px_ * T.p.norm() * since_first_.mean_inverse_depth > kMaxTranslation_px;
+}
+
+}  // namespace facet
