@@ -13,6 +13,7 @@ void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
   f.t = output.t;
   f.is_keyframe = output.is_keyframe;
   f.has_pose = output.has_pose;
+  f.segment = output.segment;
   f.state = output.state;
   f.sigma_p = output.sigma_p;
   f.sigma_theta = output.sigma_theta;

@@ -18,7 +18,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLostForGoodS = 1.0;
 // A frame this close to the border of the chosen part belongs to it: EuRoC's stamps jitter by 256
 // ns.
 constexpr double kStampJitterS = 1e-3;
@@ -254,9 +253,10 @@ class SequenceRunner {
                          problems_.right.first);
     }
     if (recorder_.num_resets() > 0) {
-      warnings.push_back("the estimator was lost and started over " +
-                         std::to_string(recorder_.num_resets()) +
-                         " times: the trajectory may jump there (`status` in states.csv)");
+      warnings.push_back(
+          "the estimator was lost and started over " + std::to_string(recorder_.num_resets()) +
+          " times: a new segment begins there (`segment` in states.csv), and it is as "
+          "uncertain as its sigmas say");
     }
     if (recorder_.num_imu_gaps() > 0) {
       warnings.push_back("the IMU has " + std::to_string(recorder_.num_imu_gaps()) +
@@ -298,7 +298,7 @@ class SequenceRunner {
       run_.end = RunEnd::kNotStarted;
       run_.message = "the estimator could not start: " + reason +
                      "; try another --start, and check the IMU's stamps and the calibration";
-    } else if (ToSeconds(frames.back().t - *recorder_.last_good()) >= kLostForGoodS) {
+    } else if (!frames.back().has_pose) {
       run_.end = RunEnd::kLost;
       run_.message = "the estimator was lost at " + FormatSeconds(*recorder_.last_good()) +
                      " s and did not recover: " + reason + "; the results up to there were written";

@@ -226,14 +226,14 @@ TEST_F(RunSequenceTest, NeverStarted) {
   EXPECT_FALSE(run.record.InitSeconds());
 }
 
-TEST_F(RunSequenceTest, LostForGoodOrOnlyAtTheVeryEnd) {
+TEST_F(RunSequenceTest, LostAtTheEndIsNoSuccess) {
   options_.num_frames = 40;
   Write();
   vio_.lost_from = 15;
   EXPECT_EQ(Run().end, RunEnd::kLost);
   vio_ = FakeVio();
-  vio_.lost_from = 35;
-  EXPECT_EQ(Run().end, RunEnd::kComplete);
+  vio_.lost_from = 39;
+  EXPECT_EQ(Run().end, RunEnd::kLost) << "also if it is only the last frame";
 }
 
 TEST_F(RunSequenceTest, WarningsOfTheEstimator) {

@@ -67,7 +67,7 @@ def run(program, sequence, start, out):
         figures = json.loads(evaluation.read_text())
         row["ate"] = 1e3 * figures["ate"]["rmse_m"]
         if figures.get("segments"):
-            row["ate"] = 1e3 * max(s["ate_rmse_m"] for s in figures["segments"] if s.get("ate_rmse_m") is not None)
+            row["ate"] = 1e3 * max(s["ate"]["rmse_m"] for s in figures["segments"])
         row["nees"] = figures.get("consistency", {}).get("position", {}).get("nees")
     return row
 

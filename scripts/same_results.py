@@ -82,13 +82,23 @@ def run_case(case, program, out):
         call([program.path, "evaluate", out, "--truth", case.sequence])
 
 
+def without_segments(file):
+    """The bytes of states.csv without its last column, `segment`, which older programs did not write."""
+    lines = file.read_bytes().split(b"\n")
+    if not lines[0].endswith(b",segment"):
+        return file.read_bytes()
+    return b"\n".join(line.rpartition(b",")[0] for line in lines)
+
+
 def different_files(a, b):
     """Of FILES: those that only one has, or that differ."""
     def same(name):
         first, second = a / name, b / name
         if first.exists() != second.exists():
             return False
-        return not first.exists() or filecmp.cmp(first, second, shallow=False)
+        if not first.exists() or filecmp.cmp(first, second, shallow=False):
+            return True
+        return name == "states.csv" and without_segments(first) == without_segments(second)
     return [name for name in FILES if not same(name)]
 
 

@@ -40,10 +40,14 @@ void SetState(const NavState& state,
   const double velocity_sigma = std::sqrt(covariance.block<3, 3>(6, 6).trace());
   const bool is_sane = IsFinite(state) && covariance.allFinite();
   if (!is_sane || !(velocity_sigma < kLostVelocitySigma) || state.v_WB.norm() > kLostSpeed) {
-    result.status = TrackingStatus::kLost;
-    result.reason = is_sane ? "velocity unknown" : "numerical failure";
-    result.has_state = is_sane;
+    SetLost(is_sane ? "velocity unknown" : "numerical failure", result);
   }
+}
+
+void SetLost(const char* reason, EstimatorResult& result) {
+  result.status = TrackingStatus::kLost;
+  result.reason = reason;
+  result.has_state = false;
 }
 
 }  // namespace facet

@@ -16,7 +16,8 @@ namespace facet {
 struct EstimatorResult {
   TrackingStatus status = TrackingStatus::kInitialising;
   std::string reason;      ///< why the status is not kOk, or empty
-  bool has_state = false;  ///< false while initialising
+  bool has_state = false;  ///< false while initialising, and where it is lost
+  int segment = 0;         ///< of the state; see Segments
   NavState state;          ///< causal estimate of this frame
   Matrix<15, 15> covariance =
       Matrix<15, 15>::Zero();  ///< theta p v b_g b_a; of the smoother, see docs
@@ -36,5 +37,8 @@ void SetState(const NavState& state,
               int num_constraining,
               bool has_imu,
               EstimatorResult& result);
+
+/// The state is of no use to anybody.
+void SetLost(const char* reason, EstimatorResult& result);
 
 }  // namespace facet

@@ -16,6 +16,8 @@ namespace facet {
 namespace {
 
 constexpr int kRepairIterations = 4;
+// Landmarks that tie a keyframe to what was seen before.
+constexpr int kMinLandmarksSeen = 8;
 
 // Landmarks that constrain the window and are seen in its newest frame.
 int NumSeenInNewest(const SlidingWindow& window) {
@@ -48,6 +50,7 @@ VioEstimator::VioEstimator(const StereoRig& rig,
     : rig_(rig),
       options_(options),
       window_(rig.T_BC[0]),
+      segments_(BiasWalk(noise, options.imu)),
       imu_(noise, options.imu, rig.time_offset),
       start_(rig, options),
       optimizer_(rig, options),
@@ -67,13 +70,22 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
     ScopedStage stage(times, Stage::kImu);
     AppendFrame(observations, imu);
   }
+  EstimatorResult result = Estimate(observations, times);
+  if (result.has_state) {
+    result.segment = segments_.id();
+    result.covariance = segments_.InWorld(result.covariance, result.state);
+  }
+  return result;
+}
+
+EstimatorResult VioEstimator::Estimate(const FrameObservations& observations, StageTimes& times) {
   if (!is_initialised()) return Start(observations, times);
   return intermediate_ ? TrackIntermediateFrame(observations, times)
                        : TrackKeyframe(observations, times);
 }
 
 bool VioEstimator::IsAfterNewest(Timestamp t) const {
-  if (window_.frames.empty()) return !last_good_ || t > last_good_->t;
+  if (window_.frames.empty()) return !segments_.is_between() || t > segments_.reckoned().t;
   return t > (intermediate_ ? intermediate_->x : window_.frames.back().x).t;
 }
 
@@ -86,7 +98,11 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   frame.is_reported = observations.is_keyframe;
   frame.x.t = observations.t;
   if (window_.frames.empty()) {
-    imu_.Begin(observations.t);
+    if (segments_.is_between()) {
+      segments_.Follow(imu_.Next(segments_.reckoned(), std::nullopt, observations.t, imu).link);
+    } else {
+      imu_.Begin(observations.t);
+    }
     VioStart::AppendFirstFrame(std::move(frame), imu, options_.start, window_);
     return;
   }
@@ -95,6 +111,7 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   if (intermediate_) passing = std::move(intermediate_->link);
   intermediate_.reset();
   PredictedFrame predicted = imu_.Next(last, std::move(passing), observations.t, imu);
+  if (segments_.is_between()) segments_.Follow(predicted.link);
   if (!frame.is_keyframe) {
     intermediate_ = std::move(predicted);
     return;
@@ -112,7 +129,7 @@ std::vector<PreparedObservation> VioEstimator::Prepare(
 EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
   ScopedStage stage(times, Stage::kOptimize);
   AppendObservations(Prepare(observations), window_);
-  StartAttempt attempt = start_.Try(last_good_, imu_, optimizer_, window_);
+  StartAttempt attempt = start_.Try(segments_.PredictedPose(), imu_, optimizer_, window_);
   EstimatorResult result;
   result.num_constraining = attempt.num_constraining;
   result.reason = std::move(attempt.reason);
@@ -120,6 +137,8 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
   if (!attempt.has_started) return result;
   newest_covariance_ = attempt.covariance;
   const WindowFrame& newest = window_.frames.back();
+  segments_.Begin(newest.x);
+  segments_.Keep(newest.x, newest_covariance_, true);
   SetState(newest.x, newest_covariance_, NumSeenInNewest(window_), HasImu(newest), result);
   updater_.SetReference(window_, newest_covariance_, optimizer_.noise());
   return result;
@@ -144,12 +163,13 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   }
   const WindowFrame& newest = window_.frames.back();
   SetState(newest.x, newest_covariance_, NumSeenInNewest(window_), HasImu(newest), result);
+  if (segments_.HasDriftedAway(newest.x, newest_covariance_)) SetLost("position unknown", result);
   if (result.status == TrackingStatus::kLost) {
     StartOver(result.finished_keyframes);
     result.was_reset = true;
     return result;
   }
-  last_good_ = result.state;
+  segments_.Keep(newest.x, newest_covariance_, result.num_constraining >= kMinLandmarksSeen);
   ScopedStage stage(times, Stage::kMarginalize);
   updater_.SetReference(window_, newest_covariance_, optimizer_.noise());
   Shrink(result.finished_keyframes);
@@ -206,6 +226,8 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
 }
 
 void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
+  const std::optional<ImuLink>& link = window_.frames.back().imu_link;
+  segments_.End(link ? &*link : nullptr);
   // The newest one is what was lost.
   for (int i = 0; i < window_.newest_frame(); ++i)
     Report(window_.frames[i], finished);

@@ -12,6 +12,7 @@
 #include "facet/estimator/planes/plane_lifecycle.h"
 #include "facet/estimator/solver/frame_update.h"
 #include "facet/estimator/solver/window_optimizer.h"
+#include "facet/estimator/start/segments.h"
 #include "facet/estimator/start/vio_start.h"
 #include "facet/estimator/window/imu_intervals.h"
 #include "facet/imu/imu_buffer.h"
@@ -59,8 +60,9 @@ class VioEstimator {
   void RemoveOutliers();
   /// Marginalises what does not fit into the window.
   void Shrink(std::vector<KeyframePose>& finished);
-  /// Gives up the state; the next frame is the first one.
+  /// Gives up the state; the next frame is the first one of another segment.
   void StartOver(std::vector<KeyframePose>& finished);
+  EstimatorResult Estimate(const FrameObservations& observations, StageTimes& times);
 
   StereoRig rig_;
   EstimatorOptions options_;
@@ -68,7 +70,7 @@ class VioEstimator {
   /// The newest frame when it is not a keyframe; its link leads to the newest keyframe.
   std::optional<PredictedFrame> intermediate_;
   Matrix<15, 15> newest_covariance_ = Matrix<15, 15>::Zero();
-  std::optional<NavState> last_good_;  ///< newest keyframe that was not lost; survives StartOver
+  Segments segments_;  ///< survives StartOver
   ImuIntervals imu_;
   VioStart start_;
   WindowOptimizer optimizer_;

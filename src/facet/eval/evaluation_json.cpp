@@ -225,6 +225,10 @@ Rows RowsOf(const RunEvaluation& e) {
   if (e.keyframes) {
     rows.emplace_back("ATE rmse, keyframes [m]", Text("%.4f", e.keyframes->ate_m.rmse));
   }
+  for (const SegmentError& s : e.segments) {
+    rows.emplace_back("ATE rmse, segment " + std::to_string(s.segment) + " [m]",
+                      Text("%.4f", s.error.ate_m.rmse));
+  }
   for (const RelativeErrors& errors : e.causal.rpe) {
     const std::string name = "RPE " + Text("%g", errors.length_m) + " m, median";
     rows.emplace_back(name + " [m]", Text("%.4f", Summarize(errors.translation_m).median));
@@ -271,6 +275,15 @@ nlohmann::ordered_json ToJson(const RunEvaluation& e) {
   if (e.time_offset) json["time_offset_s"] = ToSeconds(*e.time_offset);
   json["ate"] = ToJson(e.causal.ate_m);
   if (e.keyframes) json["ate_keyframes"] = ToJson(e.keyframes->ate_m);
+  if (!e.segments.empty()) {
+    json["segments"] = ordered_json::array();
+    for (const SegmentError& s : e.segments) {
+      json["segments"].push_back({{"segment", s.segment},
+                                  {"poses_with_truth", s.error.num_pairs},
+                                  {"path_length_m", s.error.path_length_m},
+                                  {"ate", ToJson(s.error.ate_m)}});
+    }
+  }
   json["rpe"] = ordered_json::array();
   for (const RelativeErrors& errors : e.causal.rpe) {
     json["rpe"].push_back(ToJson(errors));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -31,6 +32,12 @@ std::optional<int> FramesOfSummary(const fs::path& file) {
   const auto& frames = summary["frames"];
   if (!frames.is_number_integer() || frames.get<int>() <= 0) return std::nullopt;
   return frames.get<int>();
+}
+
+// Whether `facet run` was lost in between and went on.
+bool IsInSegments(const fs::path& result) {
+  const nlohmann::ordered_json summary = ReadJsonFile(result / "summary.json");
+  return summary.is_object() && summary.contains("segments") && summary["segments"].size() > 1;
 }
 
 std::size_t CountFramesWithPose(std::span<const Timestamp> frames,
@@ -79,6 +86,28 @@ void EvaluateKeyframes(const fs::path& result,
     evaluation.keyframes = EvaluateTrajectory(keyframes, truth.poses, options.trajectory);
   } catch (const InputError& error) {
     evaluation.warnings.push_back(std::string(error.what()) + "; keyframes are not judged");
+  }
+}
+
+// Each segment of a run that was lost in between is aligned for itself: across a break only the
+// stated uncertainty counts.
+void EvaluateSegments(const std::vector<EstimatedState>& states,
+                      const GroundTruth& truth,
+                      const EvaluationOptions& options,
+                      RunEvaluation& evaluation) {
+  std::map<int, std::vector<StampedPose>> poses_of;
+  for (const EstimatedState& s : states)
+    poses_of[s.segment].push_back({s.state.t, s.state.T_WB});
+  if (poses_of.size() < 2) return;
+  for (const auto& [segment, poses] : poses_of) {
+    const std::string problem = WhatIsWrong(poses, truth.poses);
+    if (problem.empty()) {
+      evaluation.segments.push_back(
+          {segment, EvaluateTrajectory(poses, truth.poses, options.trajectory)});
+    } else {
+      evaluation.warnings.push_back("segment " + std::to_string(segment) + ": " + problem +
+                                    "; it is not judged");
+    }
   }
 }
 
@@ -153,13 +182,22 @@ void EvaluateParts(const fs::path& result,
     evaluation.planes = evaluate(PlaneErrorOptions());
     evaluation.close_planes = evaluate(kClosePlanes);
   }
-  const fs::path states = result / "states.csv";
-  if (options.judge_consistency && !truth.states.empty() && fs::exists(states)) {
-    std::vector<EstimatedState> estimate = ReadStates(states);
-    for (EstimatedState& e : estimate)
-      e.state.t = e.state.t + evaluation.time_offset.value_or(Duration{});
-    evaluation.consistency = EvaluateConsistency(estimate, truth.states);
-  }
+}
+
+// What states.csv says beyond the trajectory.
+void EvaluateStates(const fs::path& result,
+                    const GroundTruth& truth,
+                    const EvaluationOptions& options,
+                    RunEvaluation& evaluation) {
+  const fs::path file = result / "states.csv";
+  if (!fs::is_directory(result) || !fs::exists(file)) return;
+  if (!options.judge_consistency && !IsInSegments(result)) return;
+  std::vector<EstimatedState> states = ReadStates(file);
+  for (EstimatedState& s : states)
+    s.state.t = s.state.t + evaluation.time_offset.value_or(Duration{});
+  EvaluateSegments(states, truth, options, evaluation);
+  if (options.judge_consistency && !truth.states.empty())
+    evaluation.consistency = EvaluateConsistency(states, truth.states);
 }
 
 }  // namespace
@@ -189,6 +227,7 @@ RunEvaluation EvaluateRun(const std::filesystem::path& result,
   CheckQuaternions(truth.pose_file, evaluation);
   EvaluateKeyframes(result, truth, options, evaluation);
   EvaluateParts(result, truth, options, evaluation);
+  EvaluateStates(result, truth, options, evaluation);
   return evaluation;
 }
 

@@ -25,6 +25,12 @@ struct EvaluationOptions {
   bool parts_must_exist = false;  ///< what is to be judged and is missing is an InputError
 };
 
+/// A stretch between two losses of the state, aligned for itself.
+struct SegmentError {
+  int segment = 0;
+  TrajectoryError error;
+};
+
 struct RunEvaluation {
   std::filesystem::path result;
   AlignmentKind alignment = AlignmentKind::kSE3;
@@ -33,6 +39,7 @@ struct RunEvaluation {
   TrajectoryError causal;
   std::vector<PosePair> pairs;  ///< of the causal trajectory, for pictures
   std::optional<TrajectoryError> keyframes;
+  std::vector<SegmentError> segments;  ///< if there are two or more; those that can be judged
   std::optional<MeshError> mesh, map;
   std::optional<PlaneError> planes;
   std::optional<PlaneError> close_planes;  ///< the same with kClosePlanes

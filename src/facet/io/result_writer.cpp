@@ -49,7 +49,7 @@ std::string StatesCsv(const std::vector<FrameRecord>& frames) {
       "timestamp_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz,"
       "sigma_px,sigma_py,sigma_pz,sigma_rx,sigma_ry,sigma_rz,sigma_vx,sigma_vy,sigma_vz,"
       "sigma_bgx,sigma_bgy,sigma_bgz,sigma_bax,sigma_bay,sigma_baz,"
-      "status,reason\n";
+      "status,reason,segment\n";
   constexpr int kNumValues = 31;
   for (const FrameRecord& f : frames) {
     text += std::to_string(f.t.ns);
@@ -73,6 +73,7 @@ std::string StatesCsv(const std::vector<FrameRecord>& frames) {
     }
     AppendText(text, Quoted(f.status));
     AppendText(text, Quoted(f.reason));
+    AppendText(text, f.has_pose ? std::to_string(f.segment) : "");
     text += '\n';
   }
   return text;
@@ -184,6 +185,21 @@ Json StagesSummary(const std::vector<FrameRecord>& frames) {
   return stages;
 }
 
+// From when to when each of them has poses.
+Json SegmentsSummary(const std::vector<FrameRecord>& frames) {
+  Json segments = Json::array();
+  for (const FrameRecord& f : frames) {
+    if (!f.has_pose) continue;
+    if (segments.empty() || segments.back()["segment"] != f.segment) {
+      segments.push_back(
+          {{"segment", f.segment}, {"first_ns", f.t.ns}, {"last_ns", 0}, {"frames_with_pose", 0}});
+    }
+    segments.back()["last_ns"] = f.t.ns;
+    segments.back()["frames_with_pose"] = segments.back()["frames_with_pose"].get<int>() + 1;
+  }
+  return segments;
+}
+
 Json Summary(const RunRecord& run) {
   const auto& frames = run.frames;
   std::vector<double> landmarks;
@@ -228,6 +244,7 @@ Json Summary(const RunRecord& run) {
     json["map_is_full"] = run.map_is_full;
   }
   json["resets"] = run.num_resets;
+  json["segments"] = SegmentsSummary(frames);
   json["dropped_frames"] = run.num_dropped;
   json["damaged_frames"] = run.num_damaged;
   json["imu_gaps"] = run.num_imu_gaps;

@@ -20,7 +20,8 @@ struct FrameRecord {
   Timestamp t;  ///< of the left image
   bool is_keyframe = false;
   bool has_pose = false;
-  NavState state;  ///< causal; meaningless without a pose
+  int segment = 0;  ///< of the pose: the stretches between losses, from 0 on
+  NavState state;   ///< causal; meaningless without a pose
   Vector3d sigma_p = Vector3d::Zero();
   Vector3d sigma_theta = Vector3d::Zero();
   Vector3d sigma_v = Vector3d::Zero();

@@ -106,6 +106,8 @@ std::vector<EstimatedState> ReadStates(const std::filesystem::path& file) {
                                     columns.Get(row, "qx"),
                                     columns.Get(row, "qy"),
                                     columns.Get(row, "qz"));
+    const double segment = columns.Get(row, "segment");
+    if (segment >= 0 && segment < 1e6) s.segment = static_cast<int>(segment);
     s.state.v_WB = columns.Get3(row, "v");
     s.state.bias = {columns.Get3(row, "bg"), columns.Get3(row, "ba")};
     s.sigma_p = columns.Get3(row, "sigma_p");

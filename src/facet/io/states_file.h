@@ -19,6 +19,7 @@ inline Vector3d Unknown3() {
 /// One line of states.csv that has a pose, with the 1-sigma of its parts.
 struct EstimatedState {
   NavState state;
+  int segment = 0;                    ///< stretches between losses; 0 where the file does not say
   Vector3d sigma_p = Unknown3();      ///< [m], in W
   Vector3d sigma_theta = Unknown3();  ///< [rad], in B
   Vector3d sigma_v = Unknown3();

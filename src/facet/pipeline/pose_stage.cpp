@@ -31,6 +31,7 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
   if (frame.frontend.is_repeated && result.status == TrackingStatus::kDegraded)
     out.reason = "image repeated";
   out.has_pose = result.has_state;
+  out.segment = result.segment;
   out.state = result.state;
   const Vector<15> sigma = result.covariance.diagonal().cwiseMax(0).cwiseSqrt();
   out.sigma_theta = sigma.segment<3>(0);

@@ -20,10 +20,13 @@ struct VioOutput {
   Timestamp t;  ///< stamp of the left image
   bool is_keyframe = false;
   TrackingStatus status = TrackingStatus::kInitialising;
-  std::string reason;                   ///< why the status is not ok, or empty
-  bool has_pose = false;                ///< false while initialising; `state` is then meaningless
-  NavState state;                       ///< causal estimate at t
-  Vector3d sigma_p = Vector3d::Zero();  ///< 1-sigma [m], in W
+  std::string reason;     ///< why the status is not ok, or empty
+  bool has_pose = false;  ///< false while initialising; `state` is then meaningless
+  /// Which of the stretches between losses the pose belongs to; counts from 0. Across a break poses
+  /// are as uncertain as their sigmas say, and may jump.
+  int segment = 0;
+  NavState state;                           ///< causal estimate at t
+  Vector3d sigma_p = Vector3d::Zero();      ///< 1-sigma [m], in W
   Vector3d sigma_theta = Vector3d::Zero();  ///< 1-sigma [rad], in B
   Vector3d sigma_v = Vector3d::Zero();      ///< 1-sigma [m/s], in W
   Vector3d sigma_b_g = Vector3d::Zero();    ///< 1-sigma [rad/s]

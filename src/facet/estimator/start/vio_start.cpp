@@ -25,7 +25,6 @@ constexpr int kFewestStartFrames = 4;
 constexpr double kEnoughSpan_s = 0.28;
 // A start needs gravity: at most this many intervals of its window may be without IMU.
 constexpr int kMaxSyntheticIntervals = 1;
-constexpr double kMaxDeadReckoning_s = 1.0;
 
 bool HasSyntheticImu(const WindowFrame& frame) {
   return frame.imu_link && frame.imu_link->is_synthetic;
@@ -64,17 +63,15 @@ double TiltSigma(const Matrix<15, 15>& covariance, const SlidingWindow& window) 
 }
 
 // Where the newest frame is put in the world when the start succeeds.
-SE3 StartPose(const NavState& newest, const std::optional<NavState>& last_good) {
-  if (!last_good) {
+SE3 StartPose(const NavState& newest, const std::optional<SE3>& predicted) {
+  if (!predicted) {
     const Vector3d up_B = newest.T_WB.q.conjugate() * Vector3d::UnitZ();
     return {RotationBetween(up_B, Vector3d::UnitZ()), Vector3d::Zero()};
   }
-  // After a reset: go on from the last pose, with its heading and for a moment with its velocity.
-  const double elapsed_s = ToSeconds(newest.t - last_good->t);
-  const Quaterniond difference = last_good->T_WB.q * newest.T_WB.q.conjugate();
+  // The tilt is the start's own, which gravity tells.
+  const Quaterniond difference = predicted->q * newest.T_WB.q.conjugate();
   const double yaw = 2 * std::atan2(difference.z(), difference.w());
-  return {ExpSO3({0, 0, yaw}) * newest.T_WB.q,
-          last_good->T_WB.p + std::min(elapsed_s, kMaxDeadReckoning_s) * last_good->v_WB};
+  return {ExpSO3({0, 0, yaw}) * newest.T_WB.q, predicted->p};
 }
 
 // Turns everything about the vertical and moves it.
@@ -116,7 +113,7 @@ void VioStart::AppendFirstFrame(WindowFrame frame,
   window.frames.push_back(std::move(frame));
 }
 
-StartAttempt VioStart::Try(const std::optional<NavState>& last_good,
+StartAttempt VioStart::Try(const std::optional<SE3>& predicted,
                            const ImuIntervals& imu,
                            WindowOptimizer& optimizer,
                            SlidingWindow& window) {
@@ -133,7 +130,7 @@ StartAttempt VioStart::Try(const std::optional<NavState>& last_good,
     const double tilt = TiltSigma(attempt.covariance, window);
     if (tilt < options_.start.max_tilt_deg * kDegree ||
         SpanOf(window) >= options_.start.max_wait_s) {
-      MoveNewestFrameTo(StartPose(window.frames.back().x, last_good), window);
+      MoveNewestFrameTo(StartPose(window.frames.back().x, predicted), window);
       // The covariance belongs to the origin and heading that were fixed when it was computed.
       optimizer.Solve(window, 1);
       attempt.covariance = optimizer.solver().NewestFrameCovariance();

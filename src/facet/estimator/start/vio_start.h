@@ -36,9 +36,9 @@ class VioStart {
                                const StartOptions& options,
                                SlidingWindow& window);
 
-  /// With one more frame in the window, and its observations. If there was a state before (which
-  /// was lost), the new world is put where that one has led to.
-  StartAttempt Try(const std::optional<NavState>& last_good,
+  /// With one more frame in the window, and its observations. Its newest frame is put at the
+  /// position and heading of `predicted`, or at the origin if nothing is known of them.
+  StartAttempt Try(const std::optional<SE3>& predicted,
                    const ImuIntervals& imu,
                    WindowOptimizer& optimizer,
                    SlidingWindow& window);
