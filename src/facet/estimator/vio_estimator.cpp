@@ -18,6 +18,7 @@ namespace {
 constexpr int kRepairIterations = 4;
 // Landmarks that tie a keyframe to what was seen before.
 constexpr int kMinLandmarksSeen = 8;
+constexpr double kMinAgreeingShare = 0.25;
 
 // Landmarks that constrain the window and are seen in its newest frame.
 int NumSeenInNewest(const SlidingWindow& window) {
@@ -55,7 +56,7 @@ VioEstimator::VioEstimator(const StereoRig& rig,
       start_(rig, options),
       optimizer_(rig, options),
       planes_(options),
-      updater_(rig, options.solver) {}
+      updater_(rig, options.solver, BiasWalk(noise, options.imu)) {}
 
 EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
                                        const ImuInterval& imu,
@@ -126,6 +127,22 @@ std::vector<PreparedObservation> VioEstimator::Prepare(
   return PrepareObservations(observations, rig_, options_.solver.pixel_sigma_scale);
 }
 
+// What moves on its own contradicts the IMU, and so does everything if the IMU is wrong: landmarks
+// are left out as a group only where another group agrees with the IMU.
+std::vector<PreparedObservation> VioEstimator::Believable(
+    std::vector<PreparedObservation> observations,
+    const ImuLink& link,
+    const NavState& predicted) const {
+  if (link.is_synthetic) return observations;
+  const InnovationTest test = updater_.TestInnovations(observations, link, predicted);
+  const int num_agreeing = test.num_tested - test.num_contradicting;
+  if (num_agreeing < kMinLandmarksSeen || num_agreeing < kMinAgreeingShare * test.num_tested)
+    return observations;
+  auto contradicts = test.contradicts.begin();
+  std::erase_if(observations, [&](const auto&) { return *contradicts++ != 0; });
+  return observations;
+}
+
 EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
   ScopedStage stage(times, Stage::kOptimize);
   AppendObservations(Prepare(observations), window_);
@@ -149,7 +166,8 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   EstimatorResult result;
   {
     ScopedStage stage(times, Stage::kOptimize);
-    AppendObservations(Prepare(observations), window_);
+    const WindowFrame& frame = window_.frames.back();
+    AppendObservations(Believable(Prepare(observations), *frame.imu_link, frame.x), window_);
     InitializeDepths(optimizer_.UpdateGeometry(window_), window_);
     imu_.Relinearize(window_);
     planes_.TakeEffect(optimizer_.noise(), optimizer_.geometry(), window_);
@@ -180,8 +198,11 @@ EstimatorResult VioEstimator::TrackIntermediateFrame(const FrameObservations& ob
                                                      StageTimes& times) {
   ScopedStage stage(times, Stage::kOptimize);
   EstimatorResult result;
-  const FrameUpdateResult update = updater_.Update(
-      Prepare(observations), intermediate_->link, optimizer_.noise(), intermediate_->x);
+  const FrameUpdateResult update =
+      updater_.Update(Believable(Prepare(observations), intermediate_->link, intermediate_->x),
+                      intermediate_->link,
+                      optimizer_.noise(),
+                      intermediate_->x);
   if (update.ok) newest_covariance_ = update.covariance;
   SetState(intermediate_->x,
            newest_covariance_,

@@ -52,6 +52,10 @@ class VioEstimator {
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
   std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
 
+  std::vector<PreparedObservation> Believable(std::vector<PreparedObservation> observations,
+                                              const ImuLink& link,
+                                              const NavState& predicted) const;
+
   EstimatorResult Start(const FrameObservations& observations, StageTimes& times);
   EstimatorResult TrackKeyframe(const FrameObservations& observations, StageTimes& times);
   EstimatorResult TrackIntermediateFrame(const FrameObservations& observations, StageTimes& times);

@@ -25,6 +25,8 @@ bool IsUsable(const cv::Mat& image, const CameraModel& camera) {
 
 // The bias of a gyroscope before the estimator knows it [rad/s].
 constexpr double kLargestUnknownBias = 0.1;
+// More tracks than this share are no mismatches, but a thing that moves, or what it moves past.
+constexpr double kMaxOutvotedShare = 0.15;
 
 std::uint8_t GreyValueAt(const cv::Mat& image, const Vector2d& px) {
   const int x = std::clamp(static_cast<int>(std::lround(px.x())), 0, image.cols - 1);
@@ -40,7 +42,7 @@ struct StereoFrontend::Impl {
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
   void TakeHint(const FrontendHint& hint);
   bool IsRepeated(const StereoFrame& frame, const FrontendHint& hint, double interval_s);
-  void FollowTracks(const cv::Mat& left, FrontendResult& result);
+  void FollowTracks(const cv::Mat& left, bool is_motion_known, FrontendResult& result);
   void DetectNew(const cv::Mat& left, FrontendResult& result);
   void MatchStereo(const cv::Mat& right, FrontendResult& result);
   void StartKeyframe(const StereoFrame& frame, FrontendResult& result, StageTimes& times);
@@ -119,7 +121,9 @@ bool StereoFrontend::Impl::IsRepeated(const StereoFrame& frame,
   return is_repeated;
 }
 
-void StereoFrontend::Impl::FollowTracks(const cv::Mat& left, FrontendResult& result) {
+void StereoFrontend::Impl::FollowTracks(const cv::Mat& left,
+                                        bool is_motion_known,
+                                        FrontendResult& result) {
   std::swap(images.previous, images.now);
   images.now.Build(left, options.klt.num_levels);
   const SE3& T_BC = rig.T_BC[0];
@@ -131,7 +135,10 @@ void StereoFrontend::Impl::FollowTracks(const cv::Mat& left, FrontendResult& res
   motion.R_C_kf_prev = (motion.R_C_kf_prev * T_Cprev_Cnow.q).normalized();
   motion.T_Bprev_Bnow = SE3();
   tracks.RenameRenewed();
-  result.num_outliers = outliers.Remove(motion.R_C_kf_prev, tracks.slots());
+  // Landmarks and IMU together tell what moves on its own, even if that is most of the image, where
+  // a vote of the tracks would throw out what stands still: then single tracks go, but no group.
+  const double max_share = is_motion_known ? kMaxOutvotedShare : 1.0;
+  result.num_outliers = outliers.Remove(motion.R_C_kf_prev, max_share, tracks.slots());
   result.tracking.num_tracked -= result.num_outliers;
 }
 
@@ -230,7 +237,7 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
   stereo.Clear();
   {
     const ScopedStage stage(times, Stage::kTrack);
-    FollowTracks(frame.left, result);
+    FollowTracks(frame.left, hint.is_motion_known, result);
     result.keyframe_reason = keyframe_policy.Decide(frame.t, tracks.CountShared());
   }
   result.observations.is_keyframe = result.keyframe_reason != KeyframeReason::kNone;

@@ -37,6 +37,9 @@ struct FrontendHint {
   Quaterniond R_prev_now = Quaterniond::Identity();
   /// Translation of the body now, in the previous body frame [m]; zero when not known.
   Vector3d p_prev_now = Vector3d::Zero();
+  /// The estimator has a state, and the IMU between the frames has no holes: it will find what
+  /// moves on its own better than the tracks among themselves.
+  bool is_motion_known = false;
   /// Inverse depth [1/m] along the left camera's z axis at the previous frame, by landmark; may be
   /// null.
   const std::unordered_map<LandmarkId, double>* inverse_depth = nullptr;

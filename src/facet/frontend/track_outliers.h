@@ -18,8 +18,9 @@ class TrackOutliers {
       : is_enabled_(options.enabled), rejection_(options, focal_px) {}
 
   /// Frees the slots of the tracks that contradict the others; returns how many. `R_keyframe_now`:
-  /// rotation of the left camera since the last keyframe, from the gyroscope.
-  int Remove(const Quaterniond& R_keyframe_now, std::span<Track> tracks);
+  /// rotation of the left camera since the last keyframe, from the gyroscope. If more than
+  /// `max_share` of them do, none goes.
+  int Remove(const Quaterniond& R_keyframe_now, double max_share, std::span<Track> tracks);
 
  private:
   bool is_enabled_;

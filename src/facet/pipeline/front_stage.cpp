@@ -109,6 +109,7 @@ FrontendHint FrontStage::MakeHint(const ImuInterval& now) {
     if (z > kMinDepth_m) inverse_depth_[landmark.id] = 1.0 / z;
   }
   hint.inverse_depth = &inverse_depth_;
+  hint.is_motion_known = !now.samples.empty() && !now.has_hole && !since.has_hole;
   return hint;
 }
 

@@ -12,6 +12,7 @@
 #include "facet/estimator/factors/landmark_factors.h"
 #include "facet/estimator/factors/reprojection_factor.h"
 #include "facet/estimator/factors/robust_loss.h"
+#include "facet/estimator/window/dead_reckoning.h"
 #include "facet/geometry/so3.h"
 
 namespace facet {
@@ -19,6 +20,7 @@ namespace facet {
 namespace {
 
 constexpr double kConverged = 1e-6;  // rad, m, m/s
+constexpr double kMaxInnovation = 8;
 
 // Columns: 0..14 the reference, 15..29 the frame.
 constexpr int kFrame = 15;
@@ -30,6 +32,19 @@ Matrix<15, 15> Information(const Matrix<15, 15>& covariance) {
   const Matrix<15, 15> inverse =
       (correlation + 1e-10 * Matrix<15, 15>::Identity()).llt().solve(Matrix<15, 15>::Identity());
   return inv_sigma.asDiagonal() * inverse * inv_sigma.asDiagonal();
+}
+
+// Place and heading are left out, the tilt is not: with it gravity turns.
+Matrix<15, 15> MotionCovariance(const Matrix<15, 15>& covariance, const Matrix3d& R_WB) {
+  Matrix<15, 15> motion = covariance;
+  motion.middleRows<3>(3).setZero();
+  motion.middleCols<3>(3).setZero();
+  Matrix3d without_heading = Matrix3d::Identity();
+  without_heading(2, 2) = 0;
+  const Matrix3d keep = R_WB.transpose() * without_heading * R_WB;
+  motion.topRows<3>() = keep * motion.topRows<3>();
+  motion.leftCols<3>() = motion.leftCols<3>() * keep.transpose();
+  return motion;
 }
 
 // How the frame moves (theta p) when the reference and all that is held to it moves rigidly.
@@ -58,13 +73,13 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
                                 const FactorNoise& noise) {
   reference_ = window.frames.back().x;
   reference_information_ = Information(covariance);
+  reference_motion_covariance_ = MotionCovariance(covariance, reference_.T_WB.R());
 
   geometry_.Update(window.frames);
   landmarks_.clear();
   LandmarkBlock block;
   for (const WindowLandmark& landmark : window.landmarks()) {
-    if (!landmark.has_depth || landmark.observations.back().frame != window.newest_frame())
-      continue;
+    if (!landmark.has_depth) continue;
     LinearizeLandmark(geometry_, window.planes, landmark, noise, block);
     HeldLandmark held;
     const FrameGeometry::Pose& host = geometry_.current(landmark.host);
@@ -73,6 +88,7 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
     held.rho = landmark.inverse_distance;
     held.p_WH = host.p_WC0;
     held.is_projection = landmark.is_projection;
+    held.is_seen = landmark.observations.back().frame == window.newest_frame();
     // The ridge stands for a distance known to 1/m at best.
     held.covariance = (block.V + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal())).inverse();
     landmarks_.emplace(landmark.id, held);
@@ -85,7 +101,8 @@ std::vector<FrameUpdater::Match> FrameUpdater::FindMatches(
   matches.reserve(observations.size());
   for (const PreparedObservation& o : observations) {
     const auto it = landmarks_.find(o.landmark);
-    if (it != landmarks_.end()) matches.push_back({&it->second, &o.observation});
+    if (it != landmarks_.end() && it->second.is_seen)
+      matches.push_back({&it->second, &o.observation});
   }
   return matches;
 }
@@ -107,37 +124,76 @@ double FrameUpdater::MedianError(const std::vector<Match>& matches,
 }
 
 // The landmarks are held to the reference: they see the frame from where it was first estimated.
+FrameUpdater::View FrameUpdater::ViewOf(const NavState& reference, const NavState& frame) const {
+  View view;
+  view.T_HB = reference_.T_WB * (reference.T_WB.Inverse() * frame.T_WB);
+  view.R_BH = view.T_HB.R().transpose();
+  view.R_BW = frame.T_WB.R().transpose();
+  return view;
+}
+
+bool FrameUpdater::Linearize(
+    const Match& match, int camera, const View& view, double scale, Rows& rows) const {
+  const auto& [landmark, observation] = match;
+  const Vector3d baseline_B = view.R_BH * (landmark->p_WH - view.T_HB.p);
+  const Vector3d l_B = view.R_BH * landmark->d_W + landmark->rho * baseline_B;
+  const Vector3d h = geometry_.R_CB[camera] * (l_B - landmark->rho * geometry_.p_BC[camera]);
+  if (h.z() < kMinUnitDepth) return false;
+  const Matrix2d sqrt_info = scale * observation->sqrt_info[camera];
+  Matrix<2, 3> J_h;
+  J_h << 1, 0, -h.x() / h.z(), 0, 1, -h.y() / h.z();
+  const Matrix<2, 3> A = (1.0 / h.z()) * (sqrt_info * J_h) * geometry_.R_CB[camera];
+  rows.r = sqrt_info * (h.head<2>() / h.z() - observation->xy[camera]);
+  rows.J_landmark.leftCols<2>() = A * (view.R_BH * landmark->B_W);
+  rows.J_landmark.col(2) = A * (baseline_B - geometry_.p_BC[camera]);
+  rows.J_pose.leftCols<3>() = A * Hat(l_B);
+  rows.J_pose.rightCols<3>() = -landmark->rho * (A * view.R_BW);
+  return true;
+}
+
 void FrameUpdater::AddVision(const std::vector<Match>& matches,
                              const NavState& reference,
                              const NavState& frame,
                              const FactorNoise& noise,
                              System& system) const {
-  const SE3 T_HB = reference_.T_WB * (reference.T_WB.Inverse() * frame.T_WB);
-  const Matrix3d R_BH = T_HB.R().transpose();
-  const Matrix3d R_BW = frame.T_WB.R().transpose();
+  const View view = ViewOf(reference, frame);
   PoseSystem pose;
-  for (const auto& [landmark, observation] : matches) {
-    const Vector3d baseline_B = R_BH * (landmark->p_WH - T_HB.p);
-    const Vector3d l_B = R_BH * landmark->d_W + landmark->rho * baseline_B;
+  Rows rows;
+  for (const Match& match : matches) {
+    const auto& [landmark, observation] = match;
     for (int c = 0; c < (observation->has_right ? 2 : 1); ++c) {
-      const Vector3d h = geometry_.R_CB[c] * (l_B - landmark->rho * geometry_.p_BC[c]);
-      if (h.z() < kMinUnitDepth) continue;
       const double scale =
           landmark->is_projection ? observation->sigma_px[c] / noise.projection.sigma_px : 1.0;
-      const Matrix2d sqrt_info = scale * observation->sqrt_info[c];
-      Matrix<2, 3> J_h;
-      J_h << 1, 0, -h.x() / h.z(), 0, 1, -h.y() / h.z();
-      const Matrix<2, 3> A = (1.0 / h.z()) * (sqrt_info * J_h) * geometry_.R_CB[c];
-      Rows rows;
-      rows.r = sqrt_info * (h.head<2>() / h.z() - observation->xy[c]);
-      rows.J_landmark.leftCols<2>() = A * (R_BH * landmark->B_W);
-      rows.J_landmark.col(2) = A * (baseline_B - geometry_.p_BC[c]);
-      rows.J_pose.leftCols<3>() = A * Hat(l_B);
-      rows.J_pose.rightCols<3>() = -landmark->rho * (A * R_BW);
-      AddRows(rows, landmark->covariance, noise.reprojection_width, pose);
+      if (Linearize(match, c, view, scale, rows))
+        AddRows(rows, landmark->covariance, noise.reprojection_width, pose);
     }
   }
   AddRelativePose(pose, RigidMotion(reference.T_WB, frame.T_WB), system);
+}
+
+InnovationTest FrameUpdater::TestInnovations(const std::vector<PreparedObservation>& observations,
+                                             const ImuLink& imu,
+                                             const NavState& predicted) const {
+  InnovationTest test;
+  test.contradicts.assign(observations.size(), 0);
+  const Matrix<6, 6> P = Reckon({reference_, reference_motion_covariance_}, imu.measured, walk_)
+                             .covariance.topLeftCorner<6, 6>();
+  const View view = ViewOf(reference_, predicted);
+  Rows rows;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const auto it = landmarks_.find(observations[i].landmark);
+    if (it == landmarks_.end()) continue;
+    const HeldLandmark& landmark = it->second;
+    if (!Linearize({&landmark, &observations[i].observation}, 0, view, 1.0, rows)) continue;
+    const Matrix2d S = Matrix2d::Identity() +
+                       rows.J_landmark * landmark.covariance * rows.J_landmark.transpose() +
+                       rows.J_pose * P * rows.J_pose.transpose();
+    const double d = std::sqrt(rows.r.dot(S.inverse() * rows.r));
+    ++test.num_tested;
+    test.contradicts[i] = d > kMaxInnovation ? 1 : 0;
+    test.num_contradicting += test.contradicts[i];
+  }
+  return test;
 }
 
 // The pixel noise grows by what the landmark's own uncertainty adds.

@@ -15,6 +15,14 @@
 
 namespace facet {
 
+/// What the landmarks say of the motion that the IMU alone predicts.
+struct InnovationTest {
+  int num_tested = 0;         ///< observations of landmarks whose place is known
+  int num_contradicting = 0;  ///< of them
+  /// By observation: its landmark has moved, or is mistaken for another one.
+  std::vector<char> contradicts;
+};
+
 struct FrameUpdateResult {
   bool ok = false;
   int num_used = 0;  ///< observations of known landmarks
@@ -24,14 +32,21 @@ struct FrameUpdateResult {
 /// Not thread-safe.
 class FrameUpdater {
  public:
-  FrameUpdater(const StereoRig& rig, const SolverOptions& options)
-      : geometry_(rig), options_(options) {}
+  FrameUpdater(const StereoRig& rig, const SolverOptions& options, const BiasWalk& walk)
+      : geometry_(rig), options_(options), walk_(walk) {}
 
   /// Takes the newest frame of the window as reference, with its marginal covariance, and the
   /// landmarks that it sees.
   void SetReference(const SlidingWindow& window,
                     const Matrix<15, 15>& covariance,
                     const FactorNoise& noise);
+
+  /// Which left pixels are further from where the landmarks of the window must be seen than pixel
+  /// noise, landmark and prediction together allow. `predicted`: the frame's state by the IMU
+  /// alone, `imu`: from the reference to it.
+  InnovationTest TestInnovations(const std::vector<PreparedObservation>& observations,
+                                 const ImuLink& imu,
+                                 const NavState& predicted) const;
 
   /// `x`: the predicted state of the frame, which is updated. `imu`: from the reference to it.
   /// `noise`: as for the reference.
@@ -49,6 +64,7 @@ class FrameUpdater {
     Vector3d p_WH;
     Matrix3d covariance;  // of the two bearing directions and rho
     bool is_projection;
+    bool is_seen;  // in the reference
   };
   struct Match {
     const HeldLandmark* landmark;
@@ -59,6 +75,11 @@ class FrameUpdater {
     Vector2d r;
     Matrix<2, 6> J_pose;
     Matrix<2, 3> J_landmark;
+  };
+  /// Where the frame is, as the landmarks see it.
+  struct View {
+    SE3 T_HB;
+    Matrix3d R_BH, R_BW;
   };
   /// What all of them say about the pose of the frame.
   struct PoseSystem {
@@ -71,6 +92,9 @@ class FrameUpdater {
     Vector<30> b;
   };
 
+  View ViewOf(const NavState& reference, const NavState& frame) const;
+  /// False if the point is behind the camera.
+  bool Linearize(const Match& match, int camera, const View& view, double scale, Rows& rows) const;
   std::vector<Match> FindMatches(const std::vector<PreparedObservation>& observations) const;
   /// Median of the norms of the whitened left errors.
   double MedianError(const std::vector<Match>& matches,
@@ -93,7 +117,10 @@ class FrameUpdater {
 
   FrameGeometry geometry_;
   SolverOptions options_;
+  BiasWalk walk_;
   NavState reference_;
+  /// Of what carries on into the motion: its place and heading do not, the landmarks share them.
+  Matrix<15, 15> reference_motion_covariance_ = Matrix<15, 15>::Zero();
   Matrix<15, 15> reference_information_ = Matrix<15, 15>::Zero();
   std::unordered_map<LandmarkId, HeldLandmark> landmarks_;
   std::vector<double> errors_;  // buffer of MedianError

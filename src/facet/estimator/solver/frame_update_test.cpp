@@ -107,7 +107,7 @@ TEST(FrameUpdateTest, AgreesWithTheJointSolution) {
       return d.cwiseQuotient(sigma).head<9>().norm() / 3;
     };
     sum_before += deviation(x);
-    FrameUpdater updater(c.rig, Options());
+    FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
     updater.SetReference(c.window, c.covariance, Noise());
     const FrameUpdateResult result = updater.Update(c.observations, c.imu, Noise(), x);
     ASSERT_TRUE(result.ok);
@@ -137,7 +137,7 @@ TEST(FrameUpdateTest, CovarianceIsConsistent) {
   for (std::uint64_t seed = 101; seed <= 100 + kRuns; ++seed) {
     const Case c = MakeCase(seed);
     NavState x = c.predicted;
-    FrameUpdater updater(c.rig, Options());
+    FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
     updater.SetReference(c.window, c.covariance, Noise());
     const FrameUpdateResult result = updater.Update(c.observations, c.imu, Noise(), x);
     ASSERT_TRUE(result.ok);
@@ -163,7 +163,7 @@ TEST(FrameUpdateTest, CovarianceIsConsistent) {
 TEST(FrameUpdateTest, WithoutObservationsTheFrameFollowsTheImu) {
   const Case c = MakeCase(300);
   NavState x = c.predicted;
-  FrameUpdater updater(c.rig, Options());
+  FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
   updater.SetReference(c.window, c.covariance, Noise());
   const FrameUpdateResult result = updater.Update({}, c.imu, Noise(), x);
   ASSERT_TRUE(result.ok);
@@ -177,7 +177,7 @@ TEST(FrameUpdateTest, OutliersDoNotPull) {
   EstimatorOptions options;
   options.solver.frame_iterations = 5;
   const FactorNoise noise(options);
-  FrameUpdater updater(c.rig, options.solver);
+  FrameUpdater updater(c.rig, options.solver, testing::DefaultBiasWalk());
   updater.SetReference(c.window, c.covariance, noise);
   NavState clean = c.predicted, spoilt = c.predicted;
   updater.Update(c.observations, c.imu, noise, clean);

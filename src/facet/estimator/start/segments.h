@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "facet/estimator/start/dead_reckoning.h"
+#include "facet/estimator/window/dead_reckoning.h"
 
 namespace facet {
 

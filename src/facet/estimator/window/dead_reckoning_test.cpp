@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/estimator/start/dead_reckoning.h"
+#include "facet/estimator/window/dead_reckoning.h"
 
 #include <cmath>
 
