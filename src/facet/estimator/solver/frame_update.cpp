@@ -20,6 +20,7 @@ namespace facet {
 namespace {
 
 constexpr double kConverged = 1e-6;  // rad, m, m/s
+// Sigmas. On clean recordings 0.1 to 0.2 % of the observations are beyond, most of them mismatches.
 constexpr double kMaxInnovation = 8;
 
 // Columns: 0..14 the reference, 15..29 the frame.

@@ -172,6 +172,43 @@ TEST(FrameUpdateTest, WithoutObservationsTheFrameFollowsTheImu) {
   EXPECT_TRUE(result.covariance.allFinite());
 }
 
+TEST(FrameUpdateTest, LandmarksThatStandStillAgreeWithTheImu) {
+  for (std::uint64_t seed = 400; seed < 420; ++seed) {
+    const Case c = MakeCase(seed);
+    FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
+    updater.SetReference(c.window, c.covariance, Noise());
+    const InnovationTest test = updater.TestInnovations(c.observations, c.imu, c.predicted);
+    EXPECT_GT(test.num_tested, 20);
+    EXPECT_EQ(test.num_contradicting, 0) << seed;
+    EXPECT_EQ(test.contradicts.size(), c.observations.size());
+  }
+}
+
+TEST(FrameUpdateTest, ThoseThatMoveContradictIt) {
+  Case c = MakeCase(421);
+  FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
+  updater.SetReference(c.window, c.covariance, Noise());
+  for (std::size_t k = 0; k < c.observations.size(); k += 2)
+    c.observations[k].observation.xy[0].y() += 0.15;
+  const InnovationTest test = updater.TestInnovations(c.observations, c.imu, c.predicted);
+  EXPECT_GT(test.num_contradicting, test.num_tested / 3);
+  for (std::size_t k = 0; k < c.observations.size(); ++k) {
+    if (k % 2 == 1) {
+      EXPECT_FALSE(test.contradicts[k]) << k;
+    }
+  }
+}
+
+TEST(FrameUpdateTest, AWrongPredictionIsContradictedByNearlyAll) {
+  const Case c = MakeCase(422);
+  FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
+  updater.SetReference(c.window, c.covariance, Noise());
+  NavState turned = c.predicted;
+  turned.T_WB.q = turned.T_WB.q * ExpSO3({0.2, 0, 0});
+  const InnovationTest test = updater.TestInnovations(c.observations, c.imu, turned);
+  EXPECT_GT(test.num_contradicting, 0.8 * test.num_tested);
+}
+
 TEST(FrameUpdateTest, OutliersDoNotPull) {
   Case c = MakeCase(301);
   EstimatorOptions options;
