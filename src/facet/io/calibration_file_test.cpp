@@ -195,6 +195,20 @@ TEST_F(CalibrationFileTest, CameraErrorsNameFileAndLine) {
   }
 }
 
+TEST_F(CalibrationFileTest, CoefficientsNeedAModel) {
+  const std::filesystem::path yaml = Sensor(0);
+  EditLines(yaml, [](std::vector<std::string>& lines) {
+    std::erase_if(lines,
+                  [](const std::string& line) { return line.starts_with("distortion_model"); });
+  });
+  try {
+    FindCalibration(Mav0(), {});
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no 'distortion_model'"));
+  }
+}
+
 TEST_F(CalibrationFileTest, OtherErrors) {
   ReplaceInFile(Imu(), "1.6968e-04", "0");
   EXPECT_THAT(Error(),

@@ -14,7 +14,19 @@ constexpr double kMaxRotationError = 1e-3;
 constexpr double kMaxLeverArmM = 10;
 
 DistortionModel ParseDistortion(const YamlFile& yaml, const YAML::Node& camera) {
-  if (!YamlFile::Has(camera, "distortion_model")) return DistortionModel::kNone;
+  if (!YamlFile::Has(camera, "distortion_model")) {
+    const bool is_kalibr = YamlFile::Has(camera, "distortion_coeffs");
+    const char* key = is_kalibr ? "distortion_coeffs" : "distortion_coefficients";
+    if (YamlFile::Has(camera, key)) {
+      for (const double coefficient : yaml.Numbers(camera[key])) {
+        if (coefficient != 0)
+          yaml.Fail(camera[key],
+                    "there are distortion coefficients but no 'distortion_model' "
+                    "(radial-tangential, equidistant, none)");
+      }
+    }
+    return DistortionModel::kNone;
+  }
   const std::string name = yaml.RequireText(camera, "distortion_model");
   if (name == "radial-tangential" || name == "radtan" || name == "plumb_bob") {
     return DistortionModel::kRadialTangential;

@@ -36,6 +36,9 @@ CsvReader::CsvReader(std::filesystem::path file) : file_(std::move(file)) {
   if (std::filesystem::is_directory(file_, error)) {
     throw InputError(file_.string() + ": is a folder, a text file is expected");
   }
+  // Somebody else may never write to a pipe.
+  if (!std::filesystem::is_regular_file(file_, error))
+    throw InputError(file_.string() + ": is a pipe or a device, a text file is expected");
   stream_.open(file_, std::ios::binary);
   if (!stream_) throw InputError(file_.string() + ": cannot be read (permissions?)");
 }

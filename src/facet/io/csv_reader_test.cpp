@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "facet/io/errors.h"
 #include "facet/testing/io/test_sequence.h"
@@ -89,6 +90,18 @@ TEST(ParseTest, ScaledDecimalIsExact) {
   EXPECT_FALSE(ParseScaledDecimal("", 9));
   EXPECT_FALSE(ParseScaledDecimal("-", 9));
   EXPECT_FALSE(ParseScaledDecimal("1e", 9));
+}
+
+TEST(CsvReaderTest, DoesNotWaitForAPipe) {
+  const TempFolder folder;
+  const std::string pipe = (folder / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  try {
+    CsvReader reader(pipe);
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("is a pipe or a device"));
+  }
 }
 
 }  // namespace

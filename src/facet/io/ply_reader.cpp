@@ -379,6 +379,8 @@ std::string ReadBytes(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, error)) {
     throw InputError(file.string() + ": is a folder, a PLY file is expected");
   }
+  if (!std::filesystem::is_regular_file(file, error))
+    throw InputError(file.string() + ": is a pipe or a device, a PLY file is expected");
   std::ifstream stream(file, std::ios::binary);
   std::string content((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
   if (!stream) throw InputError(file.string() + ": cannot be read (permissions?)");

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -14,14 +16,20 @@
 namespace facet {
 namespace {
 
+constexpr std::uintmax_t kMaxBytes = 16 << 20;
+constexpr int kMaxDepth = 32;
+constexpr int kMaxNodes = 200000;
+
 /// Content of the file; directive lines become empty so that line numbers stay.
 std::string ReadYamlText(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw InputError(file.string() + ": no such file");
-  std::ifstream stream(file);
-  if (!stream || std::filesystem::is_directory(file, error)) {
-    throw InputError(file.string() + ": cannot be read as a file");
-  }
+  // A pipe would wait, a device never end.
+  std::ifstream stream;
+  if (std::filesystem::is_regular_file(file, error)) stream.open(file);
+  if (!stream.is_open()) throw InputError(file.string() + ": cannot be read as a file");
+  if (std::filesystem::file_size(file, error) > kMaxBytes)
+    throw InputError(file.string() + ": larger than 16 MB; is it a configuration or calibration?");
   std::ostringstream text;
   std::string line;
   bool is_head = true;
@@ -46,6 +54,28 @@ YamlFile::YamlFile(std::filesystem::path file) : file_(std::move(file)) {
   }
   if (!root_.IsMap() && !root_.IsNull()) {
     throw InputError(file_.string() + ":1: must consist of 'key: value' pairs");
+  }
+  int num_nodes = 0;
+  CheckShape(root_, 0, num_nodes);
+}
+
+// An alias may lead back to what holds it, or multiply; a key that stands twice has two values.
+void YamlFile::CheckShape(const YAML::Node& node, int depth, int& num_nodes) const {
+  if (depth > kMaxDepth || ++num_nodes > kMaxNodes)
+    Fail(node, "nested too deeply or too large (an alias that leads back to itself?)");
+  if (node.IsSequence()) {
+    for (const YAML::Node& item : node)
+      CheckShape(item, depth + 1, num_nodes);
+  }
+  if (!node.IsMap()) return;
+  std::map<std::string, std::string> seen;  // key and where it is
+  for (const auto& item : node) {
+    if (item.first.IsScalar()) {
+      const std::string& key = item.first.Scalar();
+      const auto [first, is_new] = seen.emplace(key, Where(item.first));
+      if (!is_new) Fail(item.first, "'" + key + "' appears twice, first in " + first->second);
+    }
+    CheckShape(item.second, depth + 1, num_nodes);
   }
 }
 

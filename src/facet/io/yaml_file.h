@@ -14,7 +14,9 @@ namespace facet {
 /// Accepts OpenCV's `%YAML:1.0` line, which is not YAML. All functions throw InputError.
 class YamlFile {
  public:
-  /// The root must be a map; a file without content has none and counts as an empty map.
+  /// The root must be a map; a file without content has none and counts as an empty map. Refuses
+  /// what is no regular file or larger than 16 MB, keys that stand twice, and aliases that lead
+  /// back to themselves.
   explicit YamlFile(std::filesystem::path file);
 
   const std::filesystem::path& file() const { return file_; }
@@ -36,6 +38,8 @@ class YamlFile {
   [[noreturn]] void Fail(const YAML::Node& node, const std::string& message) const;
 
  private:
+  void CheckShape(const YAML::Node& node, int depth, int& num_nodes) const;
+
   std::filesystem::path file_;
   YAML::Node root_;
 };
