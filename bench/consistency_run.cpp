@@ -2,6 +2,7 @@
 #include "consistency_run.h"
 
 #include <cmath>
+#include <map>
 
 #include "consistency_batch.h"
 
@@ -96,9 +97,49 @@ class Runner {
       out_.keyframes.causal.push_back({run_.frames[i].t, result.state.T_WB});
       out_.keyframes.truth.push_back({run_.frames[i].t, run_.truth[i].T_WB});
     }
-    if (planes_ && observations.is_keyframe)
-      estimator_.Assign(planes_(observations, estimator_.Snapshot()));
+    if (planes_ && observations.is_keyframe) {
+      const MapSnapshot snapshot = estimator_.Snapshot();
+      AddPlaneErrors(snapshot);
+      estimator_.Assign(planes_(observations, snapshot));
+    }
     if (batch_ && was_initialised) batch_->AddFrame(observations, imu, result.state);
+  }
+
+  // Truth is where the points of a rough surface lie in the mean.
+  void AddPlaneErrors(const MapSnapshot& snapshot) {
+    const double relief_m = std::sqrt(3.0) * options_.simulator.roughness_m;
+    FollowSurfaces(snapshot);
+    for (const PlaneEstimate& plane : snapshot.planes) {
+      const auto surface_id = surface_of_.find(plane.id);
+      if (surface_id == surface_of_.end() || plane.covariance.isZero()) continue;
+      const Surface& surface = run_.surfaces[static_cast<std::size_t>(surface_id->second.value)];
+      const Vector3d& n = plane.plane_W.n;
+      Vector3d n_true = T_WG_.q * surface.n_W;
+      double at_anchor_m =
+          n_true.dot(T_WG_ * Vector3d(surface.center_W + relief_m * surface.n_W) - plane.anchor_W);
+      if (n_true.dot(n) < 0) {
+        n_true = -n_true;
+        at_anchor_m = -at_anchor_m;
+      }
+      Matrix<3, 4> J = Matrix<3, 4>::Zero();
+      J.topLeftCorner<2, 3>() = TangentBasis(n).transpose();
+      J(2, 3) = 1;
+      PlaneError& out = out_.planes.emplace_back();
+      out.elapsed_s = out_.frames.back().elapsed_s;
+      out.plane = plane.id;
+      out.error << TangentBasis(n).transpose() * n_true,
+          at_anchor_m - (plane.plane_W.d - n.dot(plane.anchor_W));
+      out.covariance = J * plane.covariance.bottomRightCorner<4, 4>() * J.transpose();
+    }
+  }
+
+  // A plane belongs to the surface of the first landmark that was seen on it.
+  void FollowSurfaces(const MapSnapshot& snapshot) {
+    for (const LandmarkEstimate& landmark : snapshot.landmarks) {
+      const auto truth = run_.landmarks.find(landmark.id);
+      if (landmark.planes[0].IsValid() && truth != run_.landmarks.end())
+        surface_of_.emplace(landmark.planes[0], truth->second.surface);
+    }
   }
 
   void Begin(std::size_t i, const EstimatorResult& result) {
@@ -135,6 +176,7 @@ class Runner {
   VioEstimator estimator_;
   ImuBuffer imu_;
   std::optional<BatchProblem> batch_;
+  std::map<PlaneId, PlaneId> surface_of_;  // by plane
   Timestamp first_t_;
   SE3 T_WG_;
   ConsistencyRun out_;

@@ -24,6 +24,14 @@ struct FrameError {
   Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
 };
 
+/// Estimate of a plane against the surface that most of its landmarks lie on, at one keyframe.
+struct PlaneError {
+  double elapsed_s = 0;
+  PlaneId plane;
+  Vector3d error = Vector3d::Zero();  ///< truth (-) estimate: two tangents [rad], offset [m]
+  Matrix3d covariance = Matrix3d::Zero();
+};
+
 /// Keyframe poses of the same run and the truth at the same stamps.
 struct KeyframeTrajectories {
   std::vector<StampedPose> causal;  ///< when the keyframe came in
@@ -35,6 +43,7 @@ struct KeyframeTrajectories {
 struct ConsistencyRun {
   int num_resets = 0;
   std::vector<FrameError> frames;
+  std::vector<PlaneError> planes;
   KeyframeTrajectories keyframes;
   std::optional<FrameError> batch_last;  ///< newest frame of the batch solution
 };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "consistency_scenario.h"
 
+#include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "facet/sim/euroc_csv.h"
 #include "facet/sim/euroc_rig.h"
@@ -68,6 +70,28 @@ std::vector<Scenario> CorridorScenarios(double duration_s) {
   panels.cupboard_depth_m = 0.1;
   return {{"corridor", trajectory, 0.5, duration_s, corridor},
           {"corridor_panels", trajectory, 0.5, duration_s, panels}};
+}
+
+std::vector<Scenario> HoverScenarios(double duration_s) {
+  constexpr SplineOptions kSpline{0.05, 1e-6};  // made-up poses have no noise to be smoothed
+  constexpr double kSetDown_s = 10, kSettling_s = 1;
+  const std::vector<Vector3d> route = {Vector3d(0, 0, 1.2), Vector3d(1, 0, 1.2)};
+  FlightOptions flight;
+  flight.duration_s = duration_s;
+  flight.lead_s = 1;
+  std::vector<NavState> poses = MakeFlightPoses(FlightKind::kHover, route, flight);
+  const SplineTrajectory hovering = SplineTrajectory::Fit(poses, kSpline);
+  std::optional<SE3> rest;
+  for (NavState& pose : poses) {
+    const double since_s = ToSeconds(pose.t - flight.start) - kSetDown_s;
+    if (since_s < 0) continue;
+    if (!rest) rest = pose.T_WB;
+    const double share = std::exp(-std::pow(since_s / kSettling_s, 2));
+    pose.T_WB.p = rest->p + share * (pose.T_WB.p - rest->p);
+    pose.T_WB.q = rest->q.slerp(share, pose.T_WB.q);
+  }
+  return {{"hover", hovering, 0.5, duration_s, {}},
+          {"rest", SplineTrajectory::Fit(poses, kSpline), 0.5, duration_s, {}}};
 }
 
 std::vector<Scenario> FindScenarios(double duration_s) {

@@ -33,6 +33,10 @@ std::vector<Scenario> MadeUpScenarios(double duration_s);
 /// before the walls.
 std::vector<Scenario> CorridorScenarios(double duration_s);
 
+/// Minutes in one place of a room: hovering, which wanders by a decimetre, and set down after ten
+/// seconds of that.
+std::vector<Scenario> HoverScenarios(double duration_s);
+
 /// The recorded flights if they are there, otherwise the made-up ones, with a word on stderr.
 std::vector<Scenario> FindScenarios(double duration_s);
 

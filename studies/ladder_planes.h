@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bench/consistency_run.h"
+#include "bench/oracle_planes.h"
 
 #include "facet/mesh/horizon_mesh.h"
 #include "facet/pipeline/mesh_view_builder.h"
@@ -21,35 +22,6 @@ struct SearchQuality {
   int num_joined = 0;
   int num_wrong = 0;   ///< joined a plane most of whose landmarks lie on another surface
   int num_events = 0;  ///< WrongReassociation: one if there was an occasion
-};
-
-struct OraclePlaneOptions {
-  double max_age_s = 0;       ///< a plane ends this long after its creation; 0: stays all run
-  int min_landmarks = 12;     ///< needed to create a plane
-  double min_extent_m = 0.2;  ///< spread of the landmarks in the narrow direction
-};
-
-/// True surfaces, true membership; only the values of the planes are estimated. A plane begins at
-/// the fit through the present estimates of its landmarks.
-class OraclePlanes {
- public:
-  OraclePlanes(const SimulatedRun& run, const OraclePlaneOptions& options)
-      : run_(run), options_(options) {}
-
-  PlaneAssignments operator()(const FrameObservations& observations, const MapSnapshot& snapshot);
-
- private:
-  struct Known {
-    PlaneId id;
-    Timestamp since;
-  };
-
-  void EndOld(Timestamp now, PlaneAssignments& out);
-
-  const SimulatedRun& run_;
-  OraclePlaneOptions options_;
-  std::map<PlaneId, Known> known_;  ///< by surface
-  std::int64_t next_id_ = 0;
 };
 
 /// True planes with the landmarks of others: each landmark is said to lie on the plane after its

@@ -78,8 +78,8 @@ class PixelJudge {
         const Vector2d error = *left - o.px_left;
         *dump << frame.frame.value << ',' << o.landmark.value << ',' << track->second.age << ','
               << kGroundNames[static_cast<std::size_t>(point.ground)] << ',' << point.plane << ','
-              << o.px_left.x() << ',' << o.px_left.y() << ',' << error.x() << ',' << error.y()
-              << '\n';
+              << o.px_left.x() << ',' << o.px_left.y() << ',' << error.x() << ',' << error.y();
+        DumpRight(T_WB, o, right, *dump);
       }
       if (!IsAmong(replacement_.only, point.ground)) continue;
       const bool is_exact = IsAmong(replacement_.exact_on, point.ground);
@@ -116,6 +116,23 @@ class PixelJudge {
                                       const SE3& T_WB,
                                       const Vector3d& p_W) const {
     return rig_.cameras[camera].Project((T_WB * rig_.T_BC[camera]).Inverse() * p_W);
+  }
+
+  // The error of the right pixel, and of its match alone: from where the place that the left pixel
+  // shows now must be seen.
+  void DumpRight(const SE3& T_WB,
+                 const FeatureObservation& o,
+                 const std::optional<Vector2d>& right,
+                 std::ostream& dump) const {
+    const auto shown = scene_.Find(rig_, T_WB, o.px_left);
+    const auto matched = shown ? ProjectInto(1, T_WB, shown->p_W) : std::nullopt;
+    if (o.px_right && right && matched) {
+      const Vector2d error = *right - *o.px_right, of_match = *matched - *o.px_right;
+      dump << ',' << error.x() << ',' << error.y() << ',' << of_match.x() << ',' << of_match.y();
+    } else {
+      dump << ",,,,";
+    }
+    dump << '\n';
   }
 
   Vector2d Noise() { return replacement_.noise_px * Vector2d(rng_.Normal(), rng_.Normal()); }
@@ -161,7 +178,8 @@ void Process(const std::string& sequence,
              const Replacement& what,
              const std::string& dump_file) {
   std::ofstream dump(dump_file);
-  if (!dump_file.empty()) dump << "frame,landmark,age,ground,plane,x,y,error_x,error_y\n";
+  if (!dump_file.empty())
+    dump << "frame,landmark,age,ground,plane,x,y,error_x,error_y,right_x,right_y,match_x,match_y\n";
   TrueSequence run(sequence);
   PlaneMembers members(sequence);
   PixelJudge judge(run.exact_rig, run.scene, what);
@@ -195,7 +213,7 @@ int Main(int argc, char** argv) {
   app.add_option("--noise", what.noise_px, "1-sigma, added to exact pixels");
   app.add_option("--only", what.only, "flat, curved, crease, 'depth edge': drop other tracks");
   app.add_option("--exact-on", what.exact_on, "the same: exact pixels on these only");
-  app.add_option("--dump", dump, "file for the left errors (csv)");
+  app.add_option("--dump", dump, "file for the errors (csv)");
   app.add_option("--set", overrides, "option of the pipeline, key=value");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);

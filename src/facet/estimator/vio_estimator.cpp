@@ -238,7 +238,7 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
     planes_.RetireIn(window_, plan);
     if (plan.IsEmpty()) return;
-    PlaneLifecycle::CutNonPersistent(plan, window_);
+    planes_.CutNonPersistent(plan, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
       if (plan.drop_frame[i]) Report(window_.frames[i], finished);
     }

@@ -2,6 +2,7 @@
 #include "facet/sim/feature_simulator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <numbers>
@@ -76,11 +77,13 @@ class TrackSimulator {
     for (const Track& track : tracks_) {
       FeatureObservation observation;
       observation.landmark = track.id;
-      observation.px_left = NoisyPixel(track.px_left, options_, rng_);
-      observation.sigma_left_px = observation.sigma_right_px = options_.pixel_sigma;
+      observation.px_left = NoisyPixel(track.px_left, options_, rng_) + track.error_px[0];
+      observation.sigma_left_px = std::hypot(options_.pixel_sigma, options_.slide_sigma_px);
+      observation.sigma_right_px = std::hypot(observation.sigma_left_px, options_.match_sigma_px);
       if (is_keyframe || options_.right_on_every_frame) {
         const auto px_right = See(1, T_WB, track.point.p_W);
-        if (px_right) observation.px_right = NoisyPixel(*px_right, options_, rng_);
+        if (px_right)
+          observation.px_right = NoisyPixel(*px_right, options_, rng_) + track.error_px[1];
       }
       observations.push_back(observation);
     }
@@ -91,7 +94,8 @@ class TrackSimulator {
   struct Track {
     LandmarkId id;
     TrueLandmark point;
-    Vector2d px_left = Vector2d::Zero();  // exact
+    Vector2d px_left = Vector2d::Zero();                                   // exact
+    std::array<Vector2d, 2> error_px{Vector2d::Zero(), Vector2d::Zero()};  // for its whole life
   };
 
   /// Pixel of a point in camera c, if it is inside the image and nothing is in front of it.
@@ -154,6 +158,16 @@ class TrackSimulator {
     const LandmarkId id{next_id_++};
     tracks_.push_back({id, point, *px});
     run.landmarks.emplace(id, point);
+    if (!options_.add_pixel_noise) return;
+    std::array<Vector2d, 2>& error_px = tracks_.back().error_px;
+    error_px[0] = LastingError(options_.slide_sigma_px);
+    error_px[1] = error_px[0] + LastingError(options_.match_sigma_px);
+  }
+
+  Vector2d LastingError(double sigma_px) const {
+    if (sigma_px <= 0) return Vector2d::Zero();  // without a number of the sequence
+    const double x = rng_.Normal(), y = rng_.Normal();
+    return sigma_px * Vector2d(x, y);
   }
 
   /// The oldest lost point in view in each cell.

@@ -36,7 +36,11 @@ struct FeatureSimulatorOptions {
   double border_px = 8;               ///< tracks end this close to the border of the image
   double mean_track_life_s = 1.0;     ///< of tracks that stay in view (exponential)
   double redetected_share = 0.5;      ///< of new tracks that are lost points, under a new id
-  double pixel_sigma = 0.5;  ///< 1-sigma per axis, both images; also what the observations say
+  double pixel_sigma = 0.5;  ///< 1-sigma per axis, both images, of each observation for itself
+  /// The same of errors that a track keeps for its whole life: of the patch with which it began,
+  /// which both images share, and of its match in the right image. The observations state all of
+  /// it together.
+  double slide_sigma_px = 0, match_sigma_px = 0;
   bool add_pixel_noise = true;
   /// 1-sigma of how far points stand out from their surface, evenly from none to sqrt(12) times
   /// this: real walls have frames, pipes and paper on them [m].

@@ -16,8 +16,8 @@ void LinearizeLandmark(const FrameGeometry& geometry,
   for (const WindowObservation& observation : landmark.observations)
     ReprojectionFactor(geometry, landmark, observation, noise).AddTo(point, block);
   if (!landmark.IsOnPlanes()) return;
-  for (const int plane : landmark.planes)
-    PointOnPlaneFactor(planes, plane, noise).AddTo(point, block);
+  for (int k = 0; k < landmark.planes.count(); ++k)
+    PointOnPlaneFactor(planes, landmark.planes, k, noise).AddTo(point, block);
 }
 
 double LandmarkCost(const FrameGeometry& geometry,
@@ -32,8 +32,8 @@ double LandmarkCost(const FrameGeometry& geometry,
       cost += factor.Cost(point, c);
   }
   if (!landmark.IsOnPlanes()) return cost;
-  for (const int plane : landmark.planes)
-    cost += PointOnPlaneFactor(planes, plane, noise).Cost(point);
+  for (int k = 0; k < landmark.planes.count(); ++k)
+    cost += PointOnPlaneFactor(planes, landmark.planes, k, noise).Cost(point);
   return cost;
 }
 

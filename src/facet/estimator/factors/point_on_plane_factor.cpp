@@ -10,7 +10,7 @@ namespace facet {
 
 // n . (X - anchor) - offset, X = p_host + d / rho.
 double PointOnPlaneFactor::Error(const HostedPoint& point) const {
-  return plane_.SignedDistance(point.p_WH + point.d_W / point.rho) / plane_.row_sigma_m;
+  return plane_.SignedDistance(point.p_WH + point.d_W / point.rho) / sigma_m_;
 }
 
 double PointOnPlaneFactor::Cost(const HostedPoint& point) const {
@@ -23,7 +23,7 @@ void PointOnPlaneFactor::AddTo(const LinearizedPoint& point, LandmarkBlock& bloc
   block.cost += loss.cost;
   const double distance = 1.0 / point.frozen.rho;
   const Vector3d l_W = point.frozen.p_WH + point.frozen.d_W * distance;
-  const double scale = loss.root_weight / plane_.row_sigma_m;
+  const double scale = loss.root_weight / sigma_m_;
   LandmarkBlock::PlaneView& view =
       block.plane_views[static_cast<std::size_t>(block.num_plane_views++)];
   view.plane = index_;

@@ -39,7 +39,7 @@ void PlaneLifecycle::TakeEffect(const FactorNoise& noise,
                                 const FrameGeometry& geometry,
                                 SlidingWindow& window) {
   if (window.planes.empty() && waiting_.IsEmpty()) return;
-  ApplyAssignments(waiting_, AttachmentLimits(), noise, geometry, window);
+  ApplyAssignments(waiting_, AttachmentLimits(), noise, geometry, evidence_, window);
   ApplyProjections(waiting_, convert_back_, window);
   waiting_ = {};
   RemoveSparsePlanes(options_.min_landmarks, window);
@@ -112,6 +112,7 @@ void PlaneLifecycle::CutNonPersistent(const MarginalizationPlan& plan, SlidingWi
   CutNonPersistentLinks(plan.drop_landmark, window);
   CutMeasurements(plan.drop_frame, window);
   CutNonPersistentRelations(plan.drop_plane, window);
+  evidence_.UseUp(plan, window);
 }
 
 }  // namespace facet

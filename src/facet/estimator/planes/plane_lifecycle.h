@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "facet/estimator/factors/factor_noise.h"
+#include "facet/estimator/planes/plane_evidence.h"
 #include "facet/estimator/window/frame_geometry.h"
 #include "facet/estimator/window/marginalization_plan.h"
 #include "facet/estimator/window/window_snapshot.h"
@@ -55,8 +56,9 @@ class PlaneLifecycle {
   /// ... and the others are marginalised.
   void RetireIn(const SlidingWindow& window, MarginalizationPlan& plan);
 
-  /// Before the plan is carried out: cuts off what the prior must not contain.
-  static void CutNonPersistent(const MarginalizationPlan& plan, SlidingWindow& window);
+  /// Before the plan is carried out: cuts off what the prior must not contain, and remembers what
+  /// it takes up.
+  void CutNonPersistent(const MarginalizationPlan& plan, SlidingWindow& window);
 
   /// After the newest keyframe's solve.
   std::span<const PlaneCovariance> covariances() const { return covariances_; }
@@ -69,6 +71,7 @@ class PlaneLifecycle {
   PlaneAssignments waiting_;
   std::vector<PlaneId> retired_;
   std::vector<PlaneCovariance> covariances_;
+  PlaneEvidence evidence_;
 };
 
 }  // namespace facet

@@ -142,7 +142,7 @@ TEST_F(PlaneLifecycleTest, NothingOfAPlaneThatIsNotPersistentLeaves) {
   MarginalizationPlan plan(window());
   plan.drop_frame[0] = 1;
   plan.drop_landmark[0] = 1;
-  PlaneLifecycle::CutNonPersistent(plan, window());
+  life.CutNonPersistent(plan, window());
   EXPECT_EQ(window().CountPlaneLandmarks(), (std::vector<int>{1, 0}));
   ASSERT_EQ(window().measurements.size(), 1u);
   EXPECT_EQ(window().measurements[0].plane, PlaneId{1});

@@ -40,6 +40,7 @@ void AttachLandmarks(const std::vector<PlaneAttachment>& attachments,
                      const AttachmentLimits& limits,
                      const FactorNoise& noise,
                      const FrameGeometry& geometry,
+                     const PlaneEvidence& evidence,
                      SlidingWindow& window) {
   for (const PlaneAttachment& attachment : attachments) {
     WindowLandmark* landmark = window.Find(attachment.landmark);
@@ -56,7 +57,8 @@ void AttachLandmarks(const std::vector<PlaneAttachment>& attachments,
     const double max_distance_m = std::max({limits.max_distance_m,
                                             attachment.max_distance_m,
                                             3 * std::hypot(sigma_m, noise.plane_sigma_m)});
-    if (distance_m <= max_distance_m) landmark->planes.Add(index);
+    if (distance_m > max_distance_m || landmark->planes.count() == PlaneLinks::kMax) continue;
+    landmark->planes.Add(index, evidence.RowScale(window, *landmark, index));
   }
 }
 
@@ -66,6 +68,7 @@ void ApplyAssignments(const PlaneAssignments& assignments,
                       const AttachmentLimits& limits,
                       const FactorNoise& noise,
                       const FrameGeometry& geometry,
+                      const PlaneEvidence& evidence,
                       SlidingWindow& window) {
   for (const NewPlane& created : assignments.created) {
     if (window.IndexOf(created.id) >= 0) continue;
@@ -77,7 +80,7 @@ void ApplyAssignments(const PlaneAssignments& assignments,
     const int plane = window.IndexOf(plane_id);
     if (landmark != nullptr && plane >= 0) landmark->planes.Remove(plane);
   }
-  AttachLandmarks(assignments.attached, limits, noise, geometry, window);
+  AttachLandmarks(assignments.attached, limits, noise, geometry, evidence, window);
   for (const PlaneRelation& relation : assignments.relations)
     window.AddRelation(relation);
   for (const PlaneMeasurement& measurement : assignments.measurements) {
@@ -113,7 +116,8 @@ int DetachOutliers(const FrameGeometry& geometry,
       // The row itself has drawn the landmark to the plane. Vision alone would place it farther
       // off by this ratio.
       const double sigma = SigmaAlong(geometry, landmark, known.n, noise);
-      const double ratio = 1 + sigma * sigma / (known.row_sigma_m * known.row_sigma_m);
+      const double row_sigma_m = landmark.planes.row_scale(k) * known.row_sigma_m;
+      const double ratio = 1 + sigma * sigma / (row_sigma_m * row_sigma_m);
       if (at_m * ratio <= max_sigma * std::hypot(sigma, noise.plane_sigma_m)) continue;
       landmark.planes.Remove(plane);
       ++detached;
@@ -123,10 +127,16 @@ int DetachOutliers(const FrameGeometry& geometry,
 }
 
 void WeighPlanes(const FactorNoise& noise, SlidingWindow& window) {
-  const std::vector<int> num_landmarks = window.CountPlaneLandmarks();
-  for (std::size_t k = 0; k < num_landmarks.size(); ++k) {
+  std::vector<double> num_rows(window.planes.size(), 0.0);  // those that count less are less
+  for (const WindowLandmark& landmark : window.landmarks()) {
+    if (!landmark.IsOnPlanes()) continue;
+    for (int k = 0; k < landmark.planes.count(); ++k)
+      num_rows[static_cast<std::size_t>(landmark.planes[k])] +=
+          1 / (landmark.planes.row_scale(k) * landmark.planes.row_scale(k));
+  }
+  for (std::size_t k = 0; k < num_rows.size(); ++k) {
     window.planes[k].row_sigma_m =
-        std::hypot(noise.plane_sigma_m, std::sqrt(num_landmarks[k]) * noise.plane_common_sigma_m);
+        std::hypot(noise.plane_sigma_m, std::sqrt(num_rows[k]) * noise.plane_common_sigma_m);
   }
 }
 

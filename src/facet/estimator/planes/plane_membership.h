@@ -3,6 +3,7 @@
 #pragma once
 
 #include "facet/estimator/factors/factor_noise.h"
+#include "facet/estimator/planes/plane_evidence.h"
 #include "facet/estimator/window/frame_geometry.h"
 #include "facet/estimator/window/sliding_window.h"
 #include "facet/map/plane_assignments.h"
@@ -21,11 +22,13 @@ struct AttachmentLimits {
 
 /// Adds the created planes, the links, the relations and the measurements, and takes back what
 /// left. Landmarks that are not in the window, and unknown planes and frames, are passed over. So
-/// are landmarks beyond `limits`. `geometry` must be up to date.
+/// are landmarks beyond `limits`. How much the row of a landmark counts, `evidence` says.
+/// `geometry` must be up to date.
 void ApplyAssignments(const PlaneAssignments& assignments,
                       const AttachmentLimits& limits,
                       const FactorNoise& noise,
                       const FrameGeometry& geometry,
+                      const PlaneEvidence& evidence,
                       SlidingWindow& window);
 
 /// Pipeline SP: sets and, if `convert_back`, clears WindowLandmark::is_projection.

@@ -26,15 +26,21 @@ bool PlaneLinks::Contains(int plane) const {
   return std::find(begin(), end(), plane) != end();
 }
 
-bool PlaneLinks::Add(int plane) {
+bool PlaneLinks::Add(int plane, double row_scale) {
   if (count_ == kMax || Contains(plane)) return false;
-  index_[static_cast<std::size_t>(count_++)] = plane;
+  const auto k = static_cast<std::size_t>(count_++);
+  index_[k] = plane;
+  row_scale_[k] = row_scale;
   return true;
 }
 
 void PlaneLinks::Remove(int plane) {
-  const auto last = std::remove(index_.begin(), index_.begin() + count_, plane);
-  count_ = static_cast<int>(last - index_.begin());
+  const int* found = std::find(begin(), end(), plane);
+  if (found == end()) return;
+  const auto k = found - begin();
+  std::copy(index_.begin() + k + 1, index_.begin() + count_, index_.begin() + k);
+  std::copy(row_scale_.begin() + k + 1, row_scale_.begin() + count_, row_scale_.begin() + k);
+  --count_;
 }
 
 void PlaneLinks::RemoveFromWindow(int plane) {

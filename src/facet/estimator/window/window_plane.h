@@ -67,8 +67,11 @@ class PlaneLinks {
 
   bool Contains(int plane) const;
 
+  /// Times the plane's row_sigma_m: the 1-sigma of the k-th link's row.
+  double row_scale(int k) const { return row_scale_[static_cast<std::size_t>(k)]; }
+
   /// False if it is there already or there is no room.
-  bool Add(int plane);
+  bool Add(int plane, double row_scale = 1);
   void Remove(int plane);
 
   /// The plane with this index is no longer in the window: removes it, and the later ones move up.
@@ -77,6 +80,7 @@ class PlaneLinks {
  private:
   int count_ = 0;
   std::array<int, kMax> index_{};
+  std::array<double, kMax> row_scale_{};
 };
 
 }  // namespace facet

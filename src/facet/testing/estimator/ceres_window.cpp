@@ -125,14 +125,14 @@ class CeresWindow {
       points_[l] = PointOf(window_, landmark);
       if (landmark.observations.size() + static_cast<std::size_t>(landmark.planes.count()) < 2)
         continue;
-      for (const int index : landmark.planes) {
-        const auto plane = static_cast<std::size_t>(index);
-        problem_.AddResidualBlock(
-            new ceres::AutoDiffCostFunction<OnPlaneCost, 1, 4, 3>(
-                new OnPlaneCost{window_.planes[plane].anchor_W, window_.planes[plane].row_sigma_m}),
-            new ceres::HuberLoss(options_.noise.plane_huber_sigma),
-            planes_[plane].data(),
-            points_[l].data());
+      for (int k = 0; k < landmark.planes.count(); ++k) {
+        const auto plane = static_cast<std::size_t>(landmark.planes[k]);
+        const double sigma_m = landmark.planes.row_scale(k) * window_.planes[plane].row_sigma_m;
+        problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<OnPlaneCost, 1, 4, 3>(
+                                      new OnPlaneCost{window_.planes[plane].anchor_W, sigma_m}),
+                                  new ceres::HuberLoss(options_.noise.plane_huber_sigma),
+                                  planes_[plane].data(),
+                                  points_[l].data());
       }
       for (const WindowObservation& o : landmark.observations) {
         for (int c = 0; c < (o.has_right ? 2 : 1); ++c) {

@@ -34,13 +34,14 @@ struct PlaneScene {
   }
 
   void Apply(const PlaneAssignments& assignments) {
-    ApplyAssignments(assignments, limits, noise, Geometry(), test.window);
+    ApplyAssignments(assignments, limits, noise, Geometry(), evidence, test.window);
   }
 
   TestWindow test;
   LandmarkId landmark;  ///< the first one
   FactorNoise noise;
   AttachmentLimits limits;
+  PlaneEvidence evidence;
 };
 
 /// With sigmas of 1 cm and 0.01 rad.
