@@ -2,11 +2,14 @@
 #include "facet/calibration/drawn_calibration.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 std::optional<StereoRig> DrawLens(const StereoRig& exact,
                                   const BoardCalibrationOptions& options,
@@ -24,7 +27,7 @@ Vector3d DrawVector(double length, Rng& rng) {
 /// Turns both cameras about the left one and moves them, as one rigid piece.
 void MoveCameras(const DrawnCalibrationOptions& options, Rng rng, StereoRig& rig) {
   const SE3 T_C0C1 = rig.T_BC[0].Inverse() * rig.T_BC[1];
-  const Vector3d turn = DrawVector(options.imu_rotation_rad, rng);
+  const Vector3d turn = DrawVector(options.imu_rotation_deg * kRadPerDeg, rng);
   const Vector3d shift = DrawVector(options.imu_translation_m, rng);
   rig.T_BC[0] = rig.T_BC[0].Retract(turn, shift);
   rig.T_BC[1] = rig.T_BC[0] * T_C0C1;

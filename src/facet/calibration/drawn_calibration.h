@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "facet/base/options.h"
 #include "facet/calibration/board_calibration.h"
 
 namespace facet {
@@ -20,9 +21,20 @@ struct DrawnParts {
 /// 1-sigma of the length of the errors.
 struct DrawnCalibrationOptions {
   BoardCalibrationOptions board;
-  double imu_rotation_rad = 1.7453292519943295e-3;  ///< 0.1 deg
+  double imu_rotation_deg = 0.1;
   double imu_translation_m = 3e-3;
   double time_s = 1e-3;
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field(
+        "corner_noise_px", board.corner_noise_px, Range{0, 20}, "1-sigma, corners of the board");
+    v.Field(
+        "misfit_share", board.misfit_share, Range{0, 20}, "what the lens model cannot say, to it");
+    v.Field("imu_rotation_deg", imu_rotation_deg, Range{0, 10}, "1-sigma, cameras against IMU");
+    v.Field("imu_translation_m", imu_translation_m, Range{0, 1}, "1-sigma, cameras against IMU");
+    v.Field("time_s", time_s, Range{0, 0.1}, "1-sigma, clock of the cameras");
+  }
 };
 
 /// The calibration of another careful person with each seed. Lens errors come from

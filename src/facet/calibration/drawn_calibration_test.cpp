@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/calibration/drawn_calibration.h"
 
+#include <numbers>
+
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
@@ -87,7 +89,8 @@ TEST(DrawnCalibrationTest, CamerasAgainstTheImuAreOffByAsMuchAsStated) {
     times += std::pow(ToSeconds(drawn.time_offset), 2) / kMany;
     EXPECT_LT(ParameterDifference(exact, drawn).norm(), 1e-9) << "between the cameras";
   }
-  EXPECT_NEAR(std::sqrt(turns), options.imu_rotation_rad, 0.05 * options.imu_rotation_rad);
+  const double turn_deg = std::sqrt(turns) * 180 / std::numbers::pi;
+  EXPECT_NEAR(turn_deg, options.imu_rotation_deg, 0.05 * options.imu_rotation_deg);
   EXPECT_NEAR(std::sqrt(shifts), options.imu_translation_m, 0.05 * options.imu_translation_m);
   EXPECT_NEAR(std::sqrt(times), options.time_s, 0.05 * options.time_s);
 }

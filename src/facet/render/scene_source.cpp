@@ -53,7 +53,7 @@ double NearThings_m(const SimulationRequest& request) {
 Seeds::Seeds(std::uint64_t seed) {
   Rng rng(seed);
   for (std::uint64_t* part :
-       {&textures, &scene, &flight, &light, &exposure, &noise, &imu, &truth, &calibration}) {
+       {&textures, &scene, &flight, &light, &exposure, &noise, &imu, &truth}) {
     *part = rng.Next();
   }
 }

@@ -5,9 +5,11 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "facet/calibration/drawn_calibration.h"
 #include "facet/render/motion.h"
 #include "facet/render/simulator_options.h"
 #include "facet/render/surface_truth.h"
@@ -23,6 +25,9 @@ struct SimulationRequest {
   std::uint64_t seed = 1;
   double start_s = 0, duration_s = 0;
   int num_threads = 1;
+  std::optional<std::uint64_t> drawn_calibration;  ///< seed; empty: the exact one is written
+  DrawnParts drawn_parts;
+  std::optional<std::uint64_t> lens_misfit;  ///< seed; empty: the lenses obey their model
   SimulatorOptions options;
 };
 
