@@ -214,7 +214,7 @@ void AddCalibrationOptions(CLI::App& command, SimulateArguments& a) {
 void AddOptions(CLI::App& command, SimulateArguments& a) {
   SimulationRequest& r = a.request;
   command.add_option("--out", a.out, "folder of the sequence; must not exist");
-  command.add_option("--scene", r.scene, "room, corridor, clutter, or a scene file (YAML)")
+  command.add_option("--scene", r.scene, SceneNames() + ", or a scene file (YAML)")
       ->capture_default_str();
   command.add_option("--trajectory", r.trajectory, FlightNames() + ", or ground truth (csv)")
       ->capture_default_str();

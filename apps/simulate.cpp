@@ -178,7 +178,8 @@ void CopySequence(SimulateArguments& a) {
 void SimulateCommand(SimulateArguments a) {
   if (a.list) {
     SimulatorOptions defaults;
-    std::printf("scenes: room, corridor, clutter, or a scene file\nflights: %s\nfaults:\n%s\n%s",
+    std::printf("scenes: %s, or a scene file\nflights: %s\nfaults:\n%s\n%s",
+                SceneNames().c_str(),
                 FlightNames().c_str(),
                 ListFaults().c_str(),
                 FormatConfig(ListFields(defaults)).c_str());

@@ -16,8 +16,11 @@
 
 namespace facet {
 
+/// "room, corridor, ...", for messages.
+std::string SceneNames();
+
 struct SimulationRequest {
-  std::string scene = "room";         ///< room, corridor, clutter, or a scene file
+  std::string scene = "room";         ///< a name of SceneNames(), or a scene file
   std::string trajectory = "gentle";  ///< a name of FlightNames(), or ground truth in EuRoC's csv
   std::string imu;                    ///< EuRoC's csv of a recorded flight; empty: simulated
   std::string calibration;            ///< as for `facet run`; empty: the EuRoC vehicle
