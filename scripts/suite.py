@@ -45,6 +45,7 @@ class Scene:
     seed: int
     duration: float
     start: float = 0
+    max_rays: int = 16
 
     def draw_seed(self, draw):
         return 100 * self.seed + draw
@@ -95,10 +96,11 @@ def render(arguments, suite, scene, variant):
     if flight is None or (out / "simulation.txt").exists():
         return
     options = ["--scene", scene.scene, *flight, "--seed", scene.seed, "--duration", scene.duration, "--threads", 1,
-               "--set", f"image.rays_per_pixel={suite['rays_per_pixel']}", "--set", "truth.points_per_m2=500"]
+               "--set", f"image.rays_per_pixel={suite['rays_per_pixel']}",
+               "--set", f"image.max_rays_per_pixel={scene.max_rays}", "--set", "truth.points_per_m2=500"]
     if variant == "b":
         options += ["--lens-misfit", scene.seed, "--set", f"image.lens_misfit_px={suite['lens_misfit']}"]
-    print(f"suite: rendering {out.name}", file=sys.stderr, flush=True)
+    sys.stderr.write(f"suite: rendering {out.name}\n")
     simulate(arguments.maker, out, options)
 
 
@@ -133,8 +135,21 @@ def list_cases(arguments, scenes, variant, kinds):
                 yield Case(scene, kind, drawn(arguments, scene, variant, draw, parts))
 
 
+def fingerprint(run):
+    """Equal where a run would do the same again."""
+    program = os.stat(shutil.which(run.config.program) or run.config.program)
+    return json.dumps([run.config.program, program.st_mtime_ns, program.st_size, str(run.sequence), run.start,
+                       run.config.arguments])
+
+
 def execute(run):
-    """Runs and evaluates against poses, velocities and biases; surfaces would take longer than the run."""
+    """Runs and evaluates against poses, velocities and biases; surfaces would take longer than the run. What is there
+    already, from the same program with the same arguments, is read."""
+    mark = run.folder / "suite_run.json"
+    run.evaluation = run_all.read_json(run.folder / "evaluation.json")
+    if run.ate() is not None and mark.exists() and mark.read_text(encoding="utf-8") == fingerprint(run):
+        return
+    run.evaluation = {}
     shutil.rmtree(run.folder, ignore_errors=True)
     run.folder.parent.mkdir(parents=True, exist_ok=True)
     done = subprocess.run([run.config.program, "run", run.sequence, "--out", run.folder, "--start", f"{run.start:g}",
@@ -145,6 +160,8 @@ def execute(run):
         run.evaluation = run_all.read_json(run.folder / "evaluation.json")
     if run.ate() is None:
         print(f"suite: {run.folder.name}: {done.stderr.strip() or done.returncode}", file=sys.stderr, flush=True)
+    else:
+        mark.write_text(fingerprint(run), encoding="utf-8")
     for file in ("map.ply", "mesh.ply", "timing.csv", "landmarks.ply", "keyframes.tum"):
         (run.folder / file).unlink(missing_ok=True)
 
