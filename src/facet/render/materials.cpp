@@ -13,6 +13,8 @@
 namespace facet {
 namespace {
 
+constexpr int kLarge = 2048, kMedium = 1024, kSmall = 512;  // sides of textures [px]
+
 /// Painted walls: hardly any texture, a few stains and scratches.
 GreyCanvas Plaster(int size_px, double contrast, Rng& rng) {
   GreyCanvas canvas(0.72 + contrast * FractalNoise({size_px, 4, 1, 0.9}, rng));
@@ -290,59 +292,73 @@ std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folde
 
 }  // namespace
 
-MaterialLibrary::MaterialLibrary(std::uint64_t seed, const std::filesystem::path& image_folder) {
-  constexpr int kLarge = 2048, kMedium = 1024, kSmall = 512;
-  Rng rng(seed);
-  const auto add = [&](const std::string& name, double tile_m, double gloss, Painter painter) {
-    materials_.push_back({name, {}, tile_m, gloss, 0});
-    painters_.push_back(std::move(painter));
-    seeds_.push_back(rng.Next());  // adding a material leaves those before it as they are
-  };
-  add("plaster", 5, 0, [](Rng& r) { return Plaster(kLarge, 0.012, r); });
-  add("rough_plaster", 5, 0, [](Rng& r) { return Plaster(kLarge, 0.035, r); });
-  add("concrete", 5, 0, [](Rng& r) { return Concrete(kLarge, r); });
-  add("linoleum", 5, 0.12, [](Rng& r) { return Linoleum(kLarge, r); });
-  add("carpet", 2.5, 0, [](Rng& r) { return Carpet(kMedium, r); });
-  add("wood", 0.8, 0.08, [](Rng& r) { return Planks(kMedium, 6, r); });
-  add("boards", 1.2, 0.03, [](Rng& r) { return Planks(kMedium, 3, r); });
-  add("brick", 1.3, 0, [](Rng& r) { return Bricks(kMedium, r); });
-  add("fabric", 1.5, 0, [](Rng& r) { return Fabric(kMedium, r); });
-  add("cardboard", 0, 0, [](Rng& r) { return Cardboard(kMedium, r); });
-  add("metal", 1.5, 0.5, [](Rng& r) { return Metal(kMedium, r); });
-  add("stone", 1.5, 0, [](Rng& r) { return Stone(kMedium, 0.13, r); });
-  add("soil", 4, 0, [](Rng& r) { return Stone(kLarge, 0.1, r); });
-  add("leaf", 0, 0.05, [](Rng& r) { return Leaf(kSmall, r); });
-  add("tape", 0.3, 0.05, [](Rng&) { return WarningTape(kSmall); });
-  add("dark", 1, 0.2, [](Rng&) { return GreyCanvas(4, 4, 0.06F); });
-  add("lamp", 1, 0, [](Rng&) { return GreyCanvas(4, 4, 1.0F); });
+void MaterialLibrary::Add(
+    Rng& rng, const std::string& name, double tile_m, double gloss, Painter painter) {
+  materials_.push_back({name, {}, tile_m, gloss, 0});
+  painters_.push_back(std::move(painter));
+  seeds_.push_back(rng.Next());  // adding a material leaves those before it as they are
+}
+
+void MaterialLibrary::AddCommon(Rng& rng) {
+  Add(rng, "plaster", 5, 0, [](Rng& r) { return Plaster(kLarge, 0.012, r); });
+  Add(rng, "rough_plaster", 5, 0, [](Rng& r) { return Plaster(kLarge, 0.035, r); });
+  Add(rng, "concrete", 5, 0, [](Rng& r) { return Concrete(kLarge, r); });
+  Add(rng, "linoleum", 5, 0.12, [](Rng& r) { return Linoleum(kLarge, r); });
+  Add(rng, "carpet", 2.5, 0, [](Rng& r) { return Carpet(kMedium, r); });
+  Add(rng, "wood", 0.8, 0.08, [](Rng& r) { return Planks(kMedium, 6, r); });
+  Add(rng, "boards", 1.2, 0.03, [](Rng& r) { return Planks(kMedium, 3, r); });
+  Add(rng, "brick", 1.3, 0, [](Rng& r) { return Bricks(kMedium, r); });
+  Add(rng, "fabric", 1.5, 0, [](Rng& r) { return Fabric(kMedium, r); });
+  Add(rng, "cardboard", 0, 0, [](Rng& r) { return Cardboard(kMedium, r); });
+  Add(rng, "metal", 1.5, 0.5, [](Rng& r) { return Metal(kMedium, r); });
+  Add(rng, "stone", 1.5, 0, [](Rng& r) { return Stone(kMedium, 0.13, r); });
+  Add(rng, "soil", 4, 0, [](Rng& r) { return Stone(kLarge, 0.1, r); });
+  Add(rng, "leaf", 0, 0.05, [](Rng& r) { return Leaf(kSmall, r); });
+  Add(rng, "tape", 0.3, 0.05, [](Rng&) { return WarningTape(kSmall); });
+  Add(rng, "dark", 1, 0.2, [](Rng&) { return GreyCanvas(4, 4, 0.06F); });
+  Add(rng, "lamp", 1, 0, [](Rng&) { return GreyCanvas(4, 4, 1.0F); });
   materials_.back().glow = 3;
+}
+
+void MaterialLibrary::AddPictures(Rng& rng, const std::filesystem::path& image_folder) {
   constexpr int kNumPhotos = 8, kNumPrints = 4;
   if (!image_folder.empty()) {
     for (const auto& file : ListImages(image_folder))
       AddPicture(file);
+    return;
   }
-  for (int i = 0; image_folder.empty() && i < kNumPhotos + kNumPrints; ++i) {
+  for (int i = 0; i < kNumPhotos + kNumPrints; ++i) {
     pictures_.push_back(static_cast<int>(materials_.size()));
     if (i < kNumPhotos) {
-      add("photo" + std::to_string(i), 0, 0.03, [](Rng& r) { return DeadLeaves(kMedium, r); });
+      Add(rng, "photo" + std::to_string(i), 0, 0.03, [](Rng& r) { return DeadLeaves(kMedium, r); });
     } else {
-      add("print" + std::to_string(i - kNumPhotos), 0, 0.03, [](Rng& r) {
+      Add(rng, "print" + std::to_string(i - kNumPhotos), 0, 0.03, [](Rng& r) {
         return PrintedSheet(kMedium, r);
       });
     }
   }
-  add("whiteboard", 0, 0.05, [](Rng& r) { return Whiteboard(kMedium, r); });
-  add("screen", 0, 0.1, [](Rng& r) { return Screen(kSmall, r); });
-  add("machine", 0, 0.1, [](Rng& r) { return MachineCover(kMedium, 0.5, r); });
-  add("dark_machine", 0, 0.15, [](Rng& r) { return MachineCover(kMedium, 0.28, r); });
-  add("sheeting", 4, 0.1, [](Rng& r) { return Sheeting(kMedium, r); });
-  add("render", 9, 0, [](Rng& r) { return Render(kLarge, 0.05, r); });
-  add("smooth_render", 9, 0, [](Rng& r) { return Render(kLarge, 0.015, r); });
-  add("facing_brick", 2.6, 0, [](Rng& r) { return Bricks(kLarge, r); });
-  add("glass", 0, 0.2, [](Rng& r) { return Glass(kSmall, r); });
-  add("asphalt", 9, 0, [](Rng& r) { return Asphalt(kLarge, r); });
-  add("paving", 3.6, 0, [](Rng& r) { return Paving(kLarge, r); });
-  add("grass", 6, 0, [](Rng& r) { return Stone(kLarge, 0.08, r); });
+}
+
+void MaterialLibrary::AddForOfficeAndYard(Rng& rng) {
+  Add(rng, "whiteboard", 0, 0.05, [](Rng& r) { return Whiteboard(kMedium, r); });
+  Add(rng, "screen", 0, 0.1, [](Rng& r) { return Screen(kSmall, r); });
+  Add(rng, "machine", 0, 0.1, [](Rng& r) { return MachineCover(kMedium, 0.5, r); });
+  Add(rng, "dark_machine", 0, 0.15, [](Rng& r) { return MachineCover(kMedium, 0.28, r); });
+  Add(rng, "sheeting", 4, 0.1, [](Rng& r) { return Sheeting(kMedium, r); });
+  Add(rng, "render", 9, 0, [](Rng& r) { return Render(kLarge, 0.05, r); });
+  Add(rng, "smooth_render", 9, 0, [](Rng& r) { return Render(kLarge, 0.015, r); });
+  Add(rng, "facing_brick", 2.6, 0, [](Rng& r) { return Bricks(kLarge, r); });
+  Add(rng, "glass", 0, 0.2, [](Rng& r) { return Glass(kSmall, r); });
+  Add(rng, "asphalt", 9, 0, [](Rng& r) { return Asphalt(kLarge, r); });
+  Add(rng, "paving", 3.6, 0, [](Rng& r) { return Paving(kLarge, r); });
+  Add(rng, "grass", 6, 0, [](Rng& r) { return Stone(kLarge, 0.08, r); });
+}
+
+MaterialLibrary::MaterialLibrary(std::uint64_t seed, const std::filesystem::path& image_folder) {
+  Rng rng(seed);
+  AddCommon(rng);
+  AddPictures(rng, image_folder);
+  AddForOfficeAndYard(rng);
 }
 
 void MaterialLibrary::Paint(const std::set<int>& used, int num_threads) {
