@@ -185,10 +185,36 @@ void AddConfig(CLI::App& app) {
 
 #ifdef FACET_HAS_SIMULATOR
 
+void AddCalibrationOptions(CLI::App& command, SimulateArguments& a) {
+  command
+      .add_option("--draw-calibration",
+                  a.request.drawn_calibration,
+                  "a seed: what a careful calibration would have written; truth/ has the exact one")
+      ->check(NonNegativeNumber());
+  command
+      .add_option("--draw-parts", a.drawn_parts, "lens,imu,time (all): which parts of it are drawn")
+      ->delimiter(',')
+      ->needs("--draw-calibration");
+  command
+      .add_option("--lens-misfit",
+                  a.request.lens_misfit,
+                  "a seed: lenses that their model describes to 0.13 px only")
+      ->check(NonNegativeNumber());
+  command
+      .add_flag_callback(
+          "--calibration-error",
+          [] {
+            throw ConfigError(
+                "--calibration-error: is no option any more; --draw-calibration SEED draws errors "
+                "that go together as those of a real calibration do");
+          })
+      ->group("");  // not listed
+}
+
 void AddOptions(CLI::App& command, SimulateArguments& a) {
   SimulationRequest& r = a.request;
   command.add_option("--out", a.out, "folder of the sequence; must not exist");
-  command.add_option("--scene", r.scene, "room, corridor, clutter, or a scene file (YAML)")
+  command.add_option("--scene", r.scene, SceneNames() + ", or a scene file (YAML)")
       ->capture_default_str();
   command.add_option("--trajectory", r.trajectory, FlightNames() + ", or ground truth (csv)")
       ->capture_default_str();
@@ -218,16 +244,14 @@ void AddOptions(CLI::App& command, SimulateArguments& a) {
                    a.clean_images,
                    "no noise, no motion blur, one exposure, 16 rays per pixel");
   command.add_flag("--clean-imu", a.clean_imu, "no noise, no vibration, no bias");
-  command.add_flag("--calibration-error",
-                   a.calibration_error,
-                   "the written calibration has errors like a real one; truth/ has the exact one");
+  AddCalibrationOptions(command, a);
   command
       .add_option("--fault",
                   a.faults,
                   "name:parameter=value,...: planted in the sequence of --of; repeatable; --list")
       ->allow_extra_args(false);
   command.add_option(
-      "--of", a.damaged_sequence, "an existing sequence, to be copied with --fault in it");
+      "--of", a.source, "an existing sequence, to be copied with --fault or --draw-calibration");
   command.add_flag("--list", a.list, "print known scenes, flights, faults and options");
   command.add_flag("--quiet", a.quiet, "no progress bar, no summary");
 }

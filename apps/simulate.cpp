@@ -16,6 +16,7 @@
 #include "facet/io/errors.h"
 #include "facet/io/result_folder.h"
 #include "facet/io/text_file.h"
+#include "facet/render/calibration_draw.h"
 #include "facet/render/sequence_writer.h"
 
 namespace facet {
@@ -46,11 +47,26 @@ void CleanImu(SimulatorOptions& options) {
   options.imu.add_bias = false;
 }
 
+/// Empty: all of them.
+DrawnParts PartsFromText(const std::vector<std::string>& names) {
+  if (names.empty()) return {};
+  DrawnParts parts{false, false, false};
+  for (const std::string& name : names) {
+    bool* part = name == "lens"   ? &parts.lens
+                 : name == "imu"  ? &parts.imu
+                 : name == "time" ? &parts.time
+                                  : nullptr;
+    if (!part) throw ConfigError("--draw-parts " + name + ": no such part; known: lens, imu, time");
+    *part = true;
+  }
+  return parts;
+}
+
 void ApplyOptions(SimulateArguments& a) {
   SimulatorOptions& options = a.request.options;
   if (a.noise_free || a.clean_images) CleanImages(options);
   if (a.noise_free || a.clean_imu) CleanImu(options);
-  options.calibration.enabled = a.calibration_error;
+  a.request.drawn_parts = PartsFromText(a.drawn_parts);
   ApplyOverrides(a.overrides, ListFields(options));
   if (a.num_noise_seeds > 1 && !options.sensor.add_noise && !options.imu.add_noise) {
     throw ConfigError("--noise-seeds " + std::to_string(a.num_noise_seeds) +
@@ -129,14 +145,24 @@ void PrintOutcome(const SimulationReport& report,
     std::printf("written: %s\n", folder->target().c_str());
 }
 
-/// A copy of an existing sequence with faults in it.
-void DamageSequence(const SimulateArguments& a) {
-  if (a.damaged_sequence.empty())
+/// A copy of an existing sequence with faults in it, or with another calibration.
+void CopySequence(SimulateArguments& a) {
+  const SimulationRequest& request = a.request;
+  if (a.source.empty())
     throw ConfigError("--fault needs --of SEQUENCE: the sequence that it is planted in");
-  if (a.faults.empty()) throw ConfigError("--of needs --fault: what to plant; --list names them");
+  if (a.faults.empty() && !request.drawn_calibration)
+    throw ConfigError(
+        "--of needs --fault: what to plant (--list names them); or --draw-calibration SEED");
+  if (request.lens_misfit) throw ConfigError("--lens-misfit: nothing is rendered with --of");
   if (a.out.empty()) throw ConfigError("--out DIR is required: where the sequence is written");
   CheckOut(a.out);
-  RecordingCopy recording = ReadRecording(a.damaged_sequence);
+  ApplyOptions(a);
+  RecordingCopy recording = ReadRecording(a.source);
+  if (request.drawn_calibration) {
+    recording.rig = WrittenCalibration(
+        recording.exact_rig,
+        {request.drawn_calibration, request.drawn_parts, request.options.calibration});
+  }
   for (const std::string& fault : a.faults)
     PlantFault(fault, recording);
   ResultFolder folder(a.out);
@@ -152,13 +178,14 @@ void DamageSequence(const SimulateArguments& a) {
 void SimulateCommand(SimulateArguments a) {
   if (a.list) {
     SimulatorOptions defaults;
-    std::printf("scenes: room, corridor, clutter, or a scene file\nflights: %s\nfaults:\n%s\n%s",
+    std::printf("scenes: %s, or a scene file\nflights: %s\nfaults:\n%s\n%s",
+                SceneNames().c_str(),
                 FlightNames().c_str(),
                 ListFaults().c_str(),
                 FormatConfig(ListFields(defaults)).c_str());
     return;
   }
-  if (!a.faults.empty() || !a.damaged_sequence.empty()) return DamageSequence(a);
+  if (!a.faults.empty() || !a.source.empty()) return CopySequence(a);
   const std::vector<std::string> outputs = ListOutputs(a);
   for (const std::string& out : outputs)
     CheckOut(out);

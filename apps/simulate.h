@@ -13,10 +13,11 @@ struct SimulateArguments {
   SimulationRequest request;
   std::string out;
   std::vector<std::string> overrides;
-  std::string damaged_sequence;     ///< to plant the faults in; empty: a scene is rendered
-  std::vector<std::string> faults;  ///< see PlantFault
+  std::string source;               ///< sequence that is copied; empty: a scene is rendered
+  std::vector<std::string> faults;  ///< planted in the copy; see PlantFault
+  std::vector<std::string> drawn_parts;
   int num_noise_seeds = 1;
-  bool noise_free = false, clean_images = false, clean_imu = false, calibration_error = false;
+  bool noise_free = false, clean_images = false, clean_imu = false;
   bool list = false, quiet = false;
   std::string command_line;  ///< written beside the sequence
 };

@@ -60,7 +60,8 @@ class SimulateTest : public testing::Test {
 };
 
 TEST_F(SimulateTest, UnknownNamesListTheKnownOnes) {
-  ExpectFailure(2, "known: room, corridor, clutter", "--scene attic");
+  ExpectFailure(
+      2, "known: room, corridor, clutter, office, hall, facade, or a scene file", "--scene attic");
   ExpectFailure(2, "known: gentle, fast, aggressive, hover, hand-held, walk", "--trajectory loop");
   ExpectFailure(2, "unknown key 'image.blur'", "--set image.blur=1");
   ExpectFailure(2, "out of range", "--set image.rays_per_pixel=0");

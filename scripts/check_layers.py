@@ -18,6 +18,7 @@ RANK = {
     "camera": 2,
     "imu": 2,
     "map": 3,
+    "calibration": 3,
     "frontend": 4,
     "estimator": 4,
     "mesh": 4,

@@ -11,7 +11,8 @@ libpng-dev libjpeg62-turbo-dev libwebp-dev libembree-dev
 python3 python3-numpy python3-matplotlib"
 case "${1:-}" in
   "") ;;
-  test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev clang-format clang-tidy" ;;
+  test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev clang-format clang-tidy
+python3-yaml" ;;
   *)
     echo "usage: scripts/setup.sh [test]" >&2
     exit 2

@@ -4,8 +4,8 @@
   averages out, errors of the calibration stay.
 Command: studies/calibration_error.py [DATA]
   DATA holds euroc_april_corners and euroc_mh01_handheld (default: $FACET_DATA_DIR, ../shared/data).
-Answer: 0.139 px (left) and 0.124 px (right) rms per axis, which sets the sizes in src/facet/render/calibration_error.h
-  (docs/notebook/calibration_errors.md).
+Answer: 0.139 px (left) and 0.124 px (right) rms per axis, which is what --lens-misfit adds and about what drawn calibrations
+  carry (docs/simulator.md, docs/notebook/calibration_errors.md).
 Date: 2026-11-21.
 """
 

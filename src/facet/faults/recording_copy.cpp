@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "facet/io/asl_dataset.h"
+#include "facet/io/calibration_file.h"
 #include "facet/io/errors.h"
 #include "facet/io/image_reader.h"
 #include "facet/io/png_writer.h"
@@ -31,11 +32,25 @@ void LinkOrCopy(const fs::path& from, const fs::path& to) {
 
 void CopyFolder(const fs::path& from, const fs::path& to) {
   if (!fs::is_directory(from)) return;
-  std::error_code error;
-  fs::create_directories(to, error);
-  if (!error)
-    fs::copy(from, to, fs::copy_options::recursive | fs::copy_options::overwrite_existing, error);
-  if (error) throw OutputError(to.string() + ": " + error.message());
+  for (const auto& entry : fs::recursive_directory_iterator(from)) {
+    const fs::path target = to / fs::relative(entry.path(), from);
+    std::error_code error;
+    fs::create_directories(target.parent_path(), error);
+    if (error) throw OutputError(target.string() + ": " + error.message());
+    // What is large is never written again; calibration files may be.
+    if (!entry.is_regular_file()) continue;
+    if (entry.path().extension() == ".ply") {
+      LinkOrCopy(entry.path(), target);
+    } else {
+      fs::copy_file(entry.path(), target, fs::copy_options::overwrite_existing, error);
+    }
+    if (error) throw OutputError(target.string() + ": " + error.message());
+  }
+}
+
+StereoRig ExactRig(const fs::path& sequence, const StereoRig& recorded) {
+  if (!fs::is_regular_file(sequence / "truth" / "cam0" / "sensor.yaml")) return recorded;
+  return FindCalibration({}, {sequence / "truth", {}}).rig;
 }
 
 void WriteImages(const std::vector<RecordedImage>& images, const fs::path& camera) {
@@ -68,6 +83,7 @@ RecordingCopy ReadRecording(const fs::path& sequence) {
   RecordingCopy recording;
   recording.source = mav0.parent_path();
   recording.rig = dataset.rig();
+  recording.exact_rig = ExactRig(recording.source, recording.rig);
   recording.imu_noise = dataset.imu_noise();
   recording.imu = dataset.imu();
   for (const FrameEntry& frame : dataset.frames()) {
@@ -85,7 +101,7 @@ void WriteRecording(const RecordingCopy& recording, const fs::path& folder) {
   CopyFolder(recording.source / "truth", folder / "truth");
   for (const char* truth : {"state_groundtruth_estimate0", "mocap0", "vicon0", "pointcloud0"})
     CopyFolder(recording.source / "mav0" / truth, folder / "mav0" / truth);
-  WriteCalibration(folder, recording.rig, recording.rig, recording.imu_noise, rate_hz);
+  WriteCalibration(folder, recording.rig, recording.exact_rig, recording.imu_noise, rate_hz);
   for (std::size_t camera = 0; camera < 2; ++camera)
     WriteImages(recording.images[camera], CameraFolder(folder / "mav0", camera));
   WriteImu(folder, recording.imu);

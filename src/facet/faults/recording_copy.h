@@ -25,7 +25,8 @@ struct RecordedImage {
 
 struct RecordingCopy {
   std::filesystem::path source;  ///< folder that holds mav0/, for truth and surfaces
-  StereoRig rig;
+  StereoRig rig;                 ///< as it will be written
+  StereoRig exact_rig;           ///< that of the source's truth/, or else the recorded one
   ImuNoise imu_noise;
   std::vector<ImuSample> imu;
   std::array<std::vector<RecordedImage>, 2> images;  ///< left, right; in order of time
@@ -34,8 +35,8 @@ struct RecordingCopy {
 /// Everything but the pixels. Throws InputError.
 RecordingCopy ReadRecording(const std::filesystem::path& sequence);
 
-/// In the ASL/EuRoC layout into `folder`, with the source's truth. Images without edits are linked,
-/// or copied where that is not possible. Throws InputError or OutputError.
+/// In the ASL/EuRoC layout into `folder`, with the source's truth. Images without edits and
+/// surfaces are linked, or copied where that is not possible. Throws InputError or OutputError.
 void WriteRecording(const RecordingCopy& recording, const std::filesystem::path& folder);
 
 }  // namespace facet

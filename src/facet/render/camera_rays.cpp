@@ -3,14 +3,16 @@
 
 namespace facet {
 
-CameraRays::CameraRays(const CameraModel& camera)
+/// `pixel_of_model`: from a pixel of the image to the one that the model gives the same ray.
+template <class PixelOfModel>
+CameraRays::CameraRays(const CameraModel& camera, const PixelOfModel& pixel_of_model)
     : width_(camera.width()),
       height_(camera.height()),
       pixel_angle_(static_cast<float>(1 / camera.mean_focal_px())),
       rays_(static_cast<std::size_t>(camera.width() * camera.height())) {
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      const auto point = camera.Undistort({x, y});
+      const auto point = camera.Undistort(pixel_of_model(Vector2d(x, y)));
       if (!point) continue;  // outside the field of view: stays black
       Ray& ray = rays_[static_cast<std::size_t>(y * width_ + x)];
       ray.x = static_cast<float>(point->xy.x());
@@ -25,5 +27,11 @@ CameraRays::CameraRays(const CameraModel& camera)
     }
   }
 }
+
+CameraRays::CameraRays(const CameraModel& camera)
+    : CameraRays(camera, [](const Vector2d& px) { return px; }) {}
+
+CameraRays::CameraRays(const CameraModel& camera, const LensMisfit& misfit)
+    : CameraRays(camera, [&](const Vector2d& px) { return misfit.Undo(px); }) {}
 
 }  // namespace facet

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The ray of every pixel through the exact distorted camera model.
+// The ray of every pixel through the exact distorted camera model, or through a lens that does not
+// quite obey it.
 #pragma once
 
 #include <vector>
 
+#include "facet/calibration/lens_misfit.h"
 #include "facet/camera/camera_model.h"
 
 namespace facet {
@@ -12,6 +14,8 @@ namespace facet {
 class CameraRays {
  public:
   explicit CameraRays(const CameraModel& camera);
+  /// With a lens that does not obey its model.
+  CameraRays(const CameraModel& camera, const LensMisfit& misfit);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -36,6 +40,9 @@ class CameraRays {
   float pixel_angle() const { return pixel_angle_; }
 
  private:
+  template <class PixelOfModel>
+  CameraRays(const CameraModel& camera, const PixelOfModel& pixel_of_model);
+
   struct Ray {
     float x = 0, y = 0, x_dx = 0, x_dy = 0, y_dx = 0, y_dy = 0;
     float vignette = 0;

@@ -6,6 +6,7 @@
 #include "facet/geometry/so3.h"
 #include "facet/render/furniture.h"
 #include "facet/render/scene_builder.h"
+#include "facet/render/waves.h"
 
 namespace facet {
 namespace {
@@ -13,33 +14,6 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kCaveRadius = 7.5;
 constexpr double kClearance = 0.5;
-
-/// A sum of waves of all sizes; amplitude about 1.
-class Waves {
- public:
-  Waves(double longest_m, int num_octaves, Rng& rng) {
-    for (int octave = 0; octave < num_octaves; ++octave) {
-      for (int i = 0; i < 3; ++i) {
-        const double frequency = kTurn / longest_m * std::pow(1.9, octave);
-        waves_.push_back(
-            {frequency * rng.UnitVector(), rng.Uniform(0, kTurn), 0.45 * std::pow(1.75, -octave)});
-      }
-    }
-  }
-  double At(const Vector3d& x) const {
-    double sum = 0;
-    for (const Wave& w : waves_)
-      sum += w.amplitude * std::sin(w.k.dot(x) + w.phase);
-    return sum;
-  }
-
- private:
-  struct Wave {
-    Vector3d k;
-    double phase = 0, amplitude = 0;
-  };
-  std::vector<Wave> waves_;
-};
 
 double DistanceToPath(std::span<const Vector3d> path_W, const Vector3d& p_W) {
   double nearest = 1e9;

@@ -82,6 +82,13 @@ std::optional<SE3> FloorPlan::FindNear(const Thing& thing,
   return std::nullopt;
 }
 
+std::optional<SE3> FloorPlan::TakeBox(const SE3& T_FO, const Vector3d& size) {
+  const SE3 T_WO = T_WF_ * T_FO;
+  if (!IsClearOfPath(path_W_, T_WO, size, clearance_m_)) return std::nullopt;
+  taken_.push_back({T_FO.p.head<2>(), 0.5 * size.head<2>().norm()});
+  return T_WO;
+}
+
 // Whether the place is free; then it is no longer.
 bool FloorPlan::Take(const SE3& T_FO, const Vector3d& size, double clearance_m) {
   const Vector2d center = T_FO.p.head<2>();

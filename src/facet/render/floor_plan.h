@@ -36,7 +36,11 @@ class FloorPlan {
   /// found in a number of attempts.
   std::optional<SE3> Find(const Thing& thing, Rng& rng);
 
-  /// The same with its middle within half a metre of one of these points [W] in x and y, turned any
+  /// Takes the place at this pose for a thing of this size if it is away from the path. For groups
+  /// whose things stand close to each other, placed before others.
+  std::optional<SE3> TakeBox(const SE3& T_FO, const Vector3d& size);
+
+  /// As Find, with its middle within half a metre of one of these points [W] in x and y, turned any
   /// way, and nearer to the path than other things may be.
   std::optional<SE3> FindNear(const Thing& thing, std::span<const Vector3d> points_W, Rng& rng);
 

@@ -8,16 +8,16 @@
 #include "facet/geometry/so3.h"
 
 namespace facet {
-namespace {
 
-/// Builds around a point of the thing's frame, turned about z.
-void PlaceInside(const Spot& spot, const Vector3d& p_O, double yaw_rad = 0) {
+void PlaceInside(const Spot& spot, const Vector3d& p_O, double yaw_rad) {
   spot.builder.Place(spot.T_WO * SE3(ExpSO3(Vector3d(0, 0, yaw_rad)), p_O));
 }
 
 int MaterialOf(const Spot& spot, const char* name) {
   return spot.builder.materials().Get(name);
 }
+
+namespace {
 
 /// Cardboard, a picture, wood, ...: what small things are made of.
 int SmallThingMaterial(const Spot& spot) {
@@ -74,6 +74,73 @@ void AddTable(const Spot& spot, const Vector3d& size) {
     const double y = 0.5 * (size.y() - 0.3) * rng.Uniform(-1, 1);
     AddSmallThing(spot, {x, y, size.z()}, rng.Uniform(0.12, 0.26), 0.4);
   }
+}
+
+void AddDesk(const Spot& spot, const Vector3d& size) {
+  constexpr double kTop = 0.03;
+  Rng& rng = spot.builder.rng();
+  const MaterialLibrary& m = spot.builder.materials();
+  PlaceInside(spot, Vector3d::Zero());
+  spot.builder.AddBox(
+      {"table", m.Get("wood")}, {0, 0, size.z() - kTop / 2}, {size.x(), size.y(), kTop});
+  for (const double x : {-1.0, 1.0}) {
+    spot.builder.AddBox({"desk", m.Get("boards")},
+                        {x * (size.x() / 2 - 0.015), 0, (size.z() - kTop) / 2},
+                        {0.025, size.y() - 0.06, size.z() - kTop});
+  }
+  const double turn = rng.Uniform(-0.25, 0.25), width = rng.Uniform(0.5, 0.65);
+  const double at = rng.Uniform(-0.2, 0.2);
+  PlaceInside(spot, {at, -0.2, size.z()}, turn);
+  const int dark = m.Get("dark");
+  spot.builder.AddBox({"stand", dark}, {0, -0.02, 0.006}, {0.25, 0.2, 0.012});
+  spot.builder.AddBox({"stand", dark}, {0, -0.04, 0.09}, {0.06, 0.03, 0.16});
+  spot.builder.AddBox({"screen", dark}, {0, 0, 0.28}, {width, 0.04, 0.36});
+  spot.builder.AddPatch({"screen", m.Get("screen")},
+                        {width / 2 - 0.01, 0.022, 0.11},
+                        {-width + 0.02, 0, 0},
+                        {0, 0, 0.34});
+  PlaceInside(spot, {at, 0.12, size.z()}, rng.Uniform(-0.2, 0.2));
+  spot.builder.AddBox({"keyboard", m.Get("dark")}, {0, 0, 0.01}, {0.42, 0.14, 0.02});
+  for (const double x : {-0.6, 0.58}) {
+    const Vector3d p_O(x, rng.Uniform(-0.15, 0.2), size.z());
+    if (rng.Index(3) == 0) {
+      AddSmallThing(spot, p_O, rng.Uniform(0.1, 0.2), 0.35);
+    } else {
+      PlaceInside(spot, p_O, rng.Uniform(-0.5, 0.5));
+      const double pile = rng.Uniform(0.01, 0.08);
+      spot.builder.AddBox({"paper", m.RandomPicture(rng)}, {0, 0, pile / 2}, {0.21, 0.3, pile});
+    }
+  }
+}
+
+void AddDrawingTable(const Spot& spot, double slope_rad) {
+  constexpr double kWidth = 1.1, kDepth = 0.75, kHeight = 0.9, kBoard = 0.025;
+  const MaterialLibrary& m = spot.builder.materials();
+  // Turned about x: its back, towards -y, comes up.
+  const SE3 T_OB(ExpSO3(Vector3d(-slope_rad, 0, 0)), {0, 0, kHeight});
+  spot.builder.Place(spot.T_WO * T_OB);
+  spot.builder.AddBox({"board", m.Get("boards")}, Vector3d::Zero(), {kWidth, kDepth, kBoard});
+  spot.builder.AddPatch({"drawing", m.RandomPicture(spot.builder.rng())},
+                        {-0.4 * kWidth, -0.4 * kDepth, kBoard / 2 + 0.002},
+                        {0.8 * kWidth, 0, 0},
+                        {0, 0.8 * kDepth, 0});
+  PlaceInside(spot, Vector3d::Zero());
+  for (const double x : {-0.4, 0.4}) {
+    const double z = kHeight - kBoard;
+    spot.builder.AddBox({"leg", m.Get("wood")}, {x * kWidth, 0, z / 2}, {0.06, 0.1, z});
+    spot.builder.AddBox({"leg", m.Get("wood")}, {x * kWidth, 0, 0.03}, {0.06, 0.6, 0.06});
+  }
+}
+
+void AddRamp(const Spot& spot, const Vector3d& size) {
+  PlaceInside(spot, Vector3d::Zero());
+  const ShapeBuilder::Finish finish{"ramp", MaterialOf(spot, "boards")};
+  const double x = size.x() / 2, y = size.y() / 2, z = size.z();
+  spot.builder.AddPatch(finish, {-x, -y, 0}, {size.x(), 0, z}, {0, size.y(), 0});
+  spot.builder.AddPatch(finish, {x, -y, 0}, {0, size.y(), 0}, {0, 0, z});
+  spot.builder.AddTriangles(finish,
+                            {{-x, -y, 0}, {x, -y, 0}, {x, -y, z}, {-x, y, 0}, {x, y, z}, {x, y, 0}},
+                            {{0, 1, 2}, {3, 4, 5}});
 }
 
 void AddBench(const Spot& spot, const Vector3d& size) {

@@ -13,6 +13,11 @@ struct Spot {
   SE3 T_WO;
 };
 
+/// Builds around a point of the thing's frame from then on, turned about z.
+void PlaceInside(const Spot& spot, const Vector3d& p_O, double yaw_rad = 0);
+/// Index of a material by its name.
+int MaterialOf(const Spot& spot, const char* name);
+
 /// A table with things on it. size: width (x), depth (y), height.
 void AddTable(const Spot& spot, const Vector3d& size);
 /// A bench of rough boards with gaps between them, as of a pallet. size: width (x), depth (y),
@@ -20,6 +25,12 @@ void AddTable(const Spot& spot, const Vector3d& size);
 void AddBench(const Spot& spot, const Vector3d& size);
 /// A shelf with an open front, filled with boxes and books.
 void AddShelf(const Spot& spot, const Vector3d& size);
+/// A desk with a screen at its back, a keyboard and papers. size: width (x), depth (y), height.
+void AddDesk(const Spot& spot, const Vector3d& size);
+/// A board of 1.1 x 0.75 m on two legs, raised at its back by `slope_rad`.
+void AddDrawingTable(const Spot& spot, double slope_rad);
+/// A wedge that rises along +x. size: length (x), width (y), height at its end.
+void AddRamp(const Spot& spot, const Vector3d& size);
 void AddChair(const Spot& spot);
 /// One to three cardboard boxes, one on the other, each turned a little.
 void AddBoxStack(const Spot& spot, double side);

@@ -232,5 +232,19 @@ TEST(RayCastingTest, NearestSurfaceAndBlockingAgreeWithTheGeometry) {
   EXPECT_FALSE(hit->is_back_face);
 }
 
+TEST(CameraRaysTest, ALensMisfitMovesTheRays) {
+  const CameraModel camera = EurocRig().cameras[0];
+  const LensMisfit misfit = LensMisfit::Draw(camera, 0.13, 1);
+  const CameraRays exact(camera), displaced(camera, misfit);
+  for (const Vector2d& px : {Vector2d(20, 30), Vector2d(376, 240), Vector2d(730, 460)}) {
+    const int x = static_cast<int>(px.x()), y = static_cast<int>(px.y());
+    const Eigen::Vector2f xy = displaced.At(x, y, {0, 0});
+    const auto arrives = camera.Project(Vector3d(xy.x(), xy.y(), 1));
+    ASSERT_TRUE(arrives);
+    EXPECT_LT((*arrives + misfit.At(*arrives) - px).norm(), 1e-3) << px.transpose();
+    EXPECT_NE(exact.At(x, y, {0, 0}), xy);
+  }
+}
+
 }  // namespace
 }  // namespace facet

@@ -48,6 +48,12 @@ class MaterialLibrary {
  private:
   using Painter = std::function<GreyCanvas(Rng&)>;
 
+  void Add(Rng& rng, const std::string& name, double tile_m, double gloss, Painter painter);
+  void AddCommon(Rng& rng);
+  void AddPictures(Rng& rng, const std::filesystem::path& image_folder);
+  /// Machines, fronts of buildings and the ground before them, too.
+  void AddForOfficeAndYard(Rng& rng);
+
   std::vector<Material> materials_;
   std::vector<Painter> painters_;     // by material; empty for image files
   std::vector<std::uint64_t> seeds_;  // of the painters

@@ -7,6 +7,7 @@
 #include "facet/geometry/so3.h"
 #include "facet/render/floor_plan.h"
 #include "facet/render/furniture.h"
+#include "facet/render/path_box.h"
 #include "facet/render/scene_builder.h"
 
 namespace facet {
@@ -14,33 +15,15 @@ namespace {
 
 constexpr double kClearance = 0.45;  // between the path and what stands in the room
 
-struct RoomShape {
-  SE3 T_WF;  // floor centre; x and y along the walls
-  Vector3d size;
-};
-
-RoomShape FitRoom(std::span<const Vector3d> path_W, Rng& rng) {
-  RoomShape room;
-  room.T_WF.q = ExpSO3(Vector3d(0, 0, rng.Uniform(0, std::numbers::pi / 2)));
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vector3d low = Vector3d::Constant(kInfinity), high = -low;
-  for (const Vector3d& p_W : path_W) {
-    const Vector3d p = room.T_WF.q.conjugate() * p_W;
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  // Built-in flights leave more room below them than recorded ones that begin on the ground.
-  const double floor_z = low.z() > 0.45 && low.z() < 2 ? 0 : low.z() - 0.5;
-  const Vector3d extent = high - low;
-  room.size = Vector3d(std::max(8.0, extent.x() + 2.4),
-                       std::max(8.0, extent.y() + 2.4),
-                       std::max(4.0, high.z() - floor_z + 0.8));
-  const Vector3d middle = 0.5 * (low + high);
-  room.T_WF.p = room.T_WF.q * Vector3d(middle.x(), middle.y(), floor_z);
+PathBox FitRoom(std::span<const Vector3d> path_W, Rng& rng) {
+  PathBox room = BoundPath(path_W, rng.Uniform(0, std::numbers::pi / 2));
+  room.size = Vector3d(std::max(8.0, room.size.x() + 2.4),
+                       std::max(8.0, room.size.y() + 2.4),
+                       std::max(4.0, room.size.z() + 0.8));
   return room;
 }
 
-void AddShell(ShapeBuilder& builder, const RoomShape& room) {
+void AddShell(ShapeBuilder& builder, const PathBox& room) {
   const MaterialLibrary& m = builder.materials();
   const Vector3d half = 0.5 * room.size;
   constexpr double kCell = 0.1;
@@ -66,7 +49,7 @@ void AddShell(ShapeBuilder& builder, const RoomShape& room) {
 }
 
 /// Lamps under the ceiling and a window; their panels glow.
-Lighting AddLamps(ShapeBuilder& builder, FloorPlan& plan, const RoomShape& room) {
+Lighting AddLamps(ShapeBuilder& builder, FloorPlan& plan, const PathBox& room) {
   Lighting lighting;
   lighting.ambient = 0.4;
   Rng& rng = builder.rng();
@@ -86,7 +69,7 @@ Lighting AddLamps(ShapeBuilder& builder, FloorPlan& plan, const RoomShape& room)
   return lighting;
 }
 
-void AddWallThings(ShapeBuilder& builder, FloorPlan& plan, const RoomShape& room) {
+void AddWallThings(ShapeBuilder& builder, FloorPlan& plan, const PathBox& room) {
   Rng& rng = builder.rng();
   const double perimeter = 2 * (room.size.x() + room.size.y());
   for (int i = static_cast<int>(0.3 * perimeter); i > 0; --i) {
@@ -105,7 +88,7 @@ void AddWallThings(ShapeBuilder& builder, FloorPlan& plan, const RoomShape& room
 }
 
 /// Tape and mats on the floor: flat, so nothing can be in the way.
-void AddFloorMarks(ShapeBuilder& builder, const RoomShape& room) {
+void AddFloorMarks(ShapeBuilder& builder, const PathBox& room) {
   Rng& rng = builder.rng();
   for (int i = 0; i < 7; ++i) {
     const double x = 0.38 * room.size.x() * rng.Uniform(-1, 1);
@@ -221,7 +204,7 @@ void AddFurniture(ShapeBuilder& builder, FloorPlan& plan) {
 SceneModel BuildRoom(const ScenePlan& plan) {
   Rng rng(plan.seed);
   Rng shape_rng(rng.Next()), content_rng(rng.Next());
-  const RoomShape room = FitRoom(plan.path_W, shape_rng);
+  const PathBox room = FitRoom(plan.path_W, shape_rng);
   FloorPlan floor(room.T_WF, 0.5 * room.size.head<2>(), plan.path_W, kClearance);
   ShapeBuilder builder(plan.materials, content_rng);
   AddShell(builder, room);

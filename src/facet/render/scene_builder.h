@@ -36,9 +36,23 @@ SceneModel BuildCorridor(const ScenePlan& plan);
 /// Uneven ground, boulders, bushes and a rough cave around them: not one plane.
 SceneModel BuildClutter(const ScenePlan& plan);
 
+/// An office of 12 x 8 m or more: islands of desks with screens, shelves, whiteboards, a meeting
+/// table, sloped boards and a ramp.
+SceneModel BuildOffice(const ScenePlan& plan);
+
+/// A machine hall of 30 x 20 x 8 m or more. One half of the ground is level, the other one uneven.
+SceneModel BuildHall(const ScenePlan& plan);
+
+/// A yard outdoors: fronts of buildings 10 to 40 m from the path, cars, trees and poles, under a
+/// sky without texture.
+SceneModel BuildFacade(const ScenePlan& plan);
+
 /// Waypoints along which the built-in flights go, in a frame with the floor at z = 0.
 std::vector<Vector3d> RoomRoute(std::uint64_t seed);
 std::vector<Vector3d> CorridorRoute(std::uint64_t seed);
 std::vector<Vector3d> ClutterRoute(std::uint64_t seed);
+std::vector<Vector3d> OfficeRoute(std::uint64_t seed);
+std::vector<Vector3d> HallRoute(std::uint64_t seed);
+std::vector<Vector3d> FacadeRoute(std::uint64_t seed);
 
 }  // namespace facet

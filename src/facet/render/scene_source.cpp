@@ -14,9 +14,12 @@ struct NamedScene {
   SceneModel (*build)(const ScenePlan&);
   std::vector<Vector3d> (*route)(std::uint64_t seed);
 };
-constexpr std::array<NamedScene, 3> kScenes = {{{"room", BuildRoom, RoomRoute},
+constexpr std::array<NamedScene, 6> kScenes = {{{"room", BuildRoom, RoomRoute},
                                                 {"corridor", BuildCorridor, CorridorRoute},
-                                                {"clutter", BuildClutter, ClutterRoute}}};
+                                                {"clutter", BuildClutter, ClutterRoute},
+                                                {"office", BuildOffice, OfficeRoute},
+                                                {"hall", BuildHall, HallRoute},
+                                                {"facade", BuildFacade, FacadeRoute}}};
 
 bool IsFile(const std::string& name) {
   std::error_code error;
@@ -29,11 +32,8 @@ const NamedScene* FindScene(const std::string& name) {
     if (name == scene.name) return &scene;
   }
   if (IsFile(name)) return nullptr;
-  std::string names;
-  for (const NamedScene& scene : kScenes)
-    names += std::string(scene.name) + ", ";
-  throw ConfigError("--scene " + name + ": no such scene or file; known: " + names +
-                    "or a scene file (docs/simulator.md)");
+  throw ConfigError("--scene " + name + ": no such scene or file; known: " + SceneNames() +
+                    ", or a scene file (docs/simulator.md)");
 }
 
 /// How far in front of the cameras things shall be; 0: wherever they happen to be.
@@ -50,10 +50,17 @@ double NearThings_m(const SimulationRequest& request) {
 
 }  // namespace
 
+std::string SceneNames() {
+  std::string names;
+  for (const NamedScene& scene : kScenes)
+    names += (names.empty() ? "" : ", ") + std::string(scene.name);
+  return names;
+}
+
 Seeds::Seeds(std::uint64_t seed) {
   Rng rng(seed);
   for (std::uint64_t* part :
-       {&textures, &scene, &flight, &light, &exposure, &noise, &imu, &truth, &calibration}) {
+       {&textures, &scene, &flight, &light, &exposure, &noise, &imu, &truth}) {
     *part = rng.Next();
   }
 }

@@ -13,7 +13,7 @@ struct Seeds {
   explicit Seeds(std::uint64_t seed);
   /// The same scene, flight and exposures with other noise of cameras and IMU. 0: no change.
   Seeds WithNoise(int realisation) const;
-  std::uint64_t textures, scene, flight, light, exposure, noise, imu, truth, calibration;
+  std::uint64_t textures, scene, flight, light, exposure, noise, imu, truth;
 };
 
 /// Throws ConfigError for an unknown name and InputError for unusable files.

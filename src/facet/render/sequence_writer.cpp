@@ -51,15 +51,22 @@ const char* DistortionName(DistortionModel model) {
   return model == DistortionModel::kEquidistant ? "equidistant" : "radial-tangential";
 }
 
-std::string FormatCamera(const CameraModel& camera, const SE3& T_BC, double rate_hz) {
-  const CameraIntrinsics& k = camera.intrinsics();
+/// Only where there is one, as in EuRoC's own files.
+std::string FormatTimeOffset(Duration time_offset) {
+  if (time_offset == Duration{}) return "";
+  return "timeshift_cam_imu: " + Digits(ToSeconds(time_offset)) + " # t_imu = t_cam + shift [s]\n";
+}
+
+std::string FormatCamera(const StereoRig& rig, std::size_t camera, double rate_hz) {
+  const CameraIntrinsics& k = rig.cameras[camera].intrinsics();
   const auto& c = k.coefficients;
   return "%YAML:1.0\nsensor_type: camera\ncomment: simulated by facet simulate\n\n" +
-         FormatTransform(T_BC) + "\nrate_hz: " + Digits(rate_hz) + "\nresolution: [" +
+         FormatTransform(rig.T_BC[camera]) + "\nrate_hz: " + Digits(rate_hz) + "\nresolution: [" +
          std::to_string(k.width) + ", " + std::to_string(k.height) +
          "]\ncamera_model: pinhole\nintrinsics: [" + Join({k.fx, k.fy, k.cx, k.cy}) +
          "] #fu, fv, cu, cv\ndistortion_model: " + DistortionName(k.distortion) +
-         "\ndistortion_coefficients: [" + Join({c[0], c[1], c[2], c[3]}) + "]\n";
+         "\ndistortion_coefficients: [" + Join({c[0], c[1], c[2], c[3]}) + "]\n" +
+         FormatTimeOffset(rig.time_offset);
 }
 
 std::string FormatImu(const ImuNoise& noise) {
@@ -184,7 +191,7 @@ void WriteCalibration(const fs::path& sequence,
        {std::pair(mav0, &measured), std::pair(sequence / "truth", &exact)}) {
     for (std::size_t c = 0; c < 2; ++c) {
       WriteTextFile(root / ("cam" + std::to_string(c)) / "sensor.yaml",
-                    FormatCamera(rig->cameras[c], rig->T_BC[c], frame_rate_hz));
+                    FormatCamera(*rig, c, frame_rate_hz));
     }
     WriteTextFile(root / "imu0" / "sensor.yaml", FormatImu(noise));
   }

@@ -12,6 +12,7 @@
 #include "facet/io/calibration_file.h"
 #include "facet/io/errors.h"
 #include "facet/io/png_writer.h"
+#include "facet/render/calibration_draw.h"
 #include "facet/render/clearance.h"
 #include "facet/render/exposure.h"
 #include "facet/render/image_renderer.h"
@@ -147,6 +148,17 @@ void WriteNoisyImages(const cv::Mat1f& radiance,
   }
 }
 
+/// The rays of both cameras, each with a lens misfit of its own if one is asked for.
+std::array<CameraRays, 2> MakeRays(const SimulationRequest& request, const StereoRig& rig) {
+  const auto& [left, right] = rig.cameras;
+  if (!request.lens_misfit) return {CameraRays(left), CameraRays(right)};
+  Rng rng(*request.lens_misfit);
+  const std::uint64_t left_seed = rng.Next(), right_seed = rng.Next();
+  const double rms_px = request.options.image.lens_misfit_px;
+  return {CameraRays(left, LensMisfit::Draw(left, rms_px, left_seed)),
+          CameraRays(right, LensMisfit::Draw(right, rms_px, right_seed))};
+}
+
 /// Renders and writes all stereo pairs; false if the observer stopped it.
 bool WriteImages(const SimulationRequest& request,
                  const Motion& motion,
@@ -156,8 +168,7 @@ bool WriteImages(const SimulationRequest& request,
                  std::span<const std::filesystem::path> folders,
                  const SimulationObserver& observer) {
   const SimulatorOptions& options = request.options;
-  const std::array<CameraRays, 2> cameras = {CameraRays(rig.cameras[0]),
-                                             CameraRays(rig.cameras[1])};
+  const std::array<CameraRays, 2> cameras = MakeRays(request, rig);
   std::vector<SE3> T_WC0 = PosesAt(motion.trajectory, motion.frames);
   for (SE3& T : T_WC0)
     T = T * rig.T_BC[0];
@@ -257,8 +268,8 @@ SimulationReport Simulate(const SimulationRequest& request,
                                               request.options.truth,
                                               seeds.truth,
                                               request.num_threads);
-  const StereoRig measured =
-      MeasureRig(sensors.rig, request.options.calibration, seeds.calibration);
+  const StereoRig measured = WrittenCalibration(
+      sensors.rig, {request.drawn_calibration, request.drawn_parts, request.options.calibration});
   for (std::size_t i = 0; i < folders.size(); ++i) {
     WriteCalibration(
         folders[i], measured, sensors.rig, sensors.noise, request.options.image.rate_hz);

@@ -5,17 +5,22 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "facet/calibration/drawn_calibration.h"
 #include "facet/render/motion.h"
 #include "facet/render/simulator_options.h"
 #include "facet/render/surface_truth.h"
 
 namespace facet {
 
+/// "room, corridor, ...", for messages.
+std::string SceneNames();
+
 struct SimulationRequest {
-  std::string scene = "room";         ///< room, corridor, clutter, or a scene file
+  std::string scene = "room";         ///< a name of SceneNames(), or a scene file
   std::string trajectory = "gentle";  ///< a name of FlightNames(), or ground truth in EuRoC's csv
   std::string imu;                    ///< EuRoC's csv of a recorded flight; empty: simulated
   std::string calibration;            ///< as for `facet run`; empty: the EuRoC vehicle
@@ -23,6 +28,9 @@ struct SimulationRequest {
   std::uint64_t seed = 1;
   double start_s = 0, duration_s = 0;
   int num_threads = 1;
+  std::optional<std::uint64_t> drawn_calibration;  ///< seed; empty: the exact one is written
+  DrawnParts drawn_parts;
+  std::optional<std::uint64_t> lens_misfit;  ///< seed; empty: the lenses obey their model
   SimulatorOptions options;
 };
 

@@ -2,7 +2,7 @@
 // Every knob of the simulator that `facet simulate --set` reaches.
 #pragma once
 
-#include "facet/render/calibration_error.h"
+#include "facet/calibration/drawn_calibration.h"
 #include "facet/render/image_sensor.h"
 #include "facet/sim/imu_sensor.h"
 
@@ -23,6 +23,7 @@ struct ImageOptions {
   double mean_level = 105;        ///< grey level that the exposure aims at
   double right_gain = 0.1;        ///< right camera brighter or darker by up to this share
   bool highlights = true;         ///< lamps that mirror in glossy surfaces
+  double lens_misfit_px = 0.13;   ///< root mean square per axis, with --lens-misfit
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -37,6 +38,7 @@ struct ImageOptions {
     v.Field(
         "right_gain", right_gain, Range{0, 0.5}, "largest brightness difference of the cameras");
     v.Field("highlights", highlights, "lamps that mirror in glossy surfaces");
+    v.Field("lens_misfit_px", lens_misfit_px, Range{0, 5}, "rms of what --lens-misfit adds");
   }
 };
 
@@ -56,7 +58,7 @@ struct SimulatorOptions {
   ImageOptions image;
   ImageSensorOptions sensor;
   ImuSensorOptions imu;
-  CalibrationErrorOptions calibration;
+  DrawnCalibrationOptions calibration;  ///< sizes of --draw-calibration
   TruthOptions truth;
   double min_clearance_m = 0.3;  ///< between the body's path and every surface
   /// Distance at which `room` has benches, heaps and rails in front of the cameras [m], as for

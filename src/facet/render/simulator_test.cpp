@@ -192,8 +192,55 @@ TEST_F(SimulatorTest, ClutterHasNoPlane) {
   EXPECT_EQ(Lines(ReadText(sequence / "truth" / "planes.csv")).size(), 1);
 }
 
+/// Distance of what the middle of the left image shows, sorted, over the flight.
+std::vector<double> DepthsAhead(const Motion& motion, const SceneMesh& mesh) {
+  const RayScene rays(mesh);
+  std::vector<double> depths;
+  for (const Timestamp t : motion.frames) {
+    const SE3 T_WB = motion.trajectory.At(t).state.T_WB;
+    if (const auto hit = rays.Cast(T_WB.p, T_WB.q * Vector3d::UnitZ()))
+      depths.push_back(hit->distance);
+  }
+  std::sort(depths.begin(), depths.end());
+  return depths;
+}
+
+TEST_F(SimulatorTest, HallAndFacadeAreLarge) {
+  const auto median_depth = [&](const char* scene) {
+    request_.scene = scene;
+    request_.trajectory = "fast";
+    request_.duration_s = 60;
+    const Seeds seeds(1);
+    MaterialLibrary materials(seeds.textures, {});
+    const Motion motion = MakeMotion(request_, seeds);
+    const std::vector<double> depths =
+        DepthsAhead(motion, MakeScene(request_, motion, seeds, materials).mesh);
+    EXPECT_GT(depths.size(), 0.8 * static_cast<double>(motion.frames.size())) << scene;
+    return depths[depths.size() / 2];
+  };
+  EXPECT_LT(median_depth("office"), 5);
+  EXPECT_GT(median_depth("hall"), 6);
+  EXPECT_GT(median_depth("facade"), 10);
+}
+
+TEST_F(SimulatorTest, TheHallIsLevelInOneHalfOnly) {
+  request_.scene = "hall";
+  const Seeds seeds(1);
+  MaterialLibrary materials(seeds.textures, {});
+  const Motion motion = MakeMotion(request_, seeds);
+  const SceneMesh mesh = MakeScene(request_, motion, seeds, materials).mesh;
+  const auto num_planar = [&](const char* label) {
+    return std::count_if(mesh.parts.begin(), mesh.parts.end(), [&](const ScenePart& part) {
+      return part.label == label && part.is_planar;
+    });
+  };
+  EXPECT_EQ(num_planar("floor"), 1);
+  EXPECT_EQ(num_planar("ground"), 0);
+  EXPECT_GT(num_planar("machine"), 100);
+}
+
 TEST_F(SimulatorTest, NothingComesNearerThanAllowedInAnyScene) {
-  for (const char* scene_name : {"room", "corridor", "clutter"}) {
+  for (const char* scene_name : {"room", "corridor", "clutter", "office", "hall", "facade"}) {
     for (const char* flight : {"gentle", "fast", "aggressive", "hover", "hand-held", "walk"}) {
       for (std::uint64_t seed = 1; seed <= 2; ++seed) {
         request_.scene = scene_name;

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Runs `facet simulate` with drawn calibrations and lenses that do not obey their model.
+#include <cstdlib>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "facet/calibration/rig_parameters.h"
+#include "facet/io/calibration_file.h"
+#include "facet/testing/io/test_sequence.h"
+
+namespace facet {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class DrawCalibrationTest : public testing::Test {
+ protected:
+  DrawCalibrationTest() {
+    WriteText(in_ / "scene.yaml",
+              "route: [[-2,0,1], [2,0,1]]\nobjects:\n"
+              "  - {type: mat, at: [0,0,0], size: [12,12]}\n"
+              "  - {type: box, at: [0,3,0], size: [1,1,1]}\n");
+  }
+
+  /// Writes a sequence into `name`; expects this exit code. Returns what was on stderr.
+  std::string Simulate(const std::string& name, const std::string& arguments, int exit_code = 0) {
+    const std::string command = std::string(FACET_PROGRAM) + " simulate --quiet --out " +
+                                (out_ / name).string() + " " + arguments + " >/dev/null 2>" +
+                                (in_ / "err").string() + " </dev/null";
+    // The command consists of constants and temporary folders of this test.
+    const int status = std::system(command.c_str());  // NOLINT(concurrency-mt-unsafe)
+    const std::string err = ReadText(in_ / "err");
+    EXPECT_EQ(WEXITSTATUS(status), exit_code) << err;
+    return err;
+  }
+
+  std::string Scene() const {
+    return "--scene " + (in_ / "scene.yaml").string() +
+           " --duration 0.1 --set truth.max_points=100 ";
+  }
+
+  StereoRig Written(const std::string& name) const {
+    return ReadEurocCalibration(out_ / name / "mav0", {}).rig;
+  }
+  StereoRig Exact(const std::string& name) const {
+    return ReadEurocCalibration(out_ / name / "truth", {}).rig;
+  }
+  /// Of the first left image.
+  fs::path Image(const std::string& name) const {
+    const fs::path folder = out_ / name / "mav0" / "cam0" / "data";
+    fs::path first;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (first.empty() || entry.path() < first) first = entry.path();
+    }
+    return first;
+  }
+
+  TempFolder in_, out_;
+};
+
+double Fx(const StereoRig& rig) {
+  return rig.cameras[0].intrinsics().fx;
+}
+
+/// But for the digits that a calibration file does not have.
+void ExpectSameRig(const StereoRig& a, const StereoRig& b) {
+  EXPECT_LT(ParameterDifference(a, b).norm(), 1e-6);
+  EXPECT_LT((a.T_BC[0].p - b.T_BC[0].p).norm(), 1e-9);
+  EXPECT_LT(a.T_BC[0].q.angularDistance(b.T_BC[0].q), 1e-9);
+  EXPECT_EQ(a.time_offset, b.time_offset);
+}
+
+TEST_F(DrawCalibrationTest, IsWrittenInPlaceOfTheExactOneAndChangesNoImage) {
+  Simulate("exact", Scene());
+  Simulate("drawn", Scene() + "--draw-calibration 3");
+  EXPECT_EQ(ReadText(out_ / "exact" / "mav0" / "cam0" / "sensor.yaml"),
+            ReadText(out_ / "drawn" / "truth" / "cam0" / "sensor.yaml"));
+  EXPECT_EQ(ReadText(Image("exact")), ReadText(Image("drawn")));
+  EXPECT_NE(Fx(Written("drawn")), Fx(Exact("drawn")));
+  EXPECT_NEAR(Fx(Written("drawn")), Fx(Exact("drawn")), 1.5);
+  EXPECT_NE(Written("drawn").time_offset.ns, 0);
+  EXPECT_EQ(Exact("drawn").time_offset.ns, 0);
+}
+
+TEST_F(DrawCalibrationTest, ACopyHasTheSameDrawAndLinksTheImages) {
+  Simulate("exact", Scene());
+  Simulate("drawn", Scene() + "--draw-calibration 3");
+  Simulate("copy", "--of " + (out_ / "exact").string() + " --draw-calibration 3");
+  ExpectSameRig(Written("copy"), Written("drawn"));
+  ExpectSameRig(Exact("copy"), Exact("drawn"));
+  for (const char* file : {"mav0/imu0/data.csv", "mav0/cam0/data.csv", "truth/planes.csv"}) {
+    EXPECT_EQ(ReadText(out_ / "copy" / file), ReadText(out_ / "drawn" / file)) << file;
+  }
+  EXPECT_TRUE(fs::equivalent(Image("exact"), Image("copy")));
+}
+
+TEST_F(DrawCalibrationTest, ACopyOfADrawnSequenceStartsFromItsExactCalibration) {
+  Simulate("drawn", Scene() + "--draw-calibration 3");
+  const std::string before = ReadText(out_ / "drawn" / "mav0" / "cam1" / "sensor.yaml");
+  Simulate("other", "--of " + (out_ / "drawn").string() + " --draw-calibration 4");
+  Simulate("direct", Scene() + "--draw-calibration 4");
+  ExpectSameRig(Written("other"), Written("direct"));
+  EXPECT_EQ(Fx(Exact("other")), Fx(Exact("drawn")));
+  EXPECT_EQ(ReadText(out_ / "drawn" / "mav0" / "cam1" / "sensor.yaml"), before);
+}
+
+TEST_F(DrawCalibrationTest, PartsCanBeDrawnAlone) {
+  Simulate("exact", Scene());
+  const std::string source = "--of " + (out_ / "exact").string() + " --draw-calibration 3 ";
+  Simulate("time", source + "--draw-parts time");
+  EXPECT_EQ(Fx(Written("time")), Fx(Written("exact")));
+  EXPECT_NE(Written("time").time_offset.ns, 0);
+  Simulate("rest", source + "--draw-parts lens,imu");
+  EXPECT_NE(Fx(Written("rest")), Fx(Written("exact")));
+  EXPECT_EQ(Written("rest").time_offset.ns, 0);
+}
+
+TEST_F(DrawCalibrationTest, FaultsKeepTheExactCalibrationInTruth) {
+  Simulate("exact", Scene());
+  Simulate("faulty", "--of " + (out_ / "exact").string() + " --fault focal:percent=1");
+  EXPECT_NEAR(Fx(Written("faulty")), 1.01 * Fx(Written("exact")), 1e-6);
+  EXPECT_EQ(Fx(Exact("faulty")), Fx(Written("exact")));
+}
+
+TEST_F(DrawCalibrationTest, LensMisfitChangesTheImagesOnly) {
+  Simulate("exact", Scene());
+  Simulate("misfit", Scene() + "--lens-misfit 1");
+  EXPECT_EQ(ReadText(out_ / "exact" / "mav0" / "cam0" / "sensor.yaml"),
+            ReadText(out_ / "misfit" / "mav0" / "cam0" / "sensor.yaml"));
+  EXPECT_NE(ReadText(Image("exact")), ReadText(Image("misfit")));
+}
+
+TEST_F(DrawCalibrationTest, WrongUsageSaysWhatToDo) {
+  EXPECT_THAT(Simulate("x", Scene() + "--calibration-error", 2),
+              HasSubstr("--calibration-error: is no option any more; --draw-calibration SEED"));
+  EXPECT_THAT(Simulate("x", Scene() + "--draw-calibration 1 --draw-parts lens,focus", 2),
+              HasSubstr("--draw-parts focus: no such part; known: lens, imu, time"));
+  EXPECT_THAT(Simulate("x", Scene() + "--draw-parts lens", 2),
+              HasSubstr("--draw-parts requires --draw-calibration"));
+  EXPECT_THAT(Simulate("x", Scene() + "--draw-calibration -1", 2), HasSubstr("--draw-calibration"));
+  EXPECT_THAT(Simulate("x", "--of somewhere", 2), HasSubstr("or --draw-calibration SEED"));
+  EXPECT_THAT(Simulate("x", "--of somewhere --draw-calibration 1 --lens-misfit 1", 2),
+              HasSubstr("--lens-misfit: nothing is rendered"));
+}
+
+}  // namespace
+}  // namespace facet

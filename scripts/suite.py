@@ -1,0 +1,306 @@
+#!/usr/bin/python3
+"""How accurate is Facet under the calibrations that one has? The scenes of config/suite.yaml, with the exact calibration
+and with drawn ones (docs/simulator.md, "What is simulated").
+
+  suite.py make                             renders every scene once (variant a) and once through lenses that their model
+                                            describes to 0.13 px only (variant b); skips what is there
+  suite.py run                              pipelines S and SPR, exact and drawn calibrations, variant a
+  suite.py run --variant b --draws 10 --starts 3 --scene office --set estimator.window.max_pose_keyframes=5
+  suite.py run --against other/facet        another program on the same sequences, and the ratio to it
+  suite.py attribution                      which part of the drawn calibration costs what: lens, imu, time, all
+
+A figure of a scene is the median over its starts (0, 0.1, 0.2 ... s) and draws; NEES are means. The last line has the
+median over the scenes and the worst one. Sequences and results go to --out.
+"""
+
+import argparse
+import json
+import math
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import debian_python  # noqa: F401 (first: it may start another Python)
+
+import yaml
+
+import run_all
+
+ROOT = Path(__file__).resolve().parent.parent
+PARTS = ["lens", "imu", "time"]
+
+
+@dataclass
+class Scene:
+    """A line of the suite's file."""
+
+    name: str
+    scene: str
+    flight: str
+    seed: int
+    duration: float
+    start: float = 0
+    max_rays: int = 16
+
+    def draw_seed(self, draw):
+        return 100 * self.seed + draw
+
+
+@dataclass
+class Case:
+    """A sequence and the kind of calibration that it has: exact, drawn, or some parts drawn."""
+
+    scene: Scene
+    kind: str
+    sequence: Path
+
+
+def read_suite(file):
+    with open(file, encoding="utf-8") as stream:
+        suite = yaml.safe_load(stream)
+    scenes = [Scene(name, **values) for name, values in suite["scenes"].items()]
+    return suite, scenes
+
+
+def flight_arguments(scene):
+    """Of `facet simulate`; None where the recorded flight is missing."""
+    data = Path(os.environ.get("FACET_DATA_DIR") or ROOT.parent / "shared" / "data") / "euroc_flights"
+    if not scene.flight[0].isupper():
+        return ["--trajectory", scene.flight]
+    folder = data / scene.flight
+    if not (folder / "groundtruth.csv").is_file():
+        print(f"suite: {scene.name} is skipped: no {folder}", file=sys.stderr)
+        return None
+    return ["--trajectory", folder / "groundtruth.csv", "--imu", folder / "imu.csv", "--start", str(scene.start)]
+
+
+def rendered(arguments, scene, variant):
+    return arguments.out / "sequences" / (scene.name + ("-misfit" if variant == "b" else ""))
+
+
+def simulate(program, out, options):
+    out.parent.mkdir(parents=True, exist_ok=True)
+    done = subprocess.run([program, "simulate", "--quiet", "--out", out, *map(str, options)], capture_output=True,
+                          text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"suite: {out.name}: {done.stderr.strip()}")
+
+
+def render(arguments, suite, scene, variant):
+    out, flight = rendered(arguments, scene, variant), flight_arguments(scene)
+    if flight is None or (out / "simulation.txt").exists():
+        return
+    options = ["--scene", scene.scene, *flight, "--seed", scene.seed, "--duration", scene.duration, "--threads", 1,
+               "--set", f"image.rays_per_pixel={suite['rays_per_pixel']}",
+               "--set", f"image.max_rays_per_pixel={scene.max_rays}", "--set", "truth.points_per_m2=500"]
+    if variant == "b":
+        options += ["--lens-misfit", scene.seed, "--set", f"image.lens_misfit_px={suite['lens_misfit']}"]
+    sys.stderr.write(f"suite: rendering {out.name}\n")
+    simulate(arguments.maker, out, options)
+
+
+def make(arguments, suite, scenes):
+    todo = [(scene, variant) for variant in arguments.variant for scene in scenes]
+    with ThreadPoolExecutor(min(2, arguments.jobs)) as pool:
+        list(pool.map(lambda item: render(arguments, suite, *item), todo))
+
+
+def drawn(arguments, scene, variant, draw, parts):
+    """A copy with a drawn calibration, whose images are links; made if it is not there."""
+    source = rendered(arguments, scene, variant)
+    name = f"{source.name}-draw{draw}" + ("" if parts == PARTS else "-" + "-".join(parts))
+    out = arguments.out / "drawn" / name
+    if not (out / "simulation.txt").exists():
+        shutil.rmtree(out, ignore_errors=True)
+        simulate(arguments.maker, out, ["--of", source, "--draw-calibration", scene.draw_seed(draw),
+                                        "--draw-parts", ",".join(parts)])
+    return out
+
+
+def list_cases(arguments, scenes, variant, kinds):
+    """`kinds`: {name: parts that are drawn}."""
+    for scene in scenes:
+        source = rendered(arguments, scene, variant)
+        if not (source / "simulation.txt").exists():
+            print(f"suite: {source.name} is skipped: make renders it", file=sys.stderr)
+            continue
+        yield Case(scene, "exact", source)
+        for kind, parts in kinds.items():
+            for draw in range(1, arguments.draws + 1):
+                yield Case(scene, kind, drawn(arguments, scene, variant, draw, parts))
+
+
+def fingerprint(run):
+    """Equal where a run would do the same again."""
+    program = os.stat(shutil.which(run.config.program) or run.config.program)
+    return json.dumps([run.config.program, program.st_mtime_ns, program.st_size, str(run.sequence), run.start,
+                       run.config.arguments])
+
+
+def execute(run):
+    """Runs and evaluates against poses, velocities and biases; surfaces would take longer than the run. What is there
+    already, from the same program with the same arguments, is read."""
+    mark = run.folder / "suite_run.json"
+    run.evaluation = run_all.read_json(run.folder / "evaluation.json")
+    if run.ate() is not None and mark.exists() and mark.read_text(encoding="utf-8") == fingerprint(run):
+        return
+    run.evaluation = {}
+    shutil.rmtree(run.folder, ignore_errors=True)
+    run.folder.parent.mkdir(parents=True, exist_ok=True)
+    done = subprocess.run([run.config.program, "run", run.sequence, "--out", run.folder, "--start", f"{run.start:g}",
+                           "--quiet", *run.config.arguments], capture_output=True, text=True, check=False)
+    if (run.folder / "trajectory.tum").exists():
+        subprocess.run([run.config.program, "evaluate", run.folder, "--truth",
+                        run_all.trajectories.truth_file(run.sequence)], capture_output=True, check=False)
+        run.evaluation = run_all.read_json(run.folder / "evaluation.json")
+    if run.ate() is None:
+        print(f"suite: {run.folder.name}: {done.stderr.strip() or done.returncode}", file=sys.stderr, flush=True)
+    else:
+        mark.write_text(fingerprint(run), encoding="utf-8")
+    for file in ("map.ply", "mesh.ply", "timing.csv", "landmarks.ply", "keyframes.tum"):
+        (run.folder / file).unlink(missing_ok=True)
+
+
+def execute_all(arguments, cases, label, program):
+    """{(scene, kind, pipeline): runs}, in the order of the cases."""
+    groups, runs = {}, []
+    for case in cases:
+        for pipeline in arguments.pipelines:
+            words = ["--pipeline", pipeline, *(w for text in arguments.set for w in ("--set", text))]
+            config = run_all.Config(pipeline, program, words)
+            for i in range(arguments.starts):
+                folder = arguments.out / "runs" / label / f"{case.sequence.name}-{pipeline}-{i}"
+                run = run_all.Run(case.sequence, config, 0.1 * i, folder)
+                runs.append(run)
+                groups.setdefault((case.scene.name, case.kind, pipeline), []).append(run)
+    with ThreadPoolExecutor(arguments.jobs) as pool:
+        list(pool.map(execute, runs))
+    return groups
+
+
+# ------------------------------------------------------------------------------------------------ figures
+
+def median(values):
+    """A run without a result is an infinite error."""
+    return statistics.median(math.inf if v is None else v for v in values)
+
+
+def ate_mm(runs):
+    return 1e3 * median([run.ate() for run in runs])
+
+
+def nees(runs, part):
+    values = [run.evaluation.get("consistency", {}).get(part, {}).get("nees") for run in runs]
+    values = [v for v in values if v is not None]
+    return statistics.mean(values) if values else math.nan
+
+
+def figures_of(groups, scene, kinds, pipelines):
+    """A row of figures: {column: value}."""
+    row = {}
+    for pipeline in pipelines:
+        exact = ate_mm(groups[scene, "exact", pipeline])
+        row[f"{pipeline} exact mm"] = exact
+        for kind in kinds:
+            error = ate_mm(groups[scene, kind, pipeline])
+            row[f"{pipeline} {kind} mm"] = error
+            row[f"{pipeline} {kind}/exact"] = error / exact
+        for kind in ["exact", *kinds]:
+            for part in ("position", "orientation"):
+                row[f"{pipeline} {part} NEES {kind}"] = nees(groups[scene, kind, pipeline], part)
+    if "S" in pipelines and "SPR" in pipelines:
+        for kind in ["exact", *kinds]:
+            pairs = zip(groups[scene, kind, "SPR"], groups[scene, kind, "S"])
+            row[f"SPR/S {kind}"] = median([a.ate() / b.ate() if a.ate() and b.ate() else None for a, b in pairs])
+    return row
+
+
+def overall(table, column):
+    """Median over the scenes, and the worst: NEES may be too small as well as too large."""
+    values = [row[column] for row in table.values()]
+    worst = max(values, key=lambda v: abs(math.log(v)) if "NEES" in column and v > 0 else v)
+    return statistics.median(values), worst
+
+
+def form(column, value):
+    return f"{value:.2f}" if "mm" not in column or value < 9.95 else f"{value:.1f}"
+
+
+def print_table(title, table):
+    """A line for each figure, a column for each scene."""
+    if not table:
+        sys.exit("suite: nothing to run")
+    columns = list(next(iter(table.values())))
+    print(f"\n{title}\n\n| | {' | '.join(table)} | median | worst |\n|---|{'---|' * (len(table) + 2)}")
+    for column in columns:
+        cells = [form(column, row[column]) for row in table.values()]
+        cells += [form(column, value) for value in overall(table, column)]
+        print(f"| {column} | {' | '.join(cells)} |")
+
+
+def ratio_table(table, reference):
+    """ATE over that of the reference."""
+    return {scene: {column.replace(" mm", " ATE ratio"): value / reference[scene][column]
+                    for column, value in row.items() if column.endswith(" mm")}
+            for scene, row in table.items()}
+
+
+def run_variant(arguments, scenes, variant, kinds):
+    cases = list(list_cases(arguments, scenes, variant, kinds))
+    names = list(dict.fromkeys(case.scene.name for case in cases))
+    programs = {"program": arguments.program}
+    if arguments.against:
+        programs["against"] = arguments.against
+    tables = {}
+    for label, program in programs.items():
+        groups = execute_all(arguments, cases, f"{label}-{variant}", program)
+        tables[label] = {name: figures_of(groups, name, kinds, arguments.pipelines) for name in names}
+        print_table(f"Variant {variant}, {program}, {arguments.starts} start(s), {arguments.draws} draws",
+                    tables[label])
+    if arguments.against:
+        print_table("Ratio of the first program to the second", ratio_table(tables["program"], tables["against"]))
+    (arguments.out / f"figures-{variant}.json").write_text(json.dumps(tables, indent=1) + "\n", encoding="utf-8")
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["make", "run", "attribution"])
+    parser.add_argument("--suite", type=Path, default=ROOT / "config" / "suite.yaml")
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "suite")
+    parser.add_argument("--scene", action="append", help="a part of its name; repeatable; all")
+    parser.add_argument("--variant", help="a, b or ab (make: ab, otherwise a)")
+    parser.add_argument("--pipelines", default="S,SPR", type=lambda text: text.split(","))
+    parser.add_argument("--starts", type=int, default=1)
+    parser.add_argument("--draws", type=int, help="of each scene (as the suite's file says)")
+    parser.add_argument("--program", default=str(ROOT / "build" / "facet"))
+    parser.add_argument("--against", help="another program")
+    parser.add_argument("--maker", default=str(ROOT / "build" / "facet"), help="the program that simulates")
+    parser.add_argument("--set", action="append", default=[], help="option of facet run, key=value; repeatable")
+    parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1))
+    return parser.parse_args()
+
+
+def main():
+    arguments = parse_arguments()
+    suite, scenes = read_suite(arguments.suite)
+    if arguments.scene:
+        scenes = [scene for scene in scenes if any(text in scene.name for text in arguments.scene)]
+    arguments.draws = arguments.draws or suite["draws"]
+    arguments.variant = arguments.variant or ("ab" if arguments.what == "make" else "a")
+    if arguments.what == "make":
+        make(arguments, suite, scenes)
+        return
+    kinds = {"drawn": PARTS}
+    if arguments.what == "attribution":
+        kinds = {**{part: [part] for part in PARTS}, "drawn": PARTS}
+    for variant in arguments.variant:
+        run_variant(arguments, scenes, variant, kinds)
+
+
+if __name__ == "__main__":
+    main()

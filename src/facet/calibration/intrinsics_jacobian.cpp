@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/calibration/intrinsics_jacobian.h"
+
+#include <cmath>
+
+namespace facet {
+namespace {
+
+/// d distorted / d coefficients at a point of the plane z = 1.
+Matrix<2, 4> CoefficientJacobian(DistortionModel model, const Vector2d& xy) {
+  Matrix<2, 4> J = Matrix<2, 4>::Zero();
+  const double x = xy.x(), y = xy.y(), r2 = xy.squaredNorm();
+  if (model == DistortionModel::kRadialTangential) {
+    J << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x,  //
+        y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y;
+  } else if (model == DistortionModel::kEquidistant && r2 > 0) {
+    const double theta = std::atan(std::sqrt(r2)), theta2 = theta * theta;
+    double power = theta / std::sqrt(r2);
+    for (int i = 0; i < 4; ++i) {
+      power *= theta2;
+      J.col(i) = power * xy;
+    }
+  }
+  return J;
+}
+
+}  // namespace
+
+std::optional<ProjectionDerivatives> ProjectWithDerivatives(const CameraModel& camera,
+                                                            const Vector3d& p_C) {
+  ProjectionDerivatives d;
+  const std::optional<Vector2d> px = camera.Project(p_C, &d.J_px_p);
+  if (!px) return std::nullopt;
+  d.px = *px;
+  const CameraIntrinsics& k = camera.intrinsics();
+  const Vector2d focal(k.fx, k.fy);
+  const Vector2d xy_d = (*px - Vector2d(k.cx, k.cy)).cwiseQuotient(focal);
+  d.J_px_k << Matrix2d(xy_d.asDiagonal()), Matrix2d::Identity(),
+      focal.asDiagonal() * CoefficientJacobian(k.distortion, p_C.head<2>() / p_C.z());
+  return d;
+}
+
+}  // namespace facet

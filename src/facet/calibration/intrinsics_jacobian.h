@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How a pixel moves with the eight intrinsic parameters of its camera.
+#pragma once
+
+#include <optional>
+
+#include "facet/calibration/rig_parameters.h"
+
+namespace facet {
+
+struct ProjectionDerivatives {
+  Vector2d px;
+  Matrix<2, 3> J_px_p;               ///< by the point in the camera frame
+  Matrix<2, kNumIntrinsics> J_px_k;  ///< by fx fy cx cy and the coefficients of distortion
+};
+
+/// As CameraModel::Project. Columns of coefficients that the model does not have are zero.
+std::optional<ProjectionDerivatives> ProjectWithDerivatives(const CameraModel& camera,
+                                                            const Vector3d& p_C);
+
+}  // namespace facet

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/calibration/smooth_field.h"
+
+#include <array>
+
+#include <Eigen/Eigenvalues>
+
+namespace facet {
+namespace {
+
+using MomentMatrix = Matrix<kNumMonomials, kNumMonomials>;
+
+struct Powers {
+  int x, y;
+};
+constexpr std::array<Powers, kNumMonomials> kPowers = {
+    {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}, {3, 0}, {2, 1}, {1, 2}, {0, 3}}};
+
+/// Mean of x^n for x from -1 to 1.
+double MeanPower(int n) {
+  return n % 2 == 0 ? 1.0 / (n + 1) : 0;
+}
+
+/// Means of the products of two monomials over the image.
+MomentMatrix Moments() {
+  MomentMatrix M;
+  for (std::size_t i = 0; i < kNumMonomials; ++i) {
+    for (std::size_t j = 0; j < kNumMonomials; ++j) {
+      M(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          MeanPower(kPowers[i].x + kPowers[j].x) * MeanPower(kPowers[i].y + kPowers[j].y);
+    }
+  }
+  return M;
+}
+
+}  // namespace
+
+Vector<kNumMonomials> SmoothField::Monomials(const Vector2d& px, int width, int height) {
+  const double x = 2 * px.x() / (width - 1) - 1, y = 2 * px.y() / (height - 1) - 1;
+  Vector<kNumMonomials> m;
+  m << 1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y;
+  return m;
+}
+
+SmoothField SmoothField::Draw(int width, int height, double rms_px, Rng& rng) {
+  SmoothField field;
+  field.width_ = width;
+  field.height_ = height;
+  for (int axis = 0; axis < 2; ++axis) {
+    for (int i = 0; i < kNumMonomials; ++i)
+      field.coefficients_(i, axis) = rng.Normal();
+  }
+  const auto& c = field.coefficients_;
+  const double mean_square = 0.5 * (c.transpose() * Moments() * c).trace();
+  field.coefficients_ *= rms_px / std::sqrt(mean_square);
+  return field;
+}
+
+Matrix<kNumMonomials, kNumMonomials> SmoothField::Covariance() {
+  // A drawn axis is c / sqrt(q), with the mean square q = (c'Mc + d'Md) / 2 of both axes. With
+  // 1 / q = int exp(-t q) dt the expectation of c c' / q is an integral over t, which M's
+  // eigenvectors make diagonal. In log t the trapezoidal rule is exact to all digits.
+  const Eigen::SelfAdjointEigenSolver<MomentMatrix> solver(Moments());
+  const Vector<kNumMonomials> lambda = solver.eigenvalues();
+  Vector<kNumMonomials> variance = Vector<kNumMonomials>::Zero();
+  constexpr double kStep = 0.05;
+  for (double u = -40; u < 60; u += kStep) {
+    const double t = std::exp(u);
+    const Vector<kNumMonomials> shrunk = (1 + t * lambda.array()).inverse();
+    variance += kStep * t * shrunk.prod() * shrunk;
+  }
+  return solver.eigenvectors() * variance.asDiagonal() * solver.eigenvectors().transpose();
+}
+
+Vector2d SmoothField::At(const Vector2d& px) const {
+  return coefficients_.transpose() * Monomials(px, width_, height_);
+}
+
+}  // namespace facet

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Which calibration a sequence is written with.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "facet/calibration/drawn_calibration.h"
+
+namespace facet {
+
+/// What `facet simulate --draw-calibration` asks for.
+struct CalibrationDraw {
+  std::optional<std::uint64_t> seed;  ///< empty: the exact calibration is written
+  DrawnParts parts;
+  DrawnCalibrationOptions options;
+};
+
+/// The calibration to be written for the exact one. Throws ConfigError where none can be drawn.
+StereoRig WrittenCalibration(const StereoRig& exact, const CalibrationDraw& draw);
+
+}  // namespace facet
