@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// laps SEQUENCE [--hours H | --laps N] [--set key=value]...
+// Plays a closed sequence again and again to one pipeline and prints for each lap its ATE, the
+// memory of the process, and every alarm: on clean data there should be none, the memory should
+// stay level, and every lap should be as good as the first. Exit code 1 if not.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "lap.h"
+#include "program.h"
+#include <CLI/CLI.hpp>
+#include <malloc.h>
+#include <opencv2/core/utility.hpp>
+#include <unistd.h>
+
+#include "facet/eval/trajectory_error.h"
+#include "facet/io/asl_dataset.h"
+#include "facet/io/config_file.h"
+#include "facet/io/errors.h"
+#include "facet/io/trajectory_file.h"
+#include "facet/pipeline/vio_pipeline.h"
+#include "facet/sim/euroc_csv.h"
+
+namespace facet {
+namespace {
+
+constexpr double kSettled_s = 300;    // memory is compared from then on
+constexpr double kMaxGrowth_mb = 2;   // without the map
+constexpr double kMaxAteRatio = 1.5;  // of a lap to the median of all laps
+
+/// Everything that should not happen on clean data, by what is said of it.
+class Alarms {
+ public:
+  void Add(const VioOutput& output) {
+    if (output.status == TrackingStatus::kInitialising && !has_begun_) return;
+    has_begun_ = true;
+    if (output.status != TrackingStatus::kOk)
+      Count(std::string(ToString(output.status)) + ": " + output.reason);
+    if (!output.has_pose) Count("no pose");
+    if (output.was_reset) Count("new segment");
+    if (output.is_image_repeated) Count("image called repeated");
+    if (output.imu_gaps > 0) Count("hole in the IMU");
+    if (!output.warning.empty()) Count(output.warning);
+  }
+
+  void Add(const RunResult& result) {
+    CountUpTo("IMU sample cut out", result.imu_screen.num_cut);
+    CountUpTo("IMU sample called saturated", result.imu_screen.num_saturated);
+    CountUpTo("IMU sample called repeated", result.imu_screen.num_repeated);
+    CountUpTo("IMU sample refused", result.num_refused_imu);
+  }
+
+  int Total() const {
+    int total = 0;
+    for (const auto& [text, count] : counts_)
+      total += count;
+    return total;
+  }
+
+  void Print() const {
+    for (const auto& [text, count] : counts_)
+      std::printf("alarm: %d x %s\n", count, text.c_str());
+  }
+
+ private:
+  void Count(const std::string& text) { ++counts_[text]; }
+  void CountUpTo(const std::string& text, int count) {
+    if (count > 0) counts_[text] = count;
+  }
+
+  bool has_begun_ = false;
+  std::map<std::string, int> counts_;
+};
+
+struct LapFigures {
+  double end_s = 0, ate_m = 0, cpu_ms = 0;
+  double heap_mb = 0, rss_mb = 0, map_mb = 0;
+  double OwnMemory() const { return heap_mb - map_mb; }
+};
+
+double HeapMb() {
+  const struct mallinfo2 info = mallinfo2();
+  return 1e-6 * static_cast<double>(info.uordblks + info.hblkhd);
+}
+
+double RssMb() {
+  std::ifstream stream("/proc/self/statm");
+  double size = 0, resident = 0;
+  stream >> size >> resident;
+  return 1e-6 * resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+std::vector<StereoFrame> DecodeAll(AslDataset& dataset) {
+  std::vector<StereoFrame> frames;
+  for (std::size_t i = 0; i < dataset.frames().size(); ++i) {
+    StereoFrame frame{dataset.frames()[i].t, {}, {}};
+    const std::string problem = dataset.ReadPair(i, frame.left, frame.right);
+    if (!problem.empty()) throw InputError(problem);
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+std::vector<Timestamp> StampsOf(const std::vector<StereoFrame>& frames) {
+  std::vector<Timestamp> stamps;
+  for (const StereoFrame& frame : frames)
+    stamps.push_back(frame.t);
+  return stamps;
+}
+
+double AteOf(const std::vector<StampedPose>& poses, const std::vector<StampedPose>& truth) {
+  const Association association = Associate(poses, truth);
+  if (association.pairs.size() < 3) return NAN;
+  const auto alignment = AlignPairs(association.pairs, AlignmentKind::kSE3);
+  return Summarize(AbsoluteErrors(association.pairs, alignment)).rmse;
+}
+
+/// Plays laps to one pipeline. Not thread-safe.
+class Player {
+ public:
+  Player(AslDataset& dataset, const std::string& sequence, const VioOptions& options)
+      : frames_(DecodeAll(dataset)),
+        truth_(ReadTrajectory(RequireTruth(sequence)).poses),
+        lap_(StampsOf(frames_), dataset.imu(), LoadGroundTruthCsv(RequireTruth(sequence))),
+        vio_(dataset.rig(), dataset.imu_noise(), options) {}
+
+  const Lap& lap() const { return lap_; }
+  Alarms& alarms() { return alarms_; }
+
+  LapFigures PlayNext() {
+    std::vector<StampedPose> poses;
+    LapFigures figures;
+    for (int i = 0; i < lap_.num_frames(); ++i) {
+      StereoFrame frame = frames_[static_cast<std::size_t>(i)];
+      const Timestamp in_first_lap = frame.t;
+      frame.t = lap_.FrameStamp(num_laps_, i);
+      FeedImu(frame.t);
+      const VioOutput output = vio_.AddStereo(frame);
+      alarms_.Add(output);
+      figures.cpu_ms += output.times.Total() / lap_.num_frames();
+      if (output.has_pose) poses.push_back({in_first_lap, output.state.T_WB});
+    }
+    ++num_laps_;
+    figures.end_s = num_laps_ * ToSeconds(lap_.period());
+    figures.ate_m = AteOf(poses, truth_);
+    poses = {};
+    figures.heap_mb = HeapMb();
+    figures.rss_mb = RssMb();
+    const RunResult result = vio_.Result();
+    alarms_.Add(result);
+    figures.map_mb = result.map_memory.used_mb;
+    return figures;
+  }
+
+ private:
+  /// The samples up to the stamp, and one beyond it.
+  void FeedImu(Timestamp t) {
+    while (last_imu_ <= t) {
+      if (next_imu_ == imu_.size()) {
+        imu_ = lap_.ImuOf(num_imu_laps_++);
+        next_imu_ = 0;
+      }
+      last_imu_ = imu_[next_imu_].t;
+      vio_.AddImu(imu_[next_imu_++]);
+    }
+  }
+
+  std::vector<StereoFrame> frames_;
+  std::vector<StampedPose> truth_;
+  Lap lap_;
+  VioPipeline vio_;
+  Alarms alarms_;
+  int num_laps_ = 0, num_imu_laps_ = 0;
+  std::vector<ImuSample> imu_;
+  std::size_t next_imu_ = 0;
+  Timestamp last_imu_;
+};
+
+/// What the memory gained after it had settled; zero for a short run.
+double GrowthMb(const std::vector<LapFigures>& laps) {
+  const auto settled = std::find_if(
+      laps.begin(), laps.end(), [](const LapFigures& lap) { return lap.end_s >= kSettled_s; });
+  if (settled == laps.end()) return 0;
+  double largest = settled->OwnMemory();
+  for (auto lap = settled; lap != laps.end(); ++lap)
+    largest = std::max(largest, lap->OwnMemory());
+  return largest - settled->OwnMemory();
+}
+
+bool Judge(const std::vector<LapFigures>& laps, const Alarms& alarms) {
+  std::vector<double> ates;
+  for (const LapFigures& lap : laps)
+    ates.push_back(lap.ate_m);
+  std::sort(ates.begin(), ates.end());
+  const double median = ates[ates.size() / 2], growth = GrowthMb(laps);
+  alarms.Print();
+  std::printf(
+      "%zu laps, %.2f h: ATE per lap %.2f to %.2f mm, median %.2f; memory without the map +%.2f MB "
+      "after the first %.0f s; %d alarms\n",
+      laps.size(),
+      laps.back().end_s / 3600,
+      1e3 * ates.front(),
+      1e3 * ates.back(),
+      1e3 * median,
+      growth,
+      kSettled_s,
+      alarms.Total());
+  return ates.back() <= kMaxAteRatio * median && growth <= kMaxGrowth_mb && alarms.Total() == 0;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("The same closed lap again and again: alarms, memory, accuracy");
+  std::string sequence;
+  double hours = 2;
+  int num_laps = 0, print_every = 1;
+  std::vector<std::string> overrides;
+  app.add_option("sequence", sequence, "folder in ASL layout whose end joins its beginning")
+      ->required();
+  app.add_option("--hours", hours, "of data");
+  app.add_option("--laps", num_laps, "instead of hours");
+  app.add_option("--print-every", print_every, "laps")->check(CLI::PositiveNumber);
+  app.add_option("--set", overrides, "option of the pipeline, key=value");
+  CLI11_PARSE(app, argc, argv);
+
+  cv::setNumThreads(1);
+  VioOptions options;
+  ApplyOverrides(overrides, ListFields(options));
+  AslDataset dataset(sequence);
+  Player player(dataset, sequence, options);
+  if (num_laps == 0) {
+    const double period_h = ToSeconds(player.lap().period()) / 3600;
+    num_laps = std::max(1, static_cast<int>(std::ceil(hours / period_h - 1e-9)));
+  }
+  std::vector<LapFigures> laps;
+  std::printf("  lap    end[s]  ATE[mm]  cpu[ms]   heap[MB]  map[MB]  resident[MB]  alarms\n");
+  for (int i = 0; i < num_laps; ++i) {
+    laps.push_back(player.PlayNext());
+    const LapFigures& lap = laps.back();
+    if (i % print_every != 0 && i + 1 != num_laps) continue;
+    std::printf("%5d %9.0f %8.2f %8.2f %10.3f %8.3f %13.1f %7d\n",
+                i,
+                lap.end_s,
+                1e3 * lap.ate_m,
+                lap.cpu_ms,
+                lap.heap_mb,
+                lap.map_mb,
+                lap.rss_mb,
+                player.alarms().Total());
+    std::fflush(stdout);
+  }
+  return Judge(laps, player.alarms()) ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace facet
+
+int main(int argc, char** argv) {
+  return facet::RunProgram("laps", facet::Main, argc, argv);
+}
