@@ -4,9 +4,11 @@
   soak.py                      simulates laps through a corridor (once for each duration) and runs them
   soak.py --duration 20        a short one
   soak.py --sequence FOLDER    a recording instead
+  soak.py --hours 2            one closed lap through a room again and again, in one process (build/bench/laps)
 
 Fails if a frame has no pose after the start, the run was reset, the second half of the frames takes much longer than
-the first, memory grows faster than the map is allowed to, or the drift is not that of an odometry.
+the first, memory grows faster than the map is allowed to, or the drift is not that of an odometry. Laps may show no alarm at all,
+memory without the map may grow by 2 MB after the first five minutes, and each lap has to be as accurate as the others.
 """
 
 import argparse
@@ -17,10 +19,16 @@ import subprocess
 import sys
 from pathlib import Path
 
+import debian_python  # noqa: F401 (first: it may start another Python)
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import start_flights  # noqa: E402
+
 ROOT = Path(__file__).resolve().parent.parent
 MAX_SLOWER = 1.5  # medians of the second half of the frames against the first
 MAX_GROWTH_MB = 60  # of the process over the second half, without the map
 MAX_DRIFT = 0.01  # ATE by the length of the path
+LAP = "room-gentle"  # of start_flights.FLIGHTS
 
 
 def run(program, *arguments):
@@ -33,6 +41,13 @@ def simulate(program, runs, duration):
         run(program, "simulate", "--out", folder, "--scene", "corridor", "--trajectory", "walk", "--duration", duration, "--seed", 5,
             "--set", "image.rays_per_pixel=2", "--quiet")
     return folder
+
+
+def play_laps(arguments):
+    """Exit code of build/bench/laps, which prints its figures."""
+    flights = [flight for flight in start_flights.FLIGHTS if flight.name == LAP]
+    [(_, folder)] = start_flights.make_all(arguments.runs / "flights", arguments.program, flights)
+    return subprocess.run([str(arguments.laps), str(folder), "--hours", str(arguments.hours)], check=False).returncode
 
 
 def summary_of(out):
@@ -55,7 +70,11 @@ def main():
     parser.add_argument("--sequence", type=Path)
     parser.add_argument("--program", type=Path, default=ROOT / "build" / "facet")
     parser.add_argument("--runs", type=Path, default=ROOT / "runs", help="folder for the sequence and the results")
+    parser.add_argument("--hours", type=float, help="of laps instead of one flight")
+    parser.add_argument("--laps", type=Path, default=ROOT / "build" / "bench" / "laps", help="the program that plays them")
     arguments = parser.parse_args()
+    if arguments.hours:
+        return play_laps(arguments)
     program = arguments.program
     sequence = arguments.sequence or simulate(program, arguments.runs, arguments.duration)
     out, half = arguments.runs / "soak-run", arguments.runs / "soak-half"
