@@ -52,7 +52,7 @@ def run_from_many_starts(folder, seconds, program):
         alarms += [f"alarm: {text} (--start {at:.2f})" for text in start.warnings]
         if start.init_s is None:
             alarms.append(f"alarm: no pose (--start {at:.2f})")
-        worst_m = max(worst_m, start.off_m or 0)
+        worst_m = max(worst_m, start.off_m)
         total += sequence.length_s - at
         number += 1
     return total, f"{number} runs, at most {1e3 * worst_m:.0f} mm off at their ends", alarms
@@ -62,7 +62,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--hours", type=float, default=2)
     parser.add_argument("--only", default="", metavar="REGEX", help="sequences that match")
-    parser.add_argument("--cache", type=Path, default=ROOT / "runs" / "flights", help="where simulated flights are kept")
+    parser.add_argument("--cache", type=Path, default=ROOT / "runs" / "flights", help="of simulated flights")
     parser.add_argument("--program", default=str(ROOT / "build" / "facet"))
     parser.add_argument("--laps", default=str(ROOT / "build" / "bench" / "laps"))
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -75,10 +75,11 @@ def main():
     opened += [folder for flight, folder in made if not flight.is_closed()]
     open_share = OPEN_SHARE if closed and opened else float(bool(opened))
     seconds = 3600 * arguments.hours
+    closed_s = (1 - open_share) * seconds / max(1, len(closed))
+    open_s = open_share * seconds / max(1, len(opened))
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        jobs = [(f, pool.submit(play_laps, f, (1 - open_share) * seconds / len(closed), arguments.laps)) for f in closed]
-        jobs += [(f, pool.submit(run_from_many_starts, f, open_share * seconds / len(opened), arguments.program))
-                 for f in opened]
+        jobs = [(f, pool.submit(play_laps, f, closed_s, arguments.laps)) for f in closed]
+        jobs += [(f, pool.submit(run_from_many_starts, f, open_s, arguments.program)) for f in opened]
         total, count = 0, 0
         for folder, job in jobs:
             played_s, text, alarms = job.result()

@@ -7,8 +7,9 @@
   soak.py --hours 2            one closed lap through a room again and again, in one process (build/bench/laps)
 
 Fails if a frame has no pose after the start, the run was reset, the second half of the frames takes much longer than
-the first, memory grows faster than the map is allowed to, or the drift is not that of an odometry. Laps may show no alarm at all,
-memory without the map may grow by 2 MB after the first five minutes, and each lap has to be as accurate as the others.
+the first, memory grows faster than the map is allowed to, or the drift is not that of an odometry. Laps may show no alarm at
+all, memory without the map may grow by 2 MB after the first five minutes, and each lap has to be as accurate as the
+others.
 """
 
 import argparse
@@ -71,7 +72,7 @@ def main():
     parser.add_argument("--program", type=Path, default=ROOT / "build" / "facet")
     parser.add_argument("--runs", type=Path, default=ROOT / "runs", help="folder for the sequence and the results")
     parser.add_argument("--hours", type=float, help="of laps instead of one flight")
-    parser.add_argument("--laps", type=Path, default=ROOT / "build" / "bench" / "laps", help="the program that plays them")
+    parser.add_argument("--laps", type=Path, default=ROOT / "build" / "bench" / "laps", help="what plays them")
     arguments = parser.parse_args()
     if arguments.hours:
         return play_laps(arguments)

@@ -57,7 +57,7 @@ class Errors(unittest.TestCase):
         truth = (list(range(0, 6_000_000_000, 50_000_000)), None, None)
         p = np.array([[1e-9 * t, 0, 0] for t in truth[0]])
         truth = (truth[0], p, np.tile([1.0, 0, 0, 0], (len(p), 1)))
-        start = random_starts.Start(Path("x"), 0, "moving")
+        start = random_starts.Start(Path("x"), 0, "moving", init_s=0.3)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "trajectory.tum"
             with open(file, "w", encoding="utf-8") as stream:
