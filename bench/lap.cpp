@@ -13,7 +13,7 @@ namespace {
 
 // Between the end of a lap and its beginning, beyond the motion from one frame to the next.
 constexpr double kMaxJump_m = 0.02;
-constexpr double kMaxJump_rad = 0.1;
+constexpr double kMaxJump_rad = 0.05;
 
 const NavState& StateAt(std::span<const NavState> truth, Timestamp t) {
   const auto after =
@@ -23,10 +23,16 @@ const NavState& StateAt(std::span<const NavState> truth, Timestamp t) {
   return after == truth.end() ? truth.back() : *after;
 }
 
-void RequireClosed(const NavState& first, const NavState& last, Duration step) {
+Vector3d Turn(const NavState& from, const NavState& to) {
+  return LogSO3(from.T_WB.q.conjugate() * to.T_WB.q);
+}
+
+/// The last two frames of a lap and the first one.
+void RequireClosed(const NavState& second_last, const NavState& last, const NavState& first) {
+  const double step_s = ToSeconds(last.t - second_last.t);
   const Vector3d v_W = 0.5 * (first.v_WB + last.v_WB);
-  const double jump_m = (first.T_WB.p - last.T_WB.p - v_W * ToSeconds(step)).norm();
-  const double jump_rad = LogSO3(last.T_WB.q.conjugate() * first.T_WB.q).norm();
+  const double jump_m = (first.T_WB.p - last.T_WB.p - v_W * step_s).norm();
+  const double jump_rad = (Turn(last, first) - Turn(second_last, last)).norm();
   if (jump_m < kMaxJump_m && jump_rad < kMaxJump_rad) return;
   throw InputError("the lap is not closed: its end is " + std::to_string(jump_m) + " m and " +
                    std::to_string(jump_rad) + " rad from its beginning");
@@ -43,7 +49,7 @@ Lap::Lap(std::span<const Timestamp> frames,
   const Duration step = frames[1] - frames[0];
   period_ = frames.back() - frames.front() + step;
   const NavState& first = StateAt(truth, frames.front());
-  RequireClosed(first, StateAt(truth, frames.back()), step);
+  RequireClosed(StateAt(truth, frames[frames.size() - 2]), StateAt(truth, frames.back()), first);
   if (!first.bias.b_g.allFinite() || !first.bias.b_a.allFinite())
     throw InputError("a lap needs the biases of the IMU in its ground truth");
   for (ImuSample sample : imu) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
 #include "facet/io/errors.h"
 
 namespace facet {
@@ -58,6 +59,16 @@ TEST(LapTest, BiasesDoNotJumpWhereTheLapBeginsAgain) {
 
 TEST(LapTest, RefusesAMotionThatDoesNotReturn) {
   EXPECT_THROW(LapOf(Circle(0.7)), InputError);
+}
+
+TEST(LapTest, TakesAFastTurnThatGoesOn) {
+  Recording recording = Circle(1);
+  for (NavState& state : recording.truth)
+    state.T_WB.q = ExpSO3({0, 0, 2 * M_PI * ToSeconds(state.t - Timestamp{})});
+  EXPECT_NO_THROW(LapOf(recording));
+  for (NavState& state : recording.truth)
+    state.T_WB.q = ExpSO3({0, 0, 0.9 * 2 * M_PI * ToSeconds(state.t - Timestamp{})});
+  EXPECT_THROW(LapOf(recording), InputError);
 }
 
 TEST(LapTest, RefusesATruthWithoutBiases) {
