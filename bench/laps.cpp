@@ -200,7 +200,7 @@ bool Judge(const std::vector<LapFigures>& laps, const Alarms& alarms) {
   const double median = ates[ates.size() / 2], growth = GrowthMb(laps);
   alarms.Print();
   std::printf(
-      "%zu laps, %.2f h: ATE per lap %.2f to %.2f mm, median %.2f; memory without the map +%.2f MB "
+      "%zu laps, %.4f h: ATE per lap %.2f to %.2f mm, median %.2f; memory without the map +%.2f MB "
       "after the first %.0f s; %d alarms\n",
       laps.size(),
       laps.back().end_s / 3600,

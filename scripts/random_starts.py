@@ -8,9 +8,9 @@
 Sequences: those of $FACET_DATA_DIR or ../shared/data that have images, and the flights of start_flights.py, which are
 simulated into --cache once. Moments are drawn with a fixed seed, the same number in every sequence. A start is late
 without a pose within 0.5 s of its first image, and wrong if it is off by more than 0.5 m or 10 deg after 5 s or lost by
-then, where position and heading of the first pose are those of the truth; its tilt is not aligned. Kinds of motion are those of the
-first half second: rest (below 0.05 m/s and 0.1 rad/s), turning (above 0.5 rad/s), moving. Alarms are warnings, and
-frames after the first pose whose status is not ok. Exit code 1 if the targets are missed.
+then, where position and heading of the first pose are those of the truth; its tilt is not aligned. Kinds of motion are
+those of the first half second: rest (below 0.05 m/s and 0.1 rad/s), turning (above 0.5 rad/s), moving. Alarms are
+warnings, and frames after the first pose whose status is not ok. Exit code 1 if the targets are missed.
 """
 
 import argparse
