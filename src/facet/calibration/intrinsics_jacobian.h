@@ -14,6 +14,10 @@ struct ProjectionDerivatives {
   Matrix<2, kNumIntrinsics> J_px_k;  ///< by fx fy cx cy and the coefficients of distortion
 };
 
+/// d pixel / d intrinsic parameters where the point `xy` of the plane z = 1 is seen. Columns of
+/// coefficients that the model does not have are zero.
+Matrix<2, kNumIntrinsics> IntrinsicsJacobian(const CameraModel& camera, const Vector2d& xy);
+
 /// As CameraModel::Project. Columns of coefficients that the model does not have are zero.
 std::optional<ProjectionDerivatives> ProjectWithDerivatives(const CameraModel& camera,
                                                             const Vector3d& p_C);

@@ -237,6 +237,43 @@ struct StartOptions {
   }
 };
 
+/// What is estimated of the calibration, and how well it is known before.
+struct CalibrationOptions {
+  bool lens = false;   ///< intrinsics of both cameras and the transform between them
+  bool mount = false;  ///< the cameras on the IMU
+  bool time = false;   ///< clock of the cameras against the IMU's
+  /// White noise of the corners with which lenses and stereo pair were calibrated; scales all their
+  /// errors together.
+  double board_noise_px = 0.2;
+  double mount_rotation_deg = 0.1;     ///< 1-sigma of the length
+  double mount_translation_m = 0.003;  ///< 1-sigma of the length
+  double time_s = 0.001;               ///< 1-sigma
+
+  bool IsHeld() const { return !lens && !mount && !time; }
+
+  template <class Visitor>
+  void Visit(Visitor& v) {
+    v.Field("lens", lens, Range{}, "estimate lenses and stereo pair", Audience::kUsers);
+    v.Field("mount", mount, Range{}, "estimate where the cameras are on the IMU", Audience::kUsers);
+    v.Field(
+        "time", time, Range{}, "estimate the cameras' clock against the IMU's", Audience::kUsers);
+    v.Field("board_noise_px",
+            board_noise_px,
+            Range{1e-3, 20},
+            "how well lenses and stereo pair were calibrated: noise of the board's corners [px]",
+            Audience::kUsers);
+    v.Field("mount_rotation_deg",
+            mount_rotation_deg,
+            Range{1e-4, 10},
+            "error of the cameras' direction on the IMU, 1-sigma [deg]");
+    v.Field("mount_translation_m",
+            mount_translation_m,
+            Range{1e-6, 1},
+            "error of the cameras' place on the IMU, 1-sigma [m]");
+    v.Field("time_s", time_s, Range{1e-7, 0.1}, "error of the cameras' clock, 1-sigma [s]");
+  }
+};
+
 struct EstimatorOptions {
   ImuOptions imu;
   WindowOptions window;
@@ -244,6 +281,7 @@ struct EstimatorOptions {
   StartOptions start;
   PlaneOptions planes;
   ProjectionOptions projection;
+  CalibrationOptions calibration;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -253,6 +291,7 @@ struct EstimatorOptions {
     v.Group("start", start);
     v.Group("planes", planes);
     v.Group("projection", projection);
+    v.Group("calibration", calibration);
   }
 };
 

@@ -7,6 +7,7 @@
 #include "facet/estimator/factors/imu_factor.h"
 #include "facet/estimator/planes/plane_membership.h"
 #include "facet/estimator/solver/marginalization.h"
+#include "facet/estimator/start/start_calibration.h"
 #include "facet/estimator/window/landmark_depth.h"
 #include "facet/estimator/window/window_policy.h"
 #include "facet/estimator/window/window_snapshot.h"
@@ -56,7 +57,9 @@ VioEstimator::VioEstimator(const StereoRig& rig,
       start_(rig, options),
       optimizer_(rig, options),
       planes_(options),
-      updater_(rig, options.solver, BiasWalk(noise, options.imu)) {}
+      updater_(rig, options.solver, BiasWalk(noise, options.imu)) {
+  window_.calibration = StartCalibration(rig, options.calibration);
+}
 
 EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
                                        const ImuInterval& imu,
@@ -73,6 +76,7 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
   }
   EstimatorResult result = Estimate(observations, times);
   if (result.has_state) {
+    MoveToImage(result);
     result.segment = segments_.id();
     result.covariance = segments_.InWorld(result.covariance, result.state);
   }
@@ -104,6 +108,7 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
     } else {
       imu_.Begin(observations.t);
     }
+    if (!imu.samples.empty()) frame.w_B = imu.samples.back().gyro;
     VioStart::AppendFirstFrame(std::move(frame), imu, options_.start, window_);
     return;
   }
@@ -118,8 +123,18 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
     return;
   }
   frame.x = frame.lin = predicted.x;
+  frame.w_B = RateAtEnd(predicted.link, predicted.x.bias);
   frame.imu_link = std::move(predicted.link);
   window_.frames.push_back(std::move(frame));
+}
+
+void VioEstimator::MoveToImage(EstimatorResult& result) const {
+  if (!window_.calibration) return;
+  const NavState& x = intermediate_ ? intermediate_->x : window_.frames.back().x;
+  const Vector3d w_B =
+      intermediate_ ? RateAtEnd(intermediate_->link, x.bias) : window_.frames.back().w_B;
+  const BodyRates rates{w_B, x.T_WB.q.conjugate() * x.v_WB};
+  result.state.T_WB = window_.calibration->AtImage(result.state.T_WB, rates);
 }
 
 std::vector<PreparedObservation> VioEstimator::Prepare(
@@ -252,7 +267,9 @@ void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
   // The newest one is what was lost.
   for (int i = 0; i < window_.newest_frame(); ++i)
     Report(window_.frames[i], finished);
+  std::optional<WindowCalibration> calibration = std::move(window_.calibration);
   window_ = SlidingWindow(rig_.T_BC[0]);
+  if (calibration) window_.calibration = StartCalibration(rig_, options_.calibration);
   intermediate_.reset();
   newest_covariance_.setZero();
   start_ = VioStart(rig_, options_);

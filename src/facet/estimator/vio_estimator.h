@@ -50,6 +50,8 @@ class VioEstimator {
  private:
   bool IsAfterNewest(Timestamp t) const;
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
+  /// From the nominal stamp, for which it is estimated, to when the image was taken.
+  void MoveToImage(EstimatorResult& result) const;
   std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
 
   std::vector<PreparedObservation> Believable(std::vector<PreparedObservation> observations,

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "facet/calibration/rig_parameters.h"
 #include "facet/estimator/window/window_plane.h"
 
 namespace facet {
@@ -32,24 +33,44 @@ struct LandmarkBlock {
     double residual = 0;
     Vector3d z;  ///< L^-1 J_landmark, filled by Eliminate
   };
+  /// Products with the 22 columns of lenses and stereo pair; only if the calibration is a variable.
+  struct LensColumns {
+    Matrix<kNumRigParameters, 3> W;  ///< calibration-landmark
+    Matrix<kNumRigParameters, 3> Y;  ///< W L^-T, filled by Eliminate
+  };
   int index = -1;  ///< of the landmark in the window
   std::vector<View> views;
   int num_views = 0;
   std::array<PlaneView, PlaneLinks::kMax> plane_views;
   int num_plane_views = 0;
-  Matrix3d V;  ///< landmark-landmark
-  Vector3d b;  ///< gradient
-  Matrix3d L;  ///< Cholesky factor of the damped V, filled by Eliminate
-  Vector3d y;  ///< L^-1 b, filled by Eliminate
+  std::vector<LensColumns> lens;  ///< one or none
+  Matrix3d V;                     ///< landmark-landmark
+  Vector3d b;                     ///< gradient
+  Matrix3d L;                     ///< Cholesky factor of the damped V, filled by Eliminate
+  Vector3d y;                     ///< L^-1 b, filled by Eliminate
   double cost = 0;
 
   /// Empty, with room for so many views. Keeps the storage.
   void Clear(std::size_t max_views) {
     if (views.size() < max_views) views.resize(max_views);
     num_views = num_plane_views = 0;
+    lens.clear();
     V.setZero();
     b.setZero();
     cost = 0;
+  }
+};
+
+/// What all landmarks say of lenses and stereo pair, before their elimination.
+struct LensSums {
+  Matrix<kNumRigParameters, kNumRigParameters> H;   ///< lower triangle
+  Vector<kNumRigParameters> b;                      ///< gradient
+  std::vector<Matrix<6, kNumRigParameters>> poses;  ///< pose-calibration, by frame
+
+  void Clear(std::size_t num_frames) {
+    H.setZero();
+    b.setZero();
+    poses.assign(num_frames, Matrix<6, kNumRigParameters>::Zero());
   }
 };
 

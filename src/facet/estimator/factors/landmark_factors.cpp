@@ -10,11 +10,13 @@ void LinearizeLandmark(const FrameGeometry& geometry,
                        const std::vector<WindowPlane>& planes,
                        const WindowLandmark& landmark,
                        const FactorNoise& noise,
-                       LandmarkBlock& block) {
+                       LandmarkBlock& block,
+                       LensSums* lens) {
   const LinearizedPoint point(landmark, geometry);
   block.Clear(landmark.observations.size());
+  if (lens != nullptr) block.lens.resize(1, {Matrix<kNumRigParameters, 3>::Zero(), {}});
   for (const WindowObservation& observation : landmark.observations)
-    ReprojectionFactor(geometry, landmark, observation, noise).AddTo(point, block);
+    ReprojectionFactor(geometry, landmark, observation, noise).AddTo(point, block, lens);
   if (!landmark.IsOnPlanes()) return;
   for (int k = 0; k < landmark.planes.count(); ++k)
     PointOnPlaneFactor(planes, landmark.planes, k, noise).AddTo(point, block);

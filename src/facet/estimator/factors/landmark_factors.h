@@ -18,7 +18,8 @@ void LinearizeLandmark(const FrameGeometry& geometry,
                        const std::vector<WindowPlane>& planes,
                        const WindowLandmark& landmark,
                        const FactorNoise& noise,
-                       LandmarkBlock& block);
+                       LandmarkBlock& block,
+                       LensSums* lens = nullptr);
 
 /// Robust cost of the same rows.
 double LandmarkCost(const FrameGeometry& geometry,

@@ -13,6 +13,9 @@ VectorXd PriorDelta(const SlidingWindow& window) {
       case Variable::Kind::kPlane:
         delta.segment<3>(block.offset) = window.planes[variable.index].delta;
         break;
+      case Variable::Kind::kCalibration:
+        delta.segment<kNumCalibration>(block.offset) = window.calibration->delta();
+        break;
       case Variable::Kind::kPose:
         delta.segment<6>(block.offset) = window.frames[variable.index].delta.head<6>();
         break;

@@ -38,11 +38,13 @@ struct CameraView {
 };
 
 // Equation (3.3).
-std::optional<Vector2d> WhitenedError(const HostedPoint& point, const CameraView& view) {
+std::optional<Vector2d> WhitenedError(const HostedPoint& point,
+                                      const FrameGeometry& geometry,
+                                      const CameraView& view) {
   const Vector3d h = view.PointInCamera(point);
   if (h.z() < kMinUnitDepth) return std::nullopt;
   return Vector2d(view.observation.sqrt_info[view.camera] *
-                  (h.head<2>() / h.z() - view.observation.xy[view.camera]));
+                  (h.head<2>() / h.z() - geometry.MeasuredXy(view.observation, view.camera)));
 }
 
 // One camera's two rows, whitened and weighted: equation (3.4). `h`: the point in the camera.
@@ -90,10 +92,63 @@ void AddView(const WindowObservation& obs, const VisionRow* rows, LandmarkBlock&
   block.b += V.row(3).transpose();
 }
 
+// The columns of lenses and stereo pair of four rows, two of each camera.
+using LensRows = Matrix<4, kNumRigParameters>;
+
+// Equations (10.2) and (10.3): those of one camera. `weight`: what its rows were multiplied with
+// besides 1 / sigma.
+void MakeLensRows(const LinearizedPoint& point,
+                  const FrameGeometry& geometry,
+                  const CameraView& view,
+                  const Vector3d& h,
+                  double weight,
+                  LensRows& K) {
+  const int c = view.camera;
+  K.block<2, kNumIntrinsics>(2 * c, c * kNumIntrinsics) =
+      weight / view.observation.sigma_px[c] * geometry.IntrinsicsJacobianAt(view.observation, c);
+  if (c == 0) return;
+  const Matrix2d S = weight / h.z() * view.observation.sqrt_info[c];
+  const Vector2d S_xy = S * (h.head<2>() / h.z());
+  const Vector3d y_C0 = view.pose.R_CW[0] * point.frozen.SeenFrom(view.pose.p_WC[0]);
+  const Matrix3d R_C0C1 = view.pose.R_CW[0] * view.pose.R_CW[1].transpose();
+  for (int k = 0; k < 2; ++k) {
+    const Vector3d s(S(k, 0), S(k, 1), -S_xy(k));  // d error / d h
+    K.block<1, 3>(2 + k, kStereoRotation) = y_C0.cross(R_C0C1 * s).transpose();
+    K.block<1, 3>(2 + k, kStereoTranslation) = point.frozen.rho * s.transpose();
+  }
+}
+
+// A left row has columns of the left lens, a right row those of the right lens and the stereo pair.
+void AddLens(
+    const VisionRow* rows, const LensRows& K, int frame, LandmarkBlock& block, LensSums& sums) {
+  constexpr int kLeft = kNumIntrinsics, kRight = kNumRigParameters - kLeft;
+  Matrix<4, 6> J_pose;
+  Matrix<4, 3> J_landmark;
+  Vector<4> r;
+  for (int k = 0; k < 4; ++k) {
+    J_pose.row(k) = Eigen::Map<const Eigen::RowVector<double, 6>>(rows[k].pose);
+    J_landmark.row(k) = Eigen::Map<const Eigen::RowVector3d>(rows[k].landmark);
+    r(k) = rows[k].residual;
+  }
+  const Matrix<2, kLeft> left = K.topLeftCorner<2, kLeft>();
+  const Matrix<2, kRight> right = K.bottomRightCorner<2, kRight>();
+  sums.H.topLeftCorner<kLeft, kLeft>().noalias() += left.transpose() * left;
+  sums.H.bottomRightCorner<kRight, kRight>().noalias() += right.transpose() * right;
+  sums.b.head<kLeft>().noalias() += left.transpose() * r.head<2>();
+  sums.b.tail<kRight>().noalias() += right.transpose() * r.tail<2>();
+  Matrix<6, kNumRigParameters>& pose = sums.poses[static_cast<std::size_t>(frame)];
+  pose.leftCols<kLeft>().noalias() += J_pose.topRows<2>().transpose() * left;
+  pose.rightCols<kRight>().noalias() += J_pose.bottomRows<2>().transpose() * right;
+  Matrix<kNumRigParameters, 3>& W = block.lens.front().W;
+  W.topRows<kLeft>().noalias() += left.transpose() * J_landmark.topRows<2>();
+  W.bottomRows<kRight>().noalias() += right.transpose() * J_landmark.bottomRows<2>();
+}
+
 }  // namespace
 
 std::optional<Vector2d> ReprojectionFactor::Error(const HostedPoint& point, int camera) const {
-  return WhitenedError(point, {geometry_.current(observation_.frame), observation_, camera});
+  return WhitenedError(
+      point, geometry_, {geometry_.current(observation_.frame), observation_, camera});
 }
 
 double ReprojectionFactor::NoiseScale(int camera) const {
@@ -106,8 +161,11 @@ double ReprojectionFactor::Cost(const HostedPoint& point, int camera) const {
   return ReprojectionLoss(landmark_, s, noise_).cost;
 }
 
-void ReprojectionFactor::AddTo(const LinearizedPoint& point, LandmarkBlock& block) const {
+void ReprojectionFactor::AddTo(const LinearizedPoint& point,
+                               LandmarkBlock& block,
+                               LensSums* lens) const {
   VisionRow rows[4] = {};  // two of each camera
+  LensRows K = LensRows::Zero();
   for (int c = 0; c < (observation_.has_right ? 2 : 1); ++c) {
     const std::optional<Vector2d> error = Error(point.current, c);
     const double scale = NoiseScale(c);
@@ -118,8 +176,10 @@ void ReprojectionFactor::AddTo(const LinearizedPoint& point, LandmarkBlock& bloc
     const Vector3d h = view.PointInCamera(point.frozen);
     if (!error || h.z() < kMinUnitDepth) continue;
     MakeRows(point, view, h, scale * loss.root_weight, *error, rows + 2 * c);
+    if (lens != nullptr) MakeLensRows(point, geometry_, view, h, scale * loss.root_weight, K);
   }
   AddView(observation_, rows, block);
+  if (lens != nullptr) AddLens(rows, K, observation_.frame, block, *lens);
 }
 
 std::optional<Vector2d> ReprojectionError(const FrameGeometry& geometry,
@@ -127,6 +187,7 @@ std::optional<Vector2d> ReprojectionError(const FrameGeometry& geometry,
                                           const WindowObservation& observation,
                                           int camera) {
   return WhitenedError(HostedPoint(landmark, geometry.current(landmark.host)),
+                       geometry,
                        {geometry.current(observation.frame), observation, camera});
 }
 

@@ -36,8 +36,9 @@ class ReprojectionFactor {
   /// Robust cost of one camera.
   double Cost(const HostedPoint& point, int camera) const;
 
-  /// Adds the rows of both cameras to the block, as one more view.
-  void AddTo(const LinearizedPoint& point, LandmarkBlock& block) const;
+  /// Adds the rows of both cameras to the block, as one more view; and their columns of lenses and
+  /// stereo pair to `lens`, unless it is null.
+  void AddTo(const LinearizedPoint& point, LandmarkBlock& block, LensSums* lens = nullptr) const;
 
  private:
   const FrameGeometry& geometry_;

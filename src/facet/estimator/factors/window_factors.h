@@ -3,6 +3,7 @@
 // marginalisation go through this list; nobody else names a factor.
 #pragma once
 
+#include "facet/estimator/factors/calibration_prior_factor.h"
 #include "facet/estimator/factors/factor_noise.h"
 #include "facet/estimator/factors/imu_factor.h"
 #include "facet/estimator/factors/plane_measurement_factor.h"
@@ -18,6 +19,8 @@ void VisitAllButPlaneMeasurements(const SlidingWindow& window,
                                   Visitor&& visit) {
   if (window.prior.dim() > 0) visit(PriorFactor(window));
   if (window.start_prior) visit(StartPriorFactor(window));
+  if (window.calibration && window.calibration->start_information)
+    visit(CalibrationPriorFactor(*window.calibration));
   for (int j = 1; j <= window.newest_frame(); ++j) {
     if (window.frames[j].imu_link) visit(ImuFactor(window, j));
   }

@@ -37,7 +37,7 @@ std::uint64_t KeyOf(const Vector3d& at_W, const Vector3d& n, double distance_m) 
 
 std::uint64_t SpotOf(const SlidingWindow& window, const WindowLandmark& landmark, int plane) {
   const WindowPlane& on = window.planes[plane];
-  const Vector3d camera_W = window.frames[landmark.host].x.T_WB * window.T_BC0.p;
+  const Vector3d camera_W = window.LeftCameraAt(landmark.host).p;
   const Vector3d p_W = window.PositionOf(landmark);
   // How much farther along the ray the plane is; a ray that hardly meets it does not count.
   const double farther = -on.SignedDistance(p_W) / on.n.dot(p_W - camera_W);

@@ -76,7 +76,7 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
   reference_information_ = Information(covariance);
   reference_motion_covariance_ = MotionCovariance(covariance, reference_.T_WB.R());
 
-  geometry_.Update(window.frames);
+  geometry_.Update(window);
   landmarks_.clear();
   LandmarkBlock block;
   for (const WindowLandmark& landmark : window.landmarks()) {
@@ -108,26 +108,27 @@ std::vector<FrameUpdater::Match> FrameUpdater::FindMatches(
   return matches;
 }
 
-double FrameUpdater::MedianError(const std::vector<Match>& matches,
-                                 const NavState& reference,
-                                 const NavState& frame) {
-  const SE3 T_HB = reference_.T_WB * (reference.T_WB.Inverse() * frame.T_WB);
-  const Matrix3d R_CW = geometry_.R_CB[0] * T_HB.R().transpose();
-  const Vector3d p_WC = T_HB * geometry_.p_BC[0];
+double FrameUpdater::MedianError(const std::vector<Match>& matches, const View& view) {
+  const Matrix3d R_CW = geometry_.R_CB[0] * view.T_HB.R().transpose();
+  const Vector3d p_WC = view.T_HB * geometry_.p_BC[0];
   errors_.clear();
   for (const auto& [landmark, observation] : matches) {
     const Vector3d h = R_CW * (landmark->d_W + landmark->rho * (landmark->p_WH - p_WC));
     if (h.z() < kMinUnitDepth || landmark->is_projection) continue;
     errors_.push_back(
-        (observation->sqrt_info[0] * (h.head<2>() / h.z() - observation->xy[0])).norm());
+        (observation->sqrt_info[0] * (h.head<2>() / h.z() - geometry_.MeasuredXy(*observation, 0)))
+            .norm());
   }
   return Median(errors_).value_or(0.0);
 }
 
 // The landmarks are held to the reference: they see the frame from where it was first estimated.
-FrameUpdater::View FrameUpdater::ViewOf(const NavState& reference, const NavState& frame) const {
+FrameUpdater::View FrameUpdater::ViewOf(const NavState& reference,
+                                        const NavState& frame,
+                                        const Vector3d& w_B) const {
+  const SE3 T_WB = geometry_.AtImage(frame.T_WB, {w_B, frame.T_WB.q.conjugate() * frame.v_WB});
   View view;
-  view.T_HB = reference_.T_WB * (reference.T_WB.Inverse() * frame.T_WB);
+  view.T_HB = reference_.T_WB * (reference.T_WB.Inverse() * T_WB);
   view.R_BH = view.T_HB.R().transpose();
   view.R_BW = frame.T_WB.R().transpose();
   return view;
@@ -144,7 +145,7 @@ bool FrameUpdater::Linearize(
   Matrix<2, 3> J_h;
   J_h << 1, 0, -h.x() / h.z(), 0, 1, -h.y() / h.z();
   const Matrix<2, 3> A = (1.0 / h.z()) * (sqrt_info * J_h) * geometry_.R_CB[camera];
-  rows.r = sqrt_info * (h.head<2>() / h.z() - observation->xy[camera]);
+  rows.r = sqrt_info * (h.head<2>() / h.z() - geometry_.MeasuredXy(*observation, camera));
   rows.J_landmark.leftCols<2>() = A * (view.R_BH * landmark->B_W);
   rows.J_landmark.col(2) = A * (baseline_B - geometry_.p_BC[camera]);
   rows.J_pose.leftCols<3>() = A * Hat(l_B);
@@ -155,9 +156,9 @@ bool FrameUpdater::Linearize(
 void FrameUpdater::AddVision(const std::vector<Match>& matches,
                              const NavState& reference,
                              const NavState& frame,
+                             const View& view,
                              const FactorNoise& noise,
                              System& system) const {
-  const View view = ViewOf(reference, frame);
   PoseSystem pose;
   Rows rows;
   for (const Match& match : matches) {
@@ -179,7 +180,7 @@ InnovationTest FrameUpdater::TestInnovations(const std::vector<PreparedObservati
   test.contradicts.assign(observations.size(), 0);
   const Matrix<6, 6> P = Reckon({reference_, reference_motion_covariance_}, imu.measured, walk_)
                              .covariance.topLeftCorner<6, 6>();
-  const View view = ViewOf(reference_, predicted);
+  const View view = ViewOf(reference_, predicted, RateAtEnd(imu, predicted.bias));
   Rows rows;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const auto it = landmarks_.find(observations[i].landmark);
@@ -257,9 +258,10 @@ FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& o
     AddImu(imu, reference, x, system);
     // After a poor prediction everything would look like an outlier.
     FactorNoise now = noise;
-    now.reprojection_width = std::max(noise.reprojection_width,
-                                      options_.loss_width * MedianError(matches, reference, x));
-    AddVision(matches, reference, x, now, system);
+    const View view = ViewOf(reference, x, RateAtEnd(imu, x.bias));
+    now.reprojection_width =
+        std::max(noise.reprojection_width, options_.loss_width * MedianError(matches, view));
+    AddVision(matches, reference, x, view, now, system);
     factor.compute(H);
     if (factor.info() != Eigen::Success) return result;
     const Vector<30> step = -factor.solve(b);

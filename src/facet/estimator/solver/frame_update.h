@@ -92,17 +92,16 @@ class FrameUpdater {
     Vector<30> b;
   };
 
-  View ViewOf(const NavState& reference, const NavState& frame) const;
+  View ViewOf(const NavState& reference, const NavState& frame, const Vector3d& w_B) const;
   /// False if the point is behind the camera.
   bool Linearize(const Match& match, int camera, const View& view, double scale, Rows& rows) const;
   std::vector<Match> FindMatches(const std::vector<PreparedObservation>& observations) const;
   /// Median of the norms of the whitened left errors.
-  double MedianError(const std::vector<Match>& matches,
-                     const NavState& reference,
-                     const NavState& frame);
+  double MedianError(const std::vector<Match>& matches, const View& view);
   void AddVision(const std::vector<Match>& matches,
                  const NavState& reference,
                  const NavState& frame,
+                 const View& view,
                  const FactorNoise& noise,
                  System& system) const;
   void AddRows(const Rows& rows,

@@ -39,10 +39,11 @@ Matrix3d Factorize(const Matrix3d& V) {
 }
 
 // Y L^T = W, column by column.
+template <int kRows>
 void SolveFromRight(const Matrix3d& L,
                     const Vector3d& inverse_diagonal,
-                    const Matrix<6, 3>& W,
-                    Matrix<6, 3>& Y) {
+                    const Matrix<kRows, 3>& W,
+                    Matrix<kRows, 3>& Y) {
   Y.col(0) = inverse_diagonal(0) * W.col(0);
   Y.col(1) = inverse_diagonal(1) * (W.col(1) - L(1, 0) * Y.col(0));
   Y.col(2) = inverse_diagonal(2) * (W.col(2) - L(2, 0) * Y.col(0) - L(2, 1) * Y.col(1));
@@ -66,6 +67,25 @@ void SubtractPlane(const LandmarkBlock& block,
     if (row < column) continue;
     H.block<3, 3>(row, column).noalias() -=
         (other.z.dot(plane.z) * other.J_plane) * plane.J_plane.transpose();
+  }
+}
+
+void SubtractLens(const LandmarkBlock& block,
+                  const LandmarkBlock::LensColumns& lens,
+                  const StateLayout& layout,
+                  MatrixXd& H,
+                  VectorXd& b) {
+  const int column = layout.calibration_column;
+  b.segment<kNumRigParameters>(column).noalias() -= lens.Y * block.y;
+  H.block<kNumRigParameters, kNumRigParameters>(column, column).noalias() -=
+      lens.Y * lens.Y.transpose();
+  for (const LandmarkBlock::View& view : ViewsOf(block)) {
+    H.block<6, kNumRigParameters>(layout.pose_column[view.frame], column).noalias() -=
+        view.Y * lens.Y.transpose();
+  }
+  for (const LandmarkBlock::PlaneView& plane : PlaneViewsOf(block)) {
+    H.block<kNumRigParameters, 3>(column, layout.plane_column[plane.plane]).noalias() -=
+        (lens.Y * plane.z) * plane.J_plane.transpose();
   }
 }
 
@@ -93,6 +113,8 @@ void Eliminate(double lambda, LandmarkBlock& block) {
   const Vector3d inv = L.diagonal().cwiseInverse();
   for (int v = 0; v < block.num_views; ++v)
     SolveFromRight(L, inv, block.views[v].W, block.views[v].Y);
+  for (LandmarkBlock::LensColumns& lens : block.lens)
+    SolveFromRight(L, inv, lens.W, lens.Y);
   for (int k = 0; k < block.num_plane_views; ++k) {
     LandmarkBlock::PlaneView& view = block.plane_views[static_cast<std::size_t>(k)];
     view.z = L.triangularView<Eigen::Lower>().solve(view.J_landmark);
@@ -117,6 +139,8 @@ void SubtractSchur(const LandmarkBlock& block,
   }
   for (const LandmarkBlock::PlaneView& plane : PlaneViewsOf(block))
     SubtractPlane(block, plane, layout, H, b);
+  for (const LandmarkBlock::LensColumns& lens : block.lens)
+    SubtractLens(block, lens, layout, H, b);
 }
 
 Vector3d BackSubstitute(const LandmarkBlock& block,
@@ -125,6 +149,8 @@ Vector3d BackSubstitute(const LandmarkBlock& block,
   Vector3d rhs = block.y;
   for (const LandmarkBlock::View& view : ViewsOf(block))
     rhs += view.Y.transpose() * step.segment<6>(layout.pose_column[view.frame]);
+  for (const LandmarkBlock::LensColumns& lens : block.lens)
+    rhs += lens.Y.transpose() * step.segment<kNumRigParameters>(layout.calibration_column);
   for (const LandmarkBlock::PlaneView& view : PlaneViewsOf(block))
     rhs += view.z * view.J_plane.dot(step.segment<3>(layout.plane_column[view.plane]));
   return -block.L.transpose().triangularView<Eigen::Upper>().solve(rhs);

@@ -49,7 +49,17 @@ void AddLandmarks(const SlidingWindow& window,
                   const FrameGeometry& geometry,
                   const FactorNoise& noise,
                   LinearizedWindow& linear) {
-  NormalEquations& equations = linear.equations;
+  const StateLayout& layout = linear.layout();
+  const bool is_apart = window.calibration.has_value();
+  MatrixXd& H = is_apart ? linear.vision_H : linear.equations.H;
+  VectorXd& b = is_apart ? linear.vision_b : linear.equations.b;
+  if (is_apart) {
+    H.setZero(layout.dim, layout.dim);
+    b.setZero(layout.dim);
+    linear.lens_sums.Clear(window.frames.size());
+    linear.mounts = MountJacobiansOf(window, geometry);
+  }
+  LensSums* const lens = is_apart ? &linear.lens_sums : nullptr;
   const auto& landmarks = window.landmarks();
   linear.num_landmarks = 0;
   if (linear.landmarks.size() < landmarks.size()) linear.landmarks.resize(landmarks.size());
@@ -57,10 +67,11 @@ void AddLandmarks(const SlidingWindow& window,
     if (!IsConstraining(landmarks[l])) continue;
     LandmarkBlock& block = linear.landmarks[linear.num_landmarks++];
     block.index = static_cast<int>(l);
-    LinearizeLandmark(geometry, window.planes, landmarks[l], noise, block);
+    LinearizeLandmark(geometry, window.planes, landmarks[l], noise, block, lens);
     linear.cost += block.cost;
-    AddDiagonal(block, equations.layout, equations.H, equations.b);
+    AddDiagonal(block, layout, H, b);
   }
+  if (is_apart) AddLensSums(linear.lens_sums, layout, H, b);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "facet/estimator/factors/landmark_factors.h"
 #include "facet/estimator/factors/normal_equations.h"
+#include "facet/estimator/solver/vision_system.h"
 #include "facet/estimator/window/frame_geometry.h"
 
 namespace facet {
@@ -19,6 +20,13 @@ struct LinearizedWindow {
   /// The constraining landmarks, in the order of the window: the first num_landmarks.
   std::vector<LandmarkBlock> landmarks;
   int num_landmarks = 0;
+  /// What the landmarks add to frames, planes, lenses and stereo pair before their elimination
+  /// (lower triangle), and the frames' mount Jacobians: only if the calibration is a variable.
+  /// Otherwise it is part of `equations`.
+  MatrixXd vision_H;
+  VectorXd vision_b;
+  MountJacobians mounts;
+  LensSums lens_sums;
   /// For each frame with a motion: what the factors on that motion touch.
   std::vector<VariableSet> coupled_with_motion;
   /// Information of the measurements on each plane, poses given: two tangent directions, offset.

@@ -8,6 +8,7 @@
 #include "facet/estimator/factors/landmark_factors.h"
 #include "facet/estimator/factors/window_factors.h"
 #include "facet/estimator/solver/landmark_elimination.h"
+#include "facet/estimator/solver/vision_system.h"
 
 namespace facet {
 
@@ -38,20 +39,31 @@ void UseLandmarks(const MarginalizationPlan& plan,
   NormalEquations& equations = used.equations;
   const StateLayout& layout = equations.layout;
   FrameGeometry geometry(rig);
-  geometry.Update(window.frames);
+  geometry.Update(window);
   MatrixXd lower = MatrixXd::Zero(layout.dim, layout.dim);
   LandmarkBlock block;
+  LensSums sums;
+  LensSums* const lens = window.calibration ? &sums : nullptr;
+  VectorXd of_landmarks = VectorXd::Zero(lens != nullptr ? layout.dim : 0);
+  VectorXd& b = lens != nullptr ? of_landmarks : equations.b;
+  if (lens != nullptr) sums.Clear(window.frames.size());
   for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
     const WindowLandmark& landmark = window.landmarks()[l];
     if (!plan.drop_landmark[l] || !IsConstraining(landmark)) continue;
-    LinearizeLandmark(geometry, window.planes, landmark, noise, block);
+    LinearizeLandmark(geometry, window.planes, landmark, noise, block, lens);
     Eliminate(0.0, block);
-    AddDiagonal(block, layout, lower, equations.b);
+    AddDiagonal(block, layout, lower, b);
     for (int v = 0; v < block.num_views; ++v)
       used.touched.Insert(Variable::Pose(block.views[v].frame));
     for (int k = 0; k < block.num_plane_views; ++k)
       used.touched.Insert(Variable::Plane(block.plane_views[static_cast<std::size_t>(k)].plane));
-    SubtractSchur(block, layout, lower, equations.b);
+    SubtractSchur(block, layout, lower, b);
+  }
+  if (lens != nullptr) {
+    used.touched.Insert(Variable::Calibration());
+    AddLensSums(sums, layout, lower, b);
+    FillMountColumns(MountJacobiansOf(window, geometry), layout, lower, b);
+    equations.b += b;
   }
   equations.H += lower.selfadjointView<Eigen::Lower>();
 }
@@ -67,6 +79,8 @@ MarginalPrior::Block BlockOf(Variable variable, int offset, const SlidingWindow&
   switch (variable.kind) {
     case Variable::Kind::kPlane:
       return MarginalPrior::Block::OfPlane(window.planes[variable.index].id, offset);
+    case Variable::Kind::kCalibration:
+      return MarginalPrior::Block::OfCalibration(offset);
     case Variable::Kind::kPose:
       return MarginalPrior::Block::OfPose(window.frames[variable.index].id, offset);
     case Variable::Kind::kMotion:
@@ -91,6 +105,7 @@ Partition MakePartition(const MarginalizationPlan& plan,
   };
   for (int k = 0; k < static_cast<int>(window.planes.size()); ++k)
     place(Variable::Plane(k));
+  if (window.calibration) place(Variable::Calibration());
   for (int i = 0; i <= window.newest_frame(); ++i) {
     place(Variable::Pose(i));
     place(Variable::Motion(i));
@@ -136,6 +151,8 @@ void FreezePriorVariables(SlidingWindow& window) {
       case Variable::Kind::kPlane:
         window.planes[index].Freeze();
         break;
+      case Variable::Kind::kCalibration:
+        break;  // it is always linearised at the nominal one
       case Variable::Kind::kPose:
         window.frames[index].FreezePose();
         break;
@@ -149,6 +166,7 @@ void FreezePriorVariables(SlidingWindow& window) {
 // With the variables go the factors that were used up.
 void RemoveLeaving(const MarginalizationPlan& plan, SlidingWindow& window) {
   window.start_prior.reset();
+  if (window.calibration) window.calibration->start_information.reset();
   window.RemoveLandmarks(plan.drop_landmark);
   for (int k = static_cast<int>(window.planes.size()) - 1; k >= 0; --k) {
     if (plan.drop_plane[k]) window.RemovePlane(k);

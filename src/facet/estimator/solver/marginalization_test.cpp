@@ -67,6 +67,8 @@ std::vector<int> CommonColumns(const SlidingWindow& window, const SlidingWindow&
     for (int c = 0; c < 3; ++c)
       columns[new_layout.plane_column[k] + c] = layout.plane_column[old] + c;
   }
+  for (int k = 0; after.calibration && k < kNumCalibration; ++k)
+    columns[new_layout.calibration_column + k] = layout.calibration_column + k;
   for (std::size_t i = 0; i < after.frames.size(); ++i) {
     const int old = window.IndexOf(after.frames[i].id);
     for (int k = 0; k < 6; ++k)
@@ -230,6 +232,24 @@ TEST(MarginalizationTest, WithPlanesEqualsBatchAtEveryLink) {
     EXPECT_TRUE(std::any_of(test.window.planes.begin(),
                             test.window.planes.end(),
                             [](const WindowPlane& plane) { return plane.frozen; }));
+  }
+}
+
+TEST(MarginalizationTest, WithCalibrationAndPlanesEqualsBatchAtEveryLink) {
+  for (std::uint64_t seed = 71; seed <= 76; ++seed) {
+    TestWindow test = MakeWindow(seed);
+    AddPlanes(test, 2, seed);
+    Rng rng(seed);
+    testing::AddCalibration(test, rng);
+    for (int link = 0; link < 3; ++link) {
+      MarginalizationPlan plan(test.window);
+      plan.drop_frame[0] = 1;
+      plan.drop_motion[1] = test.window.frames[1].has_motion;
+      DropSomeLandmarks(test.window, 0, 2, plan);
+      ExpectMarginalizesLikeBatch(plan, test);
+      EXPECT_FALSE(test.window.calibration->start_information);
+      testing::Disturb(test.window, {1e-5, 1e-4, 1e-4, 1e-6, 1e-5}, rng);
+    }
   }
 }
 

@@ -11,7 +11,7 @@ constexpr int kMotion = SizeOf(Variable::Kind::kMotion);
 
 }  // namespace
 
-// Planes, poses, the newest motion, then later motions: ascending columns.
+// Planes, calibration, poses, the newest motion, then later motions: ascending columns.
 void MotionElimination::FindNeighbours(int frame,
                                        const StateLayout& layout,
                                        Eliminated& motion) const {
@@ -25,6 +25,7 @@ void MotionElimination::FindNeighbours(int frame,
   };
   for (int k = 0; k < num_planes; ++k)
     add_if_coupled(Variable::Plane(k));
+  if (layout.calibration_column >= 0) add_if_coupled(Variable::Calibration());
   for (int i = 0; i < num_frames; ++i)
     add_if_coupled(Variable::Pose(i));
   add_if_coupled(Variable::Motion(num_frames - 1));

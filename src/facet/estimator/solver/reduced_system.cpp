@@ -7,18 +7,44 @@
 
 namespace facet {
 
-bool ReducedSystem::Solve(double lambda, LinearizedWindow& linear) {
-  const StateLayout& layout = linear.layout();
+// The constant keeps a frame without any measurement (dark, during the start) where it is.
+void ReducedSystem::EliminateLandmarks(double lambda, LinearizedWindow& linear) {
   const MatrixXd& H = linear.equations.H;
-  H_.resize(layout.dim, layout.dim);
+  H_.resize(H.rows(), H.cols());
   H_.triangularView<Eigen::Lower>() = H;
   b_ = linear.equations.b;
-  dense_dim_ = layout.dense_dim;
-  // The constant keeps a frame without any measurement (dark, during the start) where it is.
   H_.diagonal().array() += lambda * (H.diagonal().array() + 1.0);
   for (int k = 0; k < linear.num_landmarks; ++k) {
     Eliminate(lambda, linear.landmarks[k]);
+    SubtractSchur(linear.landmarks[k], linear.layout(), H_, b_);
+  }
+}
+
+// The same, but what the landmarks say is kept apart until the columns of mount and time offset are
+// made of it.
+void ReducedSystem::EliminateWithCalibration(double lambda, LinearizedWindow& linear) {
+  const StateLayout& layout = linear.layout();
+  H_ = linear.vision_H;
+  b_ = linear.vision_b;
+  for (int k = 0; k < linear.num_landmarks; ++k) {
+    Eliminate(lambda, linear.landmarks[k]);
     SubtractSchur(linear.landmarks[k], layout, H_, b_);
+  }
+  FillMountColumns(linear.mounts, layout, H_, b_);
+  const MatrixXd& H = linear.equations.H;
+  H_.diagonal().array() +=
+      lambda * (H.diagonal().array() + linear.vision_H.diagonal().array() + 1.0);
+  H_.triangularView<Eigen::Lower>() += H;
+  b_ += linear.equations.b;
+}
+
+bool ReducedSystem::Solve(double lambda, LinearizedWindow& linear) {
+  const StateLayout& layout = linear.layout();
+  dense_dim_ = layout.dense_dim;
+  if (layout.calibration_column < 0) {
+    EliminateLandmarks(lambda, linear);
+  } else {
+    EliminateWithCalibration(lambda, linear);
   }
   if (!motions_.Eliminate(layout, linear.coupled_with_motion, H_, b_)) return false;
   Eigen::Ref<MatrixXd> dense = H_.topLeftCorner(dense_dim_, dense_dim_);

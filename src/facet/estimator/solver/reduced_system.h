@@ -23,6 +23,9 @@ class ReducedSystem {
   auto factor() const { return H_.topLeftCorner(dense_dim_, dense_dim_); }
 
  private:
+  void EliminateLandmarks(double lambda, LinearizedWindow& linear);
+  void EliminateWithCalibration(double lambda, LinearizedWindow& linear);
+
   MatrixXd H_;  // lower triangle
   VectorXd b_;
   int dense_dim_ = 0;

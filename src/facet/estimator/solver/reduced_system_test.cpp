@@ -16,9 +16,10 @@ const FactorNoise kNoise = testing::NoiseOfWidth(testing::kOptimumWidth);
 
 // The system in which motions and landmarks are eliminated against the dense one.
 TEST(ReducedSystemTest, StepAndCovarianceEqualTheDenseSystem) {
-  for (std::uint64_t seed = 51; seed < 56; ++seed) {
+  for (std::uint64_t seed = 51; seed < 60; ++seed) {
     TestWindow test = testing::MakeOptimumWindow(seed, seed % 2 == 0 ? 2 : 0);
     Rng rng(seed);
+    if (seed > 55) testing::AddCalibration(test, rng);
     if (seed % 2 == 0) {
       testing::AddBalancedPrior(test, rng, kNoise);
     } else {

@@ -7,7 +7,7 @@ WindowOptimizer::WindowOptimizer(const StereoRig& rig, const EstimatorOptions& o
     : options_(options), noise_(options), solver_(rig, options.solver), geometry_(rig) {}
 
 const FrameGeometry& WindowOptimizer::UpdateGeometry(const SlidingWindow& window) {
-  geometry_.Update(window.frames);
+  geometry_.Update(window);
   return geometry_;
 }
 

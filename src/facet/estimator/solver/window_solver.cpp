@@ -21,7 +21,7 @@ double Raised(double lambda) {
 }  // namespace
 
 double WindowSolver::NewestFrameError(const SlidingWindow& window) {
-  geometry_.Update(window.frames);
+  geometry_.Update(window);
   newest_errors_.clear();
   for (const WindowLandmark& landmark : window.landmarks()) {
     // With a single observation the point lies where that says; pipeline SP's have another loss.
@@ -79,7 +79,7 @@ WindowSolver::StepResult WindowSolver::Step(SlidingWindow& window,
     summary.ok = true;
     before_step_.Save(window);
     ApplyStep(linear_, reduced_.step(), window);
-    geometry_.Update(window.frames);
+    geometry_.Update(window);
     const double new_cost = WindowCost(window, geometry_, noise);
     if (new_cost <= linear_.cost) {
       summary.final_cost = new_cost;

@@ -17,7 +17,7 @@ constexpr double kMaxInverseDistance = 20.0;
 std::vector<SE3> HostPoses(const SlidingWindow& window) {
   std::vector<SE3> hosts(window.frames.size());
   for (std::size_t i = 0; i < window.frames.size(); ++i)
-    hosts[i] = window.frames[i].x.T_WB * window.T_BC0;
+    hosts[i] = window.LeftCameraAt(static_cast<int>(i));
   return hosts;
 }
 
@@ -27,7 +27,7 @@ void StepLandmark(const Vector3d& step,
                   const SE3& old_host,
                   const SlidingWindow& window,
                   WindowLandmark& landmark) {
-  const SE3 new_host = window.frames[landmark.host].x.T_WB * window.T_BC0;
+  const SE3 new_host = window.LeftCameraAt(landmark.host);
   const double rho = std::clamp(landmark.inverse_distance + step.z(), 0.0, kMaxInverseDistance);
   const Vector3d bearing = landmark.bearing_H + TangentBasis(landmark.bearing_H) * step.head<2>();
   const Vector3d y_W = old_host.q * bearing + rho * (old_host.p - new_host.p);
@@ -50,10 +50,16 @@ void ApplyStep(const LinearizedWindow& linear, const VectorXd& step, SlidingWind
   }
   for (std::size_t k = 0; k < window.planes.size(); ++k)
     window.planes[k].ApplyStep(step.segment<3>(layout.plane_column[k]));
+  VectorXd seen_step = step;
+  if (window.calibration) {
+    window.calibration->ApplyStep(step.segment<kNumCalibration>(layout.calibration_column));
+    seen_step = WithMountAsPoses(linear.mounts, layout, step);
+  }
   for (int k = 0; k < linear.num_landmarks; ++k) {
     const LandmarkBlock& block = linear.landmarks[k];
     WindowLandmark& landmark = window.landmarks()[block.index];
-    StepLandmark(BackSubstitute(block, layout, step), old_hosts[landmark.host], window, landmark);
+    StepLandmark(
+        BackSubstitute(block, layout, seen_step), old_hosts[landmark.host], window, landmark);
   }
 }
 

@@ -43,6 +43,7 @@ bool SolveVisionOnly(const StereoRig& rig, const EstimatorOptions& options, Slid
     frame.imu_link.reset();
   }
   const std::optional<StartPrior> start_prior = std::exchange(window.start_prior, std::nullopt);
+  std::optional<WindowCalibration> calibration = std::exchange(window.calibration, std::nullopt);
   WindowFrame& first = window.frames.front();
   first.FreezePose();
   window.prior.blocks = {MarginalPrior::Block::OfPose(first.id, 0)};
@@ -54,6 +55,7 @@ bool SolveVisionOnly(const StereoRig& rig, const EstimatorOptions& options, Slid
 
   window.prior = MarginalPrior();
   window.start_prior = start_prior;
+  window.calibration = std::move(calibration);
   first.pose_frozen = false;
   for (std::size_t i = 0; i < window.frames.size(); ++i) {
     WindowFrame& frame = window.frames[i];

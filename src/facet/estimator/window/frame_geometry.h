@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Where the cameras of all frames are, as everything that looks at landmarks needs it.
+// Where the cameras of all frames are, and what ray a pixel is, as everything that looks at
+// landmarks needs it.
 #pragma once
 
 #include <vector>
 
 #include "facet/camera/stereo_rig.h"
-#include "facet/estimator/window/window_frame.h"
+#include "facet/estimator/window/sliding_window.h"
 
 namespace facet {
 
@@ -23,16 +24,41 @@ class FrameGeometry {
 
   explicit FrameGeometry(const StereoRig& rig);
 
-  /// Takes the current estimates (and the frozen ones, for the Jacobians) of all frames.
+  /// Takes the current estimates of all frames and of the calibration. For the Jacobians it takes
+  /// the frozen poses, and the nominal calibration.
+  void Update(const SlidingWindow& window);
+
+  /// The same with the nominal calibration.
   void Update(const std::vector<WindowFrame>& frames);
 
   const Pose& current(int frame) const { return current_[frame]; }
   const Pose& frozen(int frame) const { return frozen_[frame]; }
 
+  /// By the last update: whether the calibration is a variable.
+  bool has_calibration() const { return has_calibration_; }
+
+  /// Where the body is when the image of a frame at T_WB is taken.
+  SE3 AtImage(const SE3& T_WB, const BodyRates& rates) const;
+
+  /// The measured point on the plane z = 1, as the present calibration has it.
+  Vector2d MeasuredXy(const WindowObservation& observation, int camera) const {
+    return has_calibration_ ? CorrectedXy(observation, camera) : observation.xy[camera];
+  }
+
+  /// d pixel / d intrinsic parameters, where the observation is.
+  Matrix<2, kNumIntrinsics> IntrinsicsJacobianAt(const WindowObservation& observation,
+                                                 int camera) const;
+
+  /// Of the body, at present.
   Matrix3d R_CB[2];
   Vector3d p_BC[2];
 
  private:
+  Vector2d CorrectedXy(const WindowObservation& observation, int camera) const;
+
+  StereoRig nominal_;
+  bool has_calibration_ = false;
+  CalibrationVector delta_ = CalibrationVector::Zero();
   std::vector<Pose> current_;
   std::vector<Pose> frozen_;
 };

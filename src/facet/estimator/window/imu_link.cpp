@@ -19,6 +19,11 @@ PreintegrationNoise InflatedNoise(const ImuNoise& noise, const ImuOptions& optio
   return inflated;
 }
 
+Vector3d RateAtEnd(const ImuLink& link, const ImuBias& bias) {
+  const std::vector<ImuSample>& samples = link.measured.samples();
+  return samples.empty() ? Vector3d(Vector3d::Zero()) : Vector3d(samples.back().gyro - bias.b_g);
+}
+
 Matrix<15, 15> ImuSqrtInfo(const ImuPreintegration& measured, const BiasWalk& walk) {
   // Scaled to unit diagonal first: the variances span ten orders of magnitude.
   const Vector<9> sigma = measured.Covariance().diagonal().cwiseMax(1e-30).cwiseSqrt();

@@ -26,6 +26,9 @@ struct ImuLink {
   bool is_synthetic = false;
 };
 
+/// Angular rate in B at the end of the interval.
+Vector3d RateAtEnd(const ImuLink& link, const ImuBias& bias);
+
 /// Inverse Cholesky factor of the covariance of `measured` and of the walk of the biases (theta p v
 /// b_g b_a): whitened residual = ImuSqrtInfo * residual (docs/math.md, section 2.4).
 Matrix<15, 15> ImuSqrtInfo(const ImuPreintegration& measured, const BiasWalk& walk);

@@ -21,7 +21,8 @@ bool InitializeDepth(const FrameGeometry& geometry, WindowLandmark& landmark) {
   double cc = 0, ac = 0;
   bool stereo = false;
   for (const WindowObservation& obs : landmark.observations) {
-    if (obs.frame == landmark.host) landmark.bearing_H = obs.xy[0].homogeneous().normalized();
+    if (obs.frame == landmark.host)
+      landmark.bearing_H = geometry.MeasuredXy(obs, 0).homogeneous().normalized();
   }
   const FrameGeometry::Pose& host = geometry.current(landmark.host);
   const Vector3d d_W = host.R_WC0 * landmark.bearing_H;
@@ -29,7 +30,7 @@ bool InitializeDepth(const FrameGeometry& geometry, WindowLandmark& landmark) {
     const FrameGeometry::Pose& target = geometry.current(obs.frame);
     for (int c = 0; c < (obs.has_right ? 2 : 1); ++c) {
       if (obs.frame == landmark.host && c == 0) continue;
-      const Vector3d ray = obs.xy[c].homogeneous().normalized();
+      const Vector3d ray = geometry.MeasuredXy(obs, c).homogeneous().normalized();
       const Vector3d direction = geometry.R_CB[c] * (target.R_BW * d_W);
       const Vector3d baseline =
           geometry.R_CB[c] * (target.R_BW * (host.p_WC0 - target.p_WB) - geometry.p_BC[c]);

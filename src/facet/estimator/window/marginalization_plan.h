@@ -34,6 +34,8 @@ struct MarginalizationPlan {
     switch (variable.kind) {
       case Variable::Kind::kPlane:
         return drop_plane[index] != 0;
+      case Variable::Kind::kCalibration:
+        return false;
       case Variable::Kind::kPose:
         return drop_frame[index] != 0;
       case Variable::Kind::kMotion:

@@ -26,6 +26,12 @@ bool IsInPrior(const MarginalPrior& prior, Variable::Kind kind, FrameId frame) {
 
 }  // namespace
 
+SE3 SlidingWindow::LeftCameraAt(int frame) const {
+  const WindowFrame& at = frames[frame];
+  if (!calibration) return at.x.T_WB * T_BC0;
+  return calibration->AtImage(at.x.T_WB, at.Rates()) * calibration->T_BC(0);
+}
+
 WindowLandmark* SlidingWindow::Find(LandmarkId id) {
   const auto it = index_.find(id);
   return it == index_.end() ? nullptr : &landmarks_[it->second];
@@ -40,6 +46,7 @@ int SlidingWindow::IndexOf(PlaneId id) const {
 }
 
 Variable SlidingWindow::VariableOf(const MarginalPrior::Block& block) const {
+  if (block.kind == Variable::Kind::kCalibration) return Variable::Calibration();
   const bool is_plane = block.kind == Variable::Kind::kPlane;
   return {block.kind, is_plane ? IndexOf(block.plane) : IndexOf(block.frame)};
 }
@@ -66,8 +73,8 @@ void SlidingWindow::RemoveLandmarks(const std::vector<char>& flags) {
 }
 
 void SlidingWindow::Rehost(WindowLandmark& landmark, int new_host) {
-  const SE3 T_WH = frames[landmark.host].x.T_WB * T_BC0;
-  const SE3 T_WN = frames[new_host].x.T_WB * T_BC0;
+  const SE3 T_WH = LeftCameraAt(landmark.host);
+  const SE3 T_WN = LeftCameraAt(new_host);
   // Homogeneous point seen from the new host: works for a point at infinity, too.
   const Vector3d y_W = T_WH.q * landmark.bearing_H + landmark.inverse_distance * (T_WH.p - T_WN.p);
   const double norm = y_W.norm();
@@ -113,6 +120,7 @@ void SlidingWindow::RemoveMotion(int index) {
   WindowFrame& frame = frames[index];
   FACET_CHECK(!IsInPrior(prior, Variable::Kind::kMotion, frame.id))
       << "motion is still in the prior";
+  frame.last_v_B = frame.Rates().v_B;
   frame.has_motion = frame.motion_frozen = false;
   CutImuLinks(index);
 }
@@ -158,7 +166,7 @@ void SlidingWindow::AttachRelation(WindowRelation& relation, int leaving) const 
 }
 
 Vector3d SlidingWindow::PositionOf(const WindowLandmark& landmark) const {
-  const SE3 T_WH = frames[landmark.host].x.T_WB * T_BC0;
+  const SE3 T_WH = LeftCameraAt(landmark.host);
   return T_WH * (landmark.bearing_H / landmark.inverse_distance);
 }
 

@@ -28,10 +28,14 @@ class SlidingWindow {
   std::vector<PlaneMeasurement> measurements;  ///< of these frames and planes
   MarginalPrior prior;
   std::optional<StartPrior> start_prior;
-  SE3 T_BC0;
+  SE3 T_BC0;                                     ///< nominal
+  std::optional<WindowCalibration> calibration;  ///< empty: the nominal one is exact
 
   const std::vector<WindowLandmark>& landmarks() const { return landmarks_; }
   std::vector<WindowLandmark>& landmarks() { return landmarks_; }
+
+  /// T_WC0 when the frame's image is taken.
+  SE3 LeftCameraAt(int frame) const;
 
   int newest_frame() const { return static_cast<int>(frames.size()) - 1; }
 

@@ -8,19 +8,23 @@
 
 namespace facet {
 
-/// Planes come first, then all poses, then the motion of the newest frame: these columns are dense.
-/// The other motions follow, which are eliminated before (docs/math.md, section 4.3).
+/// Planes come first, then the calibration, then all poses, then the motion of the newest frame:
+/// these columns are dense. The other motions follow, which are eliminated before (docs/math.md,
+/// section 4.3).
 struct StateLayout {
   std::vector<int> plane_column;   ///< by plane index
+  int calibration_column = -1;     ///< -1 if it is not a variable
   std::vector<int> pose_column;    ///< by frame index
   std::vector<int> motion_column;  ///< by frame index, -1 without motion
   int dim = 0;
-  int dense_dim = 0;  ///< columns of planes, poses and the newest motion
+  int dense_dim = 0;  ///< columns of planes, calibration, poses and the newest motion
 
   int ColumnOf(Variable variable) const {
     switch (variable.kind) {
       case Variable::Kind::kPlane:
         return plane_column[static_cast<std::size_t>(variable.index)];
+      case Variable::Kind::kCalibration:
+        return calibration_column;
       case Variable::Kind::kPose:
         return pose_column[static_cast<std::size_t>(variable.index)];
       case Variable::Kind::kMotion:
@@ -38,7 +42,7 @@ class VariableSet {
   /// Empty, for a window of this size.
   void Clear(std::size_t num_frames, std::size_t num_planes) {
     num_frames_ = num_frames;
-    is_in_.assign(2 * num_frames + num_planes, 0);
+    is_in_.assign(2 * num_frames + num_planes + 1, 0);
   }
   void Insert(Variable variable) { is_in_[Place(variable)] = 1; }
   void Insert(const VariableSet& other) {
@@ -50,6 +54,7 @@ class VariableSet {
  private:
   std::size_t Place(Variable variable) const {
     const auto index = static_cast<std::size_t>(variable.index);
+    if (variable.kind == Variable::Kind::kCalibration) return is_in_.size() - 1;
     if (variable.kind == Variable::Kind::kPlane) return 2 * num_frames_ + index;
     return 2 * index + (variable.kind == Variable::Kind::kMotion ? 1 : 0);
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "facet/estimator/window/imu_link.h"
+#include "facet/estimator/window/window_calibration.h"
 
 namespace facet {
 
@@ -22,6 +23,13 @@ struct WindowFrame {
   NavState lin;
   Vector<15> delta = Vector<15>::Zero();  ///< theta p v b_g b_a; only the frozen parts are used
   std::optional<ImuLink> imu_link;        ///< to the previous frame
+  Vector3d w_B = Vector3d::Zero();        ///< angular rate at its stamp [rad/s]
+  Vector3d last_v_B = Vector3d::Zero();   ///< velocity in B when it was still a variable
+
+  /// How the body moves at the stamp of the frame.
+  BodyRates Rates() const {
+    return {w_B, has_motion ? Vector3d(x.T_WB.q.conjugate() * x.v_WB) : last_v_B};
+  }
 
   /// Applies a step in the tangent space of the pose and, if the frame has motion, of the rest.
   void ApplyStep(const Vector<15>& step);

@@ -21,6 +21,9 @@ struct MarginalPrior {
     PlaneId plane;  ///< of a plane
     int offset;     ///< first column in H
 
+    static Block OfCalibration(int offset) {
+      return {Variable::Kind::kCalibration, FrameId{}, PlaneId{}, offset};
+    }
     static Block OfPose(FrameId frame, int offset) {
       return {Variable::Kind::kPose, frame, PlaneId{}, offset};
     }

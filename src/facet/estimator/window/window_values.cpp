@@ -13,6 +13,7 @@ void WindowValues::Save(const SlidingWindow& window) {
     delta_.push_back(frame.delta);
   }
   planes_ = window.planes;
+  if (window.calibration) calibration_ = window.calibration->delta();
   landmarks_.clear();
   for (const WindowLandmark& landmark : window.landmarks()) {
     landmarks_.emplace_back(landmark.bearing_H, landmark.inverse_distance);
@@ -26,6 +27,7 @@ void WindowValues::Restore(SlidingWindow& window) const {
     window.frames[i].delta = delta_[i];
   }
   window.planes = planes_;
+  if (window.calibration) window.calibration->SetDelta(calibration_);
   for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
     window.landmarks()[l].bearing_H = landmarks_[l].first;
     window.landmarks()[l].inverse_distance = landmarks_[l].second;

@@ -22,6 +22,7 @@ class WindowValues {
   std::vector<NavState> x_, lin_;
   std::vector<Vector<15>> delta_;
   std::vector<WindowPlane> planes_;
+  CalibrationVector calibration_ = CalibrationVector::Zero();
   std::vector<std::pair<Vector3d, double>> landmarks_;
 };
 

@@ -14,6 +14,15 @@ namespace facet::testing {
 
 namespace {
 
+// 1-sigma of a calibration: intrinsics, stereo pair, mount, clock.
+const CalibrationVector kCalibrationSigmas = [] {
+  CalibrationVector sigmas;
+  const Vector<kNumIntrinsics> lens{0.5, 0.5, 0.4, 0.4, 2e-3, 2e-3, 2e-4, 2e-4};
+  sigmas << lens, lens, Vector3d::Constant(3e-4), Vector3d::Constant(2e-4),
+      Vector3d::Constant(1e-3), Vector3d::Constant(2e-3), 1e-3;
+  return sigmas;
+}();
+
 constexpr double kFocal = 450.0;
 constexpr double kImuRate = 200.0;
 constexpr double kFieldOfView = 0.9;  // |x/z|, |y/z|
@@ -190,15 +199,35 @@ TestWindow MakeTestWindow(const TestWindowOptions& options, const TestMotion& mo
   return out;
 }
 
+void AddCalibration(TestWindow& test, Rng& rng) {
+  CalibrationMatrix covariance = kCalibrationSigmas.cwiseAbs2().asDiagonal();
+  // Left and right go together, as after a calibration with both.
+  for (int k = 0; k < kNumIntrinsics; ++k) {
+    covariance(k, k + kNumIntrinsics) = covariance(k + kNumIntrinsics, k) =
+        0.8 * kCalibrationSigmas(k) * kCalibrationSigmas(k);
+  }
+  test.window.calibration.emplace(test.rig, covariance);
+  for (WindowFrame& frame : test.window.frames) {
+    frame.w_B = 0.5 * rng.Normal3();
+    frame.last_v_B = 0.5 * rng.Normal3();
+  }
+}
+
 void Disturb(SlidingWindow& window, const StepSigmas& sigmas, Rng& rng) {
   std::vector<Vector3d> points;
   for (const WindowLandmark& landmark : window.landmarks())
     points.push_back(PointOf(window, landmark));
   for (WindowFrame& frame : window.frames)
     frame.ApplyStep(RandomStep(sigmas, rng));
+  if (window.calibration) {
+    CalibrationVector step;
+    for (int k = 0; k < kNumCalibration; ++k)
+      step(k) = 0.1 * kCalibrationSigmas(k) * rng.Normal();
+    window.calibration->ApplyStep(step);
+  }
   for (std::size_t l = 0; l < points.size(); ++l) {
     WindowLandmark& landmark = window.landmarks()[l];
-    const SE3 T_WH = window.frames[landmark.host].x.T_WB * window.T_BC0;
+    const SE3 T_WH = window.LeftCameraAt(landmark.host);
     const Vector3d p_H = T_WH.Inverse() * (points[l] + sigmas.p * rng.Normal3());
     landmark.bearing_H = p_H.normalized();
     landmark.inverse_distance = 1 / p_H.norm();
@@ -232,7 +261,7 @@ PlaneMeasurement MakeMeasurement(const WindowFrame& frame,
 }
 
 Vector3d PointOf(const SlidingWindow& window, const WindowLandmark& landmark) {
-  const SE3 T_WH = window.frames[landmark.host].x.T_WB * window.T_BC0;
+  const SE3 T_WH = window.LeftCameraAt(landmark.host);
   return T_WH * (landmark.bearing_H / landmark.inverse_distance);
 }
 
@@ -259,7 +288,7 @@ BiasWalk DefaultBiasWalk() {
 
 void Linearize(const TestWindow& test, const FactorNoise& noise, LinearizedWindow& linear) {
   FrameGeometry geometry(test.rig);
-  geometry.Update(test.window.frames);
+  geometry.Update(test.window);
   facet::Linearize(test.window, geometry, noise, linear);
 }
 
@@ -271,16 +300,25 @@ NormalEquations Assemble(const SlidingWindow& window,
   out.Clear(window);
   VisitFactors(window, noise, [&](const Factor auto& factor) { factor.AddTo(out); });
   FrameGeometry geometry(rig);
-  geometry.Update(window.frames);
+  geometry.Update(window);
   MatrixXd lower = MatrixXd::Zero(out.layout.dim, out.layout.dim);
+  VectorXd b = VectorXd::Zero(out.layout.dim);
   LandmarkBlock block;
+  LensSums sums;
+  LensSums* const lens = window.calibration ? &sums : nullptr;
+  sums.Clear(window.frames.size());
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!IsConstraining(landmark)) continue;
-    LinearizeLandmark(geometry, window.planes, landmark, noise, block);
+    LinearizeLandmark(geometry, window.planes, landmark, noise, block, lens);
     Eliminate(0.0, block);
-    AddDiagonal(block, out.layout, lower, out.b);
-    SubtractSchur(block, out.layout, lower, out.b);
+    AddDiagonal(block, out.layout, lower, b);
+    SubtractSchur(block, out.layout, lower, b);
   }
+  if (lens != nullptr) {
+    AddLensSums(sums, out.layout, lower, b);
+    FillMountColumns(MountJacobiansOf(window, geometry), out.layout, lower, b);
+  }
+  out.b += b;
   out.H += lower.selfadjointView<Eigen::Lower>();
   return out;
 }

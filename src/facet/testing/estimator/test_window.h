@@ -72,7 +72,12 @@ TestWindow MakeTestWindow(const TestWindowOptions& options, const TestMotion& mo
 /// Along a random motion.
 TestWindow MakeTestWindow(const TestWindowOptions& options, Rng& rng);
 
-/// Moves all states and landmarks away from where they are. Frozen variables move in delta.
+/// Makes the calibration a variable, at the exact one; gives all frames rates. Coefficients of
+/// distortion are no parameters of the test rig.
+void AddCalibration(TestWindow& test, Rng& rng);
+
+/// Moves all states and landmarks, and the calibration if it is a variable, away from where they
+/// are. Frozen variables move in delta.
 void Disturb(SlidingWindow& window, const StepSigmas& sigmas, Rng& rng);
 
 /// What the frame measures of the plane about the point of it that is nearest to `near_W`, off by

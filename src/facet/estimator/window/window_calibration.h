@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The calibration as a variable of the window: how far the lenses, the stereo pair, the mount of
+// the cameras on the IMU and the clock of the cameras are from what the calibration files say
+// (docs/math.md, section 10).
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "facet/calibration/rig_parameters.h"
+#include "facet/estimator/window/variable.h"
+
+namespace facet {
+
+/// Columns of the calibration: the 22 parameters of lenses and stereo pair (RigVector), then the
+/// mount (rotation and translation of both cameras on the body), then the time offset [s].
+inline constexpr int kMountRotation = kNumRigParameters;
+inline constexpr int kMountTranslation = kMountRotation + 3;
+inline constexpr int kTimeOffset = kMountTranslation + 3;
+inline constexpr int kNumCalibration = kTimeOffset + 1;
+/// Those that move the cameras of a frame as a whole, like its pose.
+inline constexpr int kNumMount = kNumCalibration - kNumRigParameters;
+static_assert(SizeOf(Variable::Kind::kCalibration) == kNumCalibration);
+
+using CalibrationVector = Vector<kNumCalibration>;
+using CalibrationMatrix = Matrix<kNumCalibration, kNumCalibration>;
+
+/// How a frame moves while its image is taken, in B: what a time offset does to its pose.
+struct BodyRates {
+  Vector3d w_B = Vector3d::Zero();  ///< [rad/s]
+  Vector3d v_B = Vector3d::Zero();  ///< [m/s]
+};
+
+/// d (theta p) / d (mount rotation, mount translation, time offset) of a frame.
+Matrix<6, kNumMount> MountJacobian(const Matrix3d& R_WB, const BodyRates& rates);
+
+/// All measurements are linear in the deviation, at the nominal calibration: it is the point of
+/// first estimates, as for the frames that the prior touches.
+class WindowCalibration {
+ public:
+  WindowCalibration(const StereoRig& nominal, const CalibrationMatrix& covariance);
+
+  const StereoRig& nominal() const { return nominal_; }
+  const CalibrationVector& delta() const { return delta_; }
+  void ApplyStep(const CalibrationVector& step) { SetDelta(delta_ + step); }
+  void SetDelta(const CalibrationVector& delta);
+
+  /// The calibration at present; the nominal one where a parameter has left what a camera can be.
+  StereoRig Refined() const;
+
+  /// Camera to body at present.
+  const SE3& T_BC(int camera) const { return T_BC_[static_cast<std::size_t>(camera)]; }
+
+  /// Where the body is when the image is taken, if it is at T_WB at the nominal stamp.
+  SE3 AtImage(const SE3& T_WB, const BodyRates& rates) const;
+
+  /// Information on `delta` before any measurement; until the first marginalisation takes it up.
+  std::optional<CalibrationMatrix> start_information;
+
+ private:
+  StereoRig nominal_;
+  CalibrationVector delta_ = CalibrationVector::Zero();
+  std::array<SE3, 2> T_BC_;
+};
+
+}  // namespace facet
