@@ -151,6 +151,7 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
   result.num_constraining = attempt.num_constraining;
   result.reason = std::move(attempt.reason);
   result.solve = attempt.solve;
+  if (attempt.has_failed) Forget();
   if (!attempt.has_started) return result;
   newest_covariance_ = attempt.covariance;
   const WindowFrame& newest = window_.frames.back();
@@ -252,6 +253,10 @@ void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
   // The newest one is what was lost.
   for (int i = 0; i < window_.newest_frame(); ++i)
     Report(window_.frames[i], finished);
+  Forget();
+}
+
+void VioEstimator::Forget() {
   window_ = SlidingWindow(rig_.T_BC[0]);
   intermediate_.reset();
   newest_covariance_.setZero();
