@@ -20,7 +20,7 @@ TEST(ImuFuzzTest, SavedInputs) {
 TEST(ImuFuzzTest, AnyStream) {
   const std::vector<FuzzInput> seeds = ImuFuzzSeeds();
   Rng rng(1);
-  const int num_runs = NumFuzzRuns(5000);
+  const int num_runs = NumFuzzRuns(50000);
   for (int run = 0; run < num_runs; ++run) {
     FuzzInput input = Damaged(seeds[static_cast<std::size_t>(run) % seeds.size()], rng);
     if (run % 4 == 0) input = Damaged(input, rng);
