@@ -40,4 +40,4 @@ install: setup  ## make install PREFIX=...
 	@cmake --install build --prefix "$(PREFIX)"
 
 clean:
-	rm -rf build build-asan build-tsan build-fuzz build-no-pch build-debug
+	rm -rf build build-asan build-tsan build-fuzz build-fuzz-fast build-no-pch build-debug

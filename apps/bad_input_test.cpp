@@ -3,11 +3,13 @@
 // on stderr that names the file and the reason.
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "facet/testing/folders.h"
 #include "facet/testing/io/program_run.h"
@@ -42,9 +44,13 @@ class BadInputTest : public ::testing::Test {
     EXPECT_THAT(run.err, AllOf(::testing::StartsWith("facet: error: "), HasSubstr(text)));
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     EXPECT_FALSE(std::filesystem::exists(Out()));
+    EXPECT_EQ(NumEntries(), std::filesystem::exists(Sequence()) ? 1 : 0);
+  }
+
+  /// Beside the sequence; hidden ones count.
+  std::ptrdiff_t NumEntries() const {
     const auto entries = std::filesystem::directory_iterator(folder_.path());
-    EXPECT_EQ(std::distance(begin(entries), end(entries)),
-              std::filesystem::exists(Sequence()) ? 1 : 0);
+    return std::distance(begin(entries), end(entries));
   }
 
   TempFolder folder_;
@@ -152,7 +158,38 @@ TEST_F(BadInputTest, NoTextureCannotStart) {
   const ProgramRun run = Run();
   EXPECT_EQ(run.exit_code, 4);
   EXPECT_THAT(run.err, HasSubstr("could not start"));
+  EXPECT_THAT(run.err, HasSubstr("12 of 12 left images have no texture"));
+  EXPECT_THAT(run.err, Not(HasSubstr("IMU")));
   EXPECT_TRUE(std::filesystem::exists(Out() / "summary.json"));
+}
+
+TEST_F(BadInputTest, BlackImagesAreCalledBlack) {
+  const std::string black = "P5\n160 120\n255\n" + std::string(160 * 120, '\0');
+  for (const auto& image : std::filesystem::directory_iterator(Mav0() / "cam0" / "data"))
+    WriteText(image, black);
+  const ProgramRun run = Run();
+  EXPECT_EQ(run.exit_code, 4);
+  EXPECT_THAT(run.err, HasSubstr("12 of 12 left images are black"));
+  EXPECT_THAT(run.err, AllOf(Not(HasSubstr("IMU")), Not(HasSubstr("repeat"))));
+}
+
+TEST_F(BadInputTest, TinyImagesAreCalledTiny) {
+  for (const int side : {8, 32}) {
+    std::filesystem::remove_all(Sequence());
+    TestSequenceOptions options;
+    options.width = options.height = side;
+    WriteTestSequence(Sequence(), options);
+    const ProgramRun run = Run();
+    EXPECT_EQ(run.exit_code, 4);
+    const std::string text = std::to_string(side);
+    EXPECT_THAT(run.err, HasSubstr("the images have " + text + " x " + text + " pixels, too few"));
+  }
+}
+
+TEST_F(BadInputTest, AnImmenseImageIsRefusedWithoutTheMemoryForIt) {
+  for (const auto& image : std::filesystem::directory_iterator(Mav0() / "cam0" / "data"))
+    WriteText(image, "P5\n8000 8000\n255\n" + std::string(1000, 'x'));
+  ExpectFailure(3, "8000 x 8000 pixels, the calibration of cam0 has 160 x 120");
 }
 
 TEST_F(BadInputTest, UnknownKey) {
@@ -169,6 +206,7 @@ TEST_F(BadInputTest, ValueOutOfRange) {
                 "frontend.max_features = '-3' is out of range, allowed: ",
                 "--set frontend.max_features=-3");
   ExpectFailure(2, "must be an integer", "--set frontend.max_features=many");
+  ExpectFailure(2, "allowed: auto | avx2 | sse2 | scalar", "--set frontend.klt.simd=avx512");
   ExpectFailure(2, "key.path=value is expected", "--set frontend.max_features");
 }
 
@@ -234,9 +272,65 @@ TEST_F(BadInputTest, FullDisk) {
   // No file may grow beyond 4 KiB: what a full disk looks like to the program.
   const ProgramRun run = RunShell("(ulimit -f 4; trap '' XFSZ; " + std::string(kProgram) + " run " +
                                   Sequence().string() + " --quiet --out " + Out().string() + ")");
-  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.exit_code, 5);
   EXPECT_THAT(run.err, HasSubstr("cannot be written (disk full"));
   EXPECT_FALSE(std::filesystem::exists(Out()));
+}
+
+TEST_F(BadInputTest, FullDiskLeavesTheEarlierResult) {
+  WriteText(Out() / "summary.json", "earlier");
+  const std::string command = "(ulimit -f 4; trap '' XFSZ; " + std::string(kProgram) + " run " +
+                              Sequence().string() + " --quiet --out " + Out().string();
+  EXPECT_EQ(RunShell(command + ")").exit_code, 5);
+  EXPECT_EQ(RunShell(command + " --mesh-every 1 --mesh-format glb)").exit_code, 5);
+  EXPECT_EQ(ReadText(Out() / "summary.json"), "earlier");
+  EXPECT_EQ(NumEntries(), 2) << "something was left behind";
+}
+
+TEST_F(BadInputTest, ReadOnlyFolder) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  const std::filesystem::path shut = folder_ / "shut";
+  std::filesystem::create_directory(shut);
+  std::filesystem::permissions(
+      shut, std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  const ProgramRun run =
+      RunFacet("run " + Sequence().string() + " --quiet --out " + (shut / "run").string());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("cannot be created: Permission denied"));
+  std::filesystem::permissions(shut, std::filesystem::perms::owner_all);
+}
+
+class InterruptedRunTest : public BadInputTest {
+ protected:
+  /// Twenty seconds at recorded speed; the signal comes once the folder is being written.
+  ProgramRun RunAndSend(const std::string& signal) const {
+    std::filesystem::remove_all(Sequence());
+    TestSequenceOptions options;
+    options.num_frames = 400;
+    WriteTestSequence(Sequence(), options);
+    return RunShell("(" + std::string(kProgram) + " run " + Sequence().string() +
+                    " --quiet --realtime --out " + Out().string() + " & while ! ls -d " +
+                    folder_.path().string() +
+                    "/.out.partial-* >/dev/null 2>&1; do sleep 0.05; done; sleep 1; kill -" +
+                    signal + " $!; wait $!)");
+  }
+};
+
+TEST_F(InterruptedRunTest, InterruptedRunsWriteWhatTheyHave) {
+  const ProgramRun run = RunAndSend("INT");
+  EXPECT_EQ(run.exit_code, 130) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("stopped after"));
+  EXPECT_THAT(ReadText(Out() / "summary.json"), HasSubstr("stopped after"));
+  EXPECT_EQ(NumEntries(), 2);
+}
+
+TEST_F(InterruptedRunTest, TheNextRunRemovesWhatAKilledOneLeft) {
+  EXPECT_EQ(RunAndSend("KILL").exit_code, 128 + SIGKILL);
+  EXPECT_FALSE(std::filesystem::exists(Out()));
+  EXPECT_EQ(NumEntries(), 2) << "the sequence, and what was written up to then";
+  Run("--duration 0.5");
+  EXPECT_TRUE(std::filesystem::exists(Out() / "summary.json"));
+  EXPECT_EQ(NumEntries(), 2) << "the sequence and the result";
 }
 
 TEST_F(BadInputTest, SmallDamageIsSurvivedAndReported) {

@@ -162,6 +162,15 @@ TEST_F(EvaluateInputTest, DamagedMesh) {
   ExpectRefused("mesh.ply: face 0: the file ends here");
 }
 
+TEST_F(EvaluateInputTest, MorePlanesThanAnyRunHas) {
+  WriteText(Sequence() / "truth" / "planes.csv", "#plane,nx,ny,nz,d,area,seen area,label\n");
+  std::string text = "id,nx,ny,nz,d,cx,cy,cz,orientation,label,first,last,landmarks,area_m2\n";
+  for (int i = 0; i < 100'000; ++i)
+    text += std::to_string(i) + ",0,0,1,0,0,0,0,horizontal,floor,1,2,9,1.5\n";
+  WriteText(Result() / "planes.csv", text);
+  ExpectRefused("result/planes.csv:20002: more than 20000 planes");
+}
+
 TEST_F(EvaluateInputTest, PlanesAreJudgedTwice) {
   WriteText(Sequence() / "truth" / "planes.csv",
             "#plane,nx,ny,nz,d,area,seen area,label\n0,0,0,1,0,5,5,floor\n");

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "facet/frontend/patch_kernels.h"
 #include "facet/io/config_file.h"
+#include "facet/io/errors.h"
 
 namespace facet {
 
@@ -13,6 +15,11 @@ LoadedOptions LoadOptions(const std::string& file, const std::vector<std::string
   if (!file.empty()) loaded.notices = ApplyConfig(ReadConfigFile(file), fields, RetiredOptions());
   for (std::string& notice : ApplyOverrides(overrides, fields, RetiredOptions()))
     loaded.notices.push_back(std::move(notice));
+  const std::string& simd = loaded.options.frontend.klt.simd;
+  if (FindPatchKernels(simd) == nullptr) {
+    throw ConfigError("frontend.klt.simd = '" + simd +
+                      "': this machine has no such instructions; allowed: auto | scalar");
+  }
   return loaded;
 }
 

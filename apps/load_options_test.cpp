@@ -3,6 +3,7 @@
 #include "load_options.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -10,6 +11,8 @@
 
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
+#include "facet/pipeline/vio_pipeline.h"
+#include "facet/sim/euroc_rig.h"
 #include "facet/testing/folders.h"
 
 namespace facet {
@@ -28,6 +31,46 @@ std::string MessageOf(const std::string& override) {
     return error.what();
   }
   return "no error";
+}
+
+TEST(LoadOptionsTest, UnknownInstructionSetsAreRefusedWithTheOnesThatThereAre) {
+  EXPECT_THAT(MessageOf("frontend.klt.simd=avx512"),
+              HasSubstr("'avx512' is not one of these, allowed: auto | avx2 | sse2 | scalar"));
+  EXPECT_EQ(MessageOf("frontend.klt.simd=auto"), "no error");
+}
+
+std::vector<std::string> ExtremesOf(const ConfigField& field) {
+  std::vector<std::string> values = field.choices;
+  if (std::holds_alternative<bool*>(field.value)) values = {"true", "false"};
+  const bool is_int = std::holds_alternative<int*>(field.value);
+  if (!is_int && !std::holds_alternative<double*>(field.value)) return values;
+  for (const double end : {field.range.min, field.range.max}) {
+    if (std::isfinite(end))
+      values.push_back(is_int ? std::to_string(std::lround(end)) : std::to_string(end));
+  }
+  return values;
+}
+
+// What is within its range is refused nowhere further in, where the message would be of no use.
+TEST(LoadOptionsTest, EveryAllowedValueIsTakenByThePipeline) {
+  VioOptions listed;
+  const cv::Mat black(480, 752, CV_8UC1, 0.0);
+  int num_tried = 0;
+  for (const ConfigField& field : ListFields(listed)) {
+    for (const std::string& value : ExtremesOf(field)) {
+      const std::string override = field.key + "=" + value;
+      try {
+        VioPipeline vio(EurocRig(), ImuNoise(), LoadOptions("", {override}).options);
+        vio.AddStereo({Timestamp{1}, black, black});
+        ++num_tried;
+      } catch (const ConfigError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("allowed")) << override;
+      } catch (const std::exception& error) {
+        ADD_FAILURE() << override << ": " << error.what();
+      }
+    }
+  }
+  EXPECT_GT(num_tried, 100);
 }
 
 TEST(LoadOptionsTest, SavedDefaultsOfAnEarlierVersionAreTodaysDefaults) {

@@ -13,7 +13,7 @@
 
 namespace {
 
-enum ExitCode { kDone = 0, kInternal = 1, kUsage = 2, kInput = 3 };
+enum ExitCode { kDone = 0, kInternal = 1, kUsage = 2, kInput = 3, kOutput = 5 };
 
 int Fail(int code, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   } catch (const facet::RunEndedError& error) {
     return Fail(error.exit_code(), error.what());
   } catch (const facet::OutputError& error) {
-    return Fail(kInternal, error.what());
+    return Fail(kOutput, error.what());
   } catch (const std::exception& error) {
     return Fail(kInternal, std::string("internal error: ") + error.what());
   } catch (...) {

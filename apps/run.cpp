@@ -8,6 +8,7 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "load_options.h"
@@ -73,7 +74,9 @@ class MeshFiles {
 
   void Add(const VioOutput& output) {
     if (every_ == 0 || !output.mesh || num_seen_++ % every_ != 0) return;
-    std::filesystem::create_directories(folder_);
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    if (error) throw OutputError(folder_.string() + ": cannot be created: " + error.message());
     const std::string stem = std::to_string(output.t.ns);
     if (as_glb_) {
       WriteGlbMesh(folder_ / (stem + ".glb"), output.mesh->mesh);

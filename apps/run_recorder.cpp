@@ -33,6 +33,7 @@ void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
   num_resets_ += output.was_reset ? 1 : 0;
   num_imu_gaps_ += output.imu_gaps;
   num_repeated_images_ += output.is_image_repeated ? 1 : 0;
+  num_blank_images_ += output.is_image_blank ? 1 : 0;
   for (const KeyframePose& k : output.finished_keyframes)
     keyframes_.push_back({k.t, k.T_WB});
   if (output.snapshot) last_snapshot_ = output.snapshot;

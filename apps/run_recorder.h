@@ -35,6 +35,7 @@ class RunRecorder {
 
   int num_imu_gaps() const { return num_imu_gaps_; }
   int num_repeated_images() const { return num_repeated_images_; }
+  int num_blank_images() const { return num_blank_images_; }
   int num_resets() const { return num_resets_; }
 
  private:
@@ -49,6 +50,7 @@ class RunRecorder {
   int num_resets_ = 0;
   int num_imu_gaps_ = 0;
   int num_repeated_images_ = 0;
+  int num_blank_images_ = 0;
 };
 
 }  // namespace facet

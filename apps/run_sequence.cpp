@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "run_recorder.h"
+#include "start_trouble.h"
 #include <sys/resource.h>
 
 #include "facet/base/check.h"
@@ -178,6 +179,7 @@ class SequenceRunner {
     const auto vio_start = Clock::now();
     FeedImu(Stamp(i));
     images_.t = Stamp(i);
+    start_trouble_.AddImages(images_);
     const std::vector<VioOutput> outputs = vio_.add_stereo(images_);
     frame.cost.wall_ms = decode_wall_ms + MsSince(vio_start);
     pending_.push_back(frame);
@@ -193,6 +195,7 @@ class SequenceRunner {
       pending_.pop_front();
       frame.cost.latency_ms = MsSince(frame.arrival);
       recorder_.Add(output, frame.cost);
+      start_trouble_.AddOutput(output);
       if (!output.warning.empty()) run_.record.warnings.push_back(output.warning);
       goes_on = observer_(num_fed, run_.record.num_frames, output) && goes_on;
     }
@@ -286,6 +289,11 @@ class SequenceRunner {
                          " left images repeat the one before although the camera moves; they were "
                          "not used");
     }
+    if (recorder_.num_blank_images() > 0) {
+      warnings.push_back(std::to_string(recorder_.num_blank_images()) + of_all +
+                         " left images have one grey value everywhere, most of them black ones "
+                         "(lens covered, exposure?)");
+    }
     if (run_.record.num_dropped > 0) {
       warnings.push_back(std::to_string(run_.record.num_dropped) + " frames arrived while busy");
     }
@@ -296,8 +304,7 @@ class SequenceRunner {
     const std::string reason = frames.back().reason;
     if (!recorder_.last_good()) {
       run_.end = RunEnd::kNotStarted;
-      run_.message = "the estimator could not start: " + reason +
-                     "; try another --start, and check the IMU's stamps and the calibration";
+      run_.message = "the estimator could not start: " + start_trouble_.Explain();
     } else if (!frames.back().has_pose) {
       run_.end = RunEnd::kLost;
       run_.message = "the estimator was lost at " + FormatSeconds(*recorder_.last_good()) +
@@ -319,6 +326,7 @@ class SequenceRunner {
   const Clock::time_point start_;
   SequenceRun run_;
   RunRecorder recorder_;
+  StartTrouble start_trouble_;
   StereoFrame images_;
   std::deque<PendingFrame> pending_;
   std::size_t next_imu_ = 0;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Two functions describe every folder of the project: facet_add_module and facet_add_test.
+# Three functions describe every folder of the project: facet_add_module, facet_add_test and facet_add_fuzzer.
 
 add_library(facet_warnings INTERFACE)
 target_compile_options(facet_warnings INTERFACE
@@ -73,4 +73,18 @@ function(facet_add_test)
   endforeach()
   facet_use_precompiled(${ARG_NAME} test)
   gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 900)
+endfunction()
+
+# facet_add_fuzzer(NAME imu_fuzzer DEPS imu_fuzz ...): the program of that name and source under libFuzzer, if FACET_FUZZER is on.
+function(facet_add_fuzzer)
+  if(NOT FACET_FUZZER)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "NAME" "DEPS" ${ARGN})
+  add_executable(${ARG_NAME} ${ARG_NAME}.cpp)
+  target_link_libraries(${ARG_NAME} PRIVATE facet_warnings)
+  target_link_options(${ARG_NAME} PRIVATE -fsanitize=fuzzer)
+  foreach(dep ${ARG_DEPS})
+    target_link_libraries(${ARG_NAME} PRIVATE facet::${dep})
+  endforeach()
 endfunction()

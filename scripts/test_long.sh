@@ -5,7 +5,8 @@
 #   headers   every header and source compiles alone, without precompiled headers          about 15 minutes on two cores
 #   asan      every test under the address and undefined-behaviour sanitizers              about 90
 #   tsan      what runs on two threads under the thread sanitizer                          about 20
-#   fuzz      every reader of files under libFuzzer, FUZZ_SECONDS in all (default 600)     about 15
+#   fuzz      readers of files, IMU streams and the estimator under libFuzzer, a fifth of
+#             FUZZ_SECONDS each (default 600)                                              about 25
 #   soak      flights of minutes: nothing lost, memory and time per frame stay level       about 15
 set -u
 cd "$(dirname "$0")/.."
@@ -42,21 +43,47 @@ tsan() {
     build-tsan/tests/threaded_vio_test && build-tsan/tests/run_sequence_test
 }
 
-fuzz() {
+# fuzz_build FOLDER BUILD_TYPE SANITIZERS TARGET...
+fuzz_build() {
+  folder=$1 type=$2 sanitizers=$3
+  shift 3
   clang=$(command -v clang++ clang++-14 clang++-19 | head -n 1)
   if [ -z "$clang" ]; then
     echo "no clang++: apt-get install clang libclang-rt-14-dev"
     return 1
   fi
-  seeds=$out/seeds found=$out/found
-  rm -rf "$seeds"
-  mkdir -p "$seeds" "$found"
-  cmake -S . -B build-fuzz -G Ninja -D CMAKE_CXX_COMPILER="$clang" -D CMAKE_BUILD_TYPE=RelWithDebInfo -D FACET_FUZZER=ON \
-    -D FACET_BUILD_BENCH=OFF -D FACET_PCH=OFF -D FACET_SANITIZE=address,undefined,fuzzer-no-link &&
-    cmake --build build-fuzz --target reader_fuzzer &&
-    build-fuzz/reader_fuzzer --write-seeds="$seeds" &&
-    build-fuzz/reader_fuzzer "$found" "$seeds" -max_total_time="${FUZZ_SECONDS:-600}" -max_len=20000 -timeout=20 \
-      -rss_limit_mb=4096 -artifact_prefix="$out/" -print_final_stats=1
+  cmake -S . -B "$folder" -G Ninja -D CMAKE_CXX_COMPILER="$clang" -D CMAKE_BUILD_TYPE="$type" -D FACET_FUZZER=ON \
+    -D CMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS -D FACET_BUILD_BENCH=OFF -D FACET_PCH=OFF -D FACET_SANITIZE="$sanitizers" &&
+    cmake --build "$folder" --target "$@"
+}
+
+# fuzz_target NAME SECONDS PROGRAM [ARGUMENT]...: from the good inputs and from what earlier runs found.
+fuzz_target() {
+  name=$1 seconds=$2 program=$3
+  shift 3
+  echo "-- $name, $seconds s"
+  rm -rf "$out/seeds/$name"
+  mkdir -p "$out/seeds/$name" "$out/found/$name"
+  "$program" --write-seeds="$out/seeds/$name" "$@" &&
+    "$program" "$out/found/$name" "$out/seeds/$name" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 \
+      -artifact_prefix="$out/$name-" -print_final_stats=1 "$@"
+}
+
+# The estimator is fifty times as slow under the sanitizers: the fuzzer looks for ways through it without them, then
+# every way that it found is taken once with them.
+fuzz() {
+  share=$((${FUZZ_SECONDS:-600} / 5))
+  text="config,camera,kalibr,image list,imu,trajectory,states,truth,planes,true planes,json"
+  fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \
+    reader_fuzzer imu_fuzzer estimator_fuzzer &&
+    fuzz_build build-fuzz-fast Release fuzzer-no-link,signed-integer-overflow,float-cast-overflow,bounds,shift \
+      estimator_fuzzer &&
+    fuzz_target text "$share" build-fuzz/reader_fuzzer -max_len=20000 "--only=$text" &&
+    fuzz_target ply "$share" build-fuzz/reader_fuzzer -max_len=4000 --only=ply &&
+    fuzz_target image "$share" build-fuzz/reader_fuzzer -max_len=4000 --only=image &&
+    fuzz_target imu "$share" build-fuzz/imu_fuzzer -max_len=200 &&
+    fuzz_target estimator "$share" build-fuzz-fast/estimator_fuzzer -max_len=80 &&
+    build-fuzz/estimator_fuzzer "$out/found/estimator" "$out/seeds/estimator" -runs=0 -timeout=60
 }
 
 soak() {

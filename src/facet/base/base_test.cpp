@@ -19,6 +19,22 @@ TEST(TypesTest, StampsKeepEveryNanosecond) {
   EXPECT_LT(t, later);
 }
 
+// Signed numbers that overflow are undefined behaviour, and files may hold any stamp.
+TEST(TypesTest, TimeStopsAtTheEndsOf64Bits) {
+  constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+  EXPECT_EQ((Timestamp{kMax} - Timestamp{kMin}).ns, kMax);
+  EXPECT_EQ((Timestamp{kMin} - Timestamp{kMax}).ns, kMin);
+  EXPECT_EQ((Timestamp{kMax} + Duration{1}).ns, kMax);
+  EXPECT_EQ((Timestamp{kMin} + Duration{-1}).ns, kMin);
+  EXPECT_EQ((Timestamp{kMin} - Duration{1}).ns, kMin);
+  EXPECT_EQ((Timestamp{-1} - Duration{kMin}).ns, kMax);
+  EXPECT_EQ((Duration{kMax} + Duration{kMax}).ns, kMax);
+  EXPECT_EQ(FromSeconds(1e300), FromSeconds(9.2e9));
+  EXPECT_EQ(FromSeconds(-1e300), FromSeconds(-9.2e9));
+  EXPECT_EQ(FromSeconds(std::nan("")).ns, 0);
+}
+
 TEST(TypesTest, IdsHashAndCompare) {
   std::unordered_set<LandmarkId> ids = {LandmarkId{3}, LandmarkId{3}, LandmarkId{4}};
   EXPECT_EQ(ids.size(), 2u);

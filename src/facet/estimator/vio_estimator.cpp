@@ -166,6 +166,7 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
   result.num_constraining = attempt.num_constraining;
   result.reason = std::move(attempt.reason);
   result.solve = attempt.solve;
+  if (attempt.has_failed) Forget();
   if (!attempt.has_started) return result;
   newest_covariance_ = attempt.covariance;
   const WindowFrame& newest = window_.frames.back();
@@ -267,6 +268,10 @@ void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
   // The newest one is what was lost.
   for (int i = 0; i < window_.newest_frame(); ++i)
     Report(window_.frames[i], finished);
+  Forget();
+}
+
+void VioEstimator::Forget() {
   std::optional<WindowCalibration> calibration = std::move(window_.calibration);
   window_ = SlidingWindow(rig_.T_BC[0]);
   if (calibration) window_.calibration = StartCalibration(rig_, options_.calibration);

@@ -68,6 +68,8 @@ class VioEstimator {
   void Shrink(std::vector<KeyframePose>& finished);
   /// Gives up the state; the next frame is the first one of another segment.
   void StartOver(std::vector<KeyframePose>& finished);
+  /// Everything but the segments.
+  void Forget();
   EstimatorResult Estimate(const FrameObservations& observations, StageTimes& times);
 
   StereoRig rig_;

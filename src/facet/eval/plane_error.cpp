@@ -7,14 +7,18 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "facet/eval/trajectory_error.h"
 #include "facet/geometry/angles.h"
+#include "facet/io/errors.h"
 
 namespace facet {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+// Each takes memory until the best are chosen. More are the same planes again and again.
+constexpr std::size_t kMaxPairs = 5'000'000;
 
 // An estimated plane in the frame of the truth.
 struct SupportedPlane {
@@ -47,10 +51,17 @@ struct TrueSurface {
   double seen_area_m2 = 0;        // of all
 };
 
+// Cheaper than the angle, and true wherever the angle between the lines is at most this.
+bool MayBeParallel(const Vector3d& a, const Vector3d& b, double max_angle_deg) {
+  constexpr double kRounding = 1e-9;
+  return std::abs(a.dot(b)) >= std::cos(max_angle_deg / kDegPerRad) - kRounding;
+}
+
 bool LiesFlatOn(const TruePlane& plane, const TruePlane& larger, const PlaneErrorOptions& options) {
   return larger.area_m2 >= options.min_flat_area_ratio * plane.area_m2 &&
-         AngleBetween(plane.n_G, larger.n_G) * kDegPerRad <= options.max_flat_angle_deg &&
-         std::abs(plane.d_G - larger.d_G) <= options.max_flat_offset_m;
+         std::abs(plane.d_G - larger.d_G) <= options.max_flat_offset_m &&
+         MayBeParallel(plane.n_G, larger.n_G, options.max_flat_angle_deg) &&
+         AngleBetween(plane.n_G, larger.n_G) * kDegPerRad <= options.max_flat_angle_deg;
 }
 
 // Groups the planes that were seen into surfaces, the largest first. Planes are compared with the
@@ -88,6 +99,7 @@ std::optional<Pair> Match(const SupportedPlane& estimate,
   if (estimate.area_m2 > options.max_area_ratio * surface.area_m2) return std::nullopt;
   std::optional<Pair> best;
   for (const TruePlane& plane : surface.planes) {
+    if (!MayBeParallel(estimate.n_G, plane.n_G, options.max_angle_deg)) continue;
     const Difference difference = Compare(estimate, plane);
     if (difference.angle_deg > options.max_angle_deg) continue;
     if (difference.offset_m > options.max_offset_m) continue;
@@ -107,6 +119,11 @@ std::vector<Pair> MatchingPairs(const std::vector<SupportedPlane>& estimates,
     for (std::size_t e = 0; e < estimates.size(); ++e) {
       std::optional<Pair> pair = Match(estimates[e], surfaces[s], options);
       if (!pair) continue;
+      if (pairs.size() == kMaxPairs) {
+        throw InputError("planes.csv: its " + std::to_string(estimates.size()) +
+                         " planes lie on true surfaces in more than " + std::to_string(kMaxPairs) +
+                         " ways; the list must hold each plane once");
+      }
       pair->surface = s;
       pair->estimate = e;
       pairs.push_back(*pair);

@@ -54,6 +54,38 @@ TEST(PlaneErrorTest, PerfectPlanes) {
   EXPECT_NEAR(*error.offset_error_m_median, 0, 1e-12);
 }
 
+// All are compared with all, so lists have to be of a size that a run can have.
+TEST(PlaneErrorTest, ManyPlanesTakeNoHoursAndNoGigabytes) {
+  std::vector<EstimatedPlane> planes;
+  std::vector<TruePlane> truth;
+  for (int i = 0; i < 3000; ++i) {
+    planes.push_back(Estimate({0, 0, 1}, {0, 0, 1e-6 * i}));
+    truth.push_back(True({1e-4 * i, 1, 1}, i, 1));
+  }
+  EXPECT_EQ(EvaluatePlanes(planes, truth, {}).num_matched, 0);
+  const std::vector<TruePlane> same(truth.size(), True({0, 0, 1}, 0, 1));
+  try {
+    EvaluatePlanes(planes, same, {});
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("must hold each plane once"));
+  }
+}
+
+TEST(PlaneErrorTest, ListsOfMoreThanAnyRunHasAreRefused) {
+  const TempFolder folder;
+  std::string text = "id,nx,ny,nz,d,cx,cy,cz,orientation,label,first,last,landmarks,area_m2\n";
+  for (int i = 0; i <= 20'000; ++i)
+    text += std::to_string(i) + ",0,0,1,0,0,0,0,horizontal,,1,2,10,1\n";
+  WriteText(folder / "planes.csv", text);
+  try {
+    ReadEstimatedPlanes(folder / "planes.csv");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("planes.csv:20002: more than 20000 planes"));
+  }
+}
+
 // A plane between a wall and the board that leans on it.
 TEST(PlaneErrorTest, WhatIsRoughlyThereIsNotClose) {
   const std::vector<TruePlane> truth = {True({1, 0, 0}, 3, 6)};

@@ -27,6 +27,18 @@ bool AreSameImage(const cv::Mat& a, const cv::Mat& b) {
   return true;
 }
 
+bool IsBlank(const cv::Mat& image) {
+  if (image.empty()) return false;
+  const std::uint8_t value = *image.ptr(0);
+  const std::size_t row_bytes = static_cast<std::size_t>(image.cols) * image.elemSize();
+  for (int row = 0; row < image.rows; ++row) {
+    const std::uint8_t* begin = image.ptr(row);
+    if (!std::all_of(begin, begin + row_bytes, [=](std::uint8_t v) { return v == value; }))
+      return false;
+  }
+  return true;
+}
+
 bool RepeatedImage::Add(const cv::Mat& image, const Motion& motion) {
   is_same_ = AreSameImage(newest_, image);
   newest_ = image;

@@ -14,6 +14,9 @@ namespace facet {
 /// noise shows in the first row.
 bool AreSameImage(const cv::Mat& a, const cv::Mat& b);
 
+/// Whether all pixels have the same value. Costs next to nothing for others.
+bool IsBlank(const cv::Mat& image);
+
 /// The left camera. At rest an image may come again and again (clean or compressed images do), so
 /// it counts as repeated only if the camera has moved since it first came, or if it is one of the
 /// first few after images that differed. Not thread-safe. References the pixels of the newest

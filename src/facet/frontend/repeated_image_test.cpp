@@ -41,6 +41,16 @@ TEST(AreSameImageTest, ComparesPixelsAndSize) {
   EXPECT_TRUE(AreSameImage(a, large(cv::Rect(5, 5, 64, 48))));
 }
 
+TEST(IsBlankTest, LooksAtEveryPixel) {
+  cv::Mat image(48, 64, CV_8UC1, 90.0);
+  EXPECT_TRUE(IsBlank(image));
+  EXPECT_TRUE(IsBlank(image(cv::Rect(5, 5, 20, 10))));
+  image.at<std::uint8_t>(47, 63) = 91;
+  EXPECT_FALSE(IsBlank(image));
+  EXPECT_FALSE(IsBlank(Noise(1)));
+  EXPECT_FALSE(IsBlank({}));
+}
+
 TEST(RepeatedImageTest, AnImageThatComesAgainWhileTheCameraTurns) {
   RepeatedImage watch(kFocal_px);
   EXPECT_FALSE(watch.Add(Noise(1), Turn(0)));

@@ -232,8 +232,10 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
   TakeHint(hint);
   result.image_ok = IsUsable(frame.left, rig.cameras[0]);
   if (!result.image_ok) return result;
-  result.is_repeated = IsRepeated(frame, hint, interval_s);
-  if (result.is_repeated) return result;
+  result.is_blank = IsBlank(frame.left);
+  const bool is_repeated = IsRepeated(frame, hint, interval_s);
+  result.is_repeated = is_repeated && !result.is_blank;
+  if (is_repeated) return result;
   stereo.Clear();
   {
     const ScopedStage stage(times, Stage::kTrack);

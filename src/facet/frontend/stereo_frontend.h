@@ -66,6 +66,9 @@ struct FrontendResult {
   bool image_ok = true;      ///< false: no left image, or one of the wrong size or type
   /// The left image is the previous one although the camera has moved: it was not used.
   bool is_repeated = false;
+  /// The left image has one grey value everywhere (lens covered, no light, exposure). Such a one is
+  /// not called repeated, but is not used either where it is.
+  bool is_blank = false;
   bool in_order = true;  ///< false: the stamp is not after the newest one; nothing was done
 };
 

@@ -300,6 +300,32 @@ TEST_F(FrontendTest, ABlackOrWhiteImageLosesEverythingQuietly) {
   EXPECT_GT(result.observations.features.size(), 40U);
 }
 
+// A covered lens is no frozen camera.
+TEST_F(FrontendTest, BlackImagesAreBlankAndNotRepeated) {
+  StereoFrontend frontend(rig_, Options());
+  StageTimes times;
+  FrontendHint turning;
+  turning.R_prev_now = ExpSO3(Vector3d(0, 0.05, 0));
+  turning.is_motion_known = true;
+  StereoFrame frame = FrameAt(0);
+  EXPECT_FALSE(frontend.Process(frame, {}, times).is_blank);
+  for (int i = 0; i < 4; ++i) {
+    frame.t = frame.t + FromSeconds(kFrameInterval);
+    frame.left = frame.right = cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(0));
+    const FrontendResult result = frontend.Process(frame, turning, times);
+    EXPECT_TRUE(result.is_blank);
+    EXPECT_FALSE(result.is_repeated);
+    EXPECT_TRUE(result.observations.features.empty());
+  }
+  frame = FrameAt(1);
+  frame.t = frame.t + FromSeconds(1);
+  frontend.Process(frame, turning, times);
+  frame.t = frame.t + FromSeconds(kFrameInterval);
+  const FrontendResult frozen = frontend.Process(frame, turning, times);
+  EXPECT_TRUE(frozen.is_repeated);
+  EXPECT_FALSE(frozen.is_blank);
+}
+
 TEST_F(FrontendTest, FindsTracksInSpiteOfAWrongRotationHint) {
   StereoFrontend frontend(rig_, Options());
   StageTimes times;

@@ -205,11 +205,11 @@ void AslDataset::RequireReadablePair() {
 
 void AslDataset::ReadImage(int camera, const std::string& file, cv::Mat& image) {
   const fs::path path = DataFolder(camera) / file;
-  reader_.Read(path, image);
   const CameraModel& model = rig().cameras[camera];
-  if (image.cols != model.width() || image.rows != model.height()) {
-    throw WrongSizeError(path.string() + ": the image has " + std::to_string(image.cols) + " x " +
-                         std::to_string(image.rows) + " pixels, the calibration of cam" +
+  const cv::Size size = reader_.ReadOfSize(path, {model.width(), model.height()}, image);
+  if (size.width != model.width() || size.height != model.height()) {
+    throw WrongSizeError(path.string() + ": the image has " + std::to_string(size.width) + " x " +
+                         std::to_string(size.height) + " pixels, the calibration of cam" +
                          std::to_string(camera) + " has " + std::to_string(model.width()) + " x " +
                          std::to_string(model.height()) +
                          "; scale the one or recalibrate the other");

@@ -19,7 +19,7 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A result could not be written (exit code 1).
+/// A result could not be written: disk full, no permission (exit code 5).
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

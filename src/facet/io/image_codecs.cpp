@@ -20,6 +20,7 @@ namespace facet {
 namespace {
 
 constexpr std::int64_t kMaxSide = 16384;
+constexpr std::int64_t kMaxPixels = 64 << 20;
 constexpr std::size_t kMaxMessage = 256;
 
 // ------------------------------------------------------------------------------------------ PNG
@@ -165,10 +166,10 @@ class JpegDecoder {
   JpegDecoder& operator=(const JpegDecoder&) = delete;
   ~JpegDecoder() { jpeg_destroy_decompress(&jpeg_); }
 
-  void Decode(Bytes file, cv::Mat& image) {
+  void Decode(Bytes file, GreyTarget& target) {
     if (!ReadJpegHeader(jpeg_, errors_, file)) Fail();
-    PrepareGrey(jpeg_.image_width, jpeg_.image_height, image);
-    if (!ReadJpegRows(jpeg_, errors_, image)) Fail();
+    if (!PrepareGrey(jpeg_.image_width, jpeg_.image_height, target)) return;
+    if (!ReadJpegRows(jpeg_, errors_, target.image)) Fail();
   }
 
  private:
@@ -181,14 +182,20 @@ class JpegDecoder {
 
 }  // namespace
 
-void PrepareGrey(std::int64_t width, std::int64_t height, cv::Mat& image) {
-  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
+bool PrepareGrey(std::int64_t width, std::int64_t height, GreyTarget& target) {
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide ||
+      width * height > kMaxPixels) {
     throw InputError("image size " + std::to_string(width) + " x " + std::to_string(height) +
-                     " is not usable (1 to " + std::to_string(kMaxSide) + " pixels)");
+                     " is not usable (1 to " + std::to_string(kMaxSide) + " pixels a side, " +
+                     std::to_string(kMaxPixels >> 20) + " megapixels at most)");
   }
+  target.found = cv::Size(static_cast<int>(width), static_cast<int>(height));
+  if (!target.wanted.empty() && target.found != target.wanted) return false;
+  cv::Mat& image = target.image;
   const bool is_shared = image.u != nullptr && image.u->refcount > 1;
   if (is_shared || !image.isContinuous()) image.release();
-  image.create(static_cast<int>(height), static_cast<int>(width), CV_8UC1);
+  image.create(target.found, CV_8UC1);
+  return true;
 }
 
 void ColourRowToGrey(const std::uint8_t* row,
@@ -201,10 +208,11 @@ void ColourRowToGrey(const std::uint8_t* row,
   }
 }
 
-void DecodePng(Bytes file, std::vector<std::uint8_t>& colour, cv::Mat& image) {
+void DecodePng(Bytes file, std::vector<std::uint8_t>& colour, GreyTarget& target) {
   PngDecoder decoder(file);
   const PngHeader header = decoder.Header();
-  PrepareGrey(header.width, header.height, image);
+  if (!PrepareGrey(header.width, header.height, target)) return;
+  cv::Mat& image = target.image;
   const bool is_grey = header.channels == 1;
   const std::size_t row_bytes =
       std::size_t{header.width} * static_cast<std::size_t>(header.channels);
@@ -220,17 +228,18 @@ void DecodePng(Bytes file, std::vector<std::uint8_t>& colour, cv::Mat& image) {
   }
 }
 
-void DecodeJpeg(Bytes file, cv::Mat& image) {
-  JpegDecoder().Decode(file, image);
+void DecodeJpeg(Bytes file, GreyTarget& target) {
+  JpegDecoder().Decode(file, target);
 }
 
-void DecodeWebp(Bytes file, std::vector<std::uint8_t>& colour, cv::Mat& image) {
+void DecodeWebp(Bytes file, std::vector<std::uint8_t>& colour, GreyTarget& target) {
   WebPBitstreamFeatures features;
   const VP8StatusCode status = WebPGetFeatures(file.data(), file.size(), &features);
   if (status == VP8_STATUS_NOT_ENOUGH_DATA) throw InputError("truncated WebP");
   if (status != VP8_STATUS_OK) throw InputError("damaged WebP header");
   if (features.has_animation != 0) throw InputError("animated WebP; a single image is expected");
-  PrepareGrey(features.width, features.height, image);
+  if (!PrepareGrey(features.width, features.height, target)) return;
+  cv::Mat& image = target.image;
   const int stride = 4 * features.width;
   colour.resize(static_cast<std::size_t>(stride) * static_cast<std::size_t>(features.height));
   if (WebPDecodeBGRAInto(file.data(), file.size(), colour.data(), colour.size(), stride) ==

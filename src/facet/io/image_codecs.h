@@ -13,9 +13,18 @@ namespace facet {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Gives `image` this size and 8-bit grey; keeps its memory if it fits and nobody else uses it.
-/// Throws InputError for sizes outside of 1..16384.
-void PrepareGrey(std::int64_t width, std::int64_t height, cv::Mat& image);
+/// Where an image goes.
+struct GreyTarget {
+  cv::Mat& image;
+  cv::Size wanted;   ///< empty: any size
+  cv::Size found{};  ///< by the file's header
+};
+
+/// What the header says, before memory is taken: false where the size is not the wanted one, and
+/// nothing is to be decoded. Otherwise gives the image this size and 8-bit grey; keeps its memory
+/// if it fits and nobody else uses it. Throws InputError for sides outside of 1..16384 and for more
+/// than 64 megapixels.
+bool PrepareGrey(std::int64_t width, std::int64_t height, GreyTarget& target);
 
 /// Luma of 8-bit interleaved pixels; equal channels give exactly that value.
 /// `red`, `green`, `blue` are offsets within a pixel of `stride` bytes.
@@ -28,9 +37,9 @@ void ColourRowToGrey(const std::uint8_t* row,
                      std::uint8_t* grey);
 
 /// `colour` is scratch memory, kept for the next image.
-void DecodePng(Bytes file, std::vector<std::uint8_t>& colour, cv::Mat& image);
-void DecodeJpeg(Bytes file, cv::Mat& image);
-void DecodeWebp(Bytes file, std::vector<std::uint8_t>& colour, cv::Mat& image);
-void DecodePgm(Bytes file, cv::Mat& image);
+void DecodePng(Bytes file, std::vector<std::uint8_t>& colour, GreyTarget& target);
+void DecodeJpeg(Bytes file, GreyTarget& target);
+void DecodeWebp(Bytes file, std::vector<std::uint8_t>& colour, GreyTarget& target);
+void DecodePgm(Bytes file, GreyTarget& target);
 
 }  // namespace facet

@@ -45,16 +45,16 @@ bool HasMagic(Bytes bytes, std::size_t offset, std::string_view magic) {
                    "); convert it to PNG");
 }
 
-void Decode(Bytes bytes, std::vector<std::uint8_t>& colour, cv::Mat& image) {
+void Decode(Bytes bytes, std::vector<std::uint8_t>& colour, GreyTarget& target) {
   using std::string_view_literals::operator""sv;
   if (HasMagic(bytes, 0, "\x89PNG\r\n\x1A\n"sv)) {
-    DecodePng(bytes, colour, image);
+    DecodePng(bytes, colour, target);
   } else if (HasMagic(bytes, 0, "\xFF\xD8\xFF"sv)) {
-    DecodeJpeg(bytes, image);
+    DecodeJpeg(bytes, target);
   } else if (HasMagic(bytes, 0, "RIFF"sv) && HasMagic(bytes, 8, "WEBP"sv)) {
-    DecodeWebp(bytes, colour, image);
+    DecodeWebp(bytes, colour, target);
   } else if (HasMagic(bytes, 0, "P5"sv) || HasMagic(bytes, 0, "P2"sv)) {
-    DecodePgm(bytes, image);
+    DecodePgm(bytes, target);
   } else {
     ThrowUnknownFormat(bytes);
   }
@@ -63,12 +63,20 @@ void Decode(Bytes bytes, std::vector<std::uint8_t>& colour, cv::Mat& image) {
 }  // namespace
 
 void ImageReader::Read(const std::filesystem::path& file, cv::Mat& image) {
+  ReadOfSize(file, cv::Size(), image);
+}
+
+cv::Size ImageReader::ReadOfSize(const std::filesystem::path& file,
+                                 const cv::Size& size,
+                                 cv::Mat& image) {
+  GreyTarget target{image, size};
   try {
     ReadFile(file, bytes_);
-    Decode(bytes_, colour_, image);
+    Decode(bytes_, colour_, target);
   } catch (const InputError& error) {
     throw InputError(file.string() + ": " + error.what());
   }
+  return target.found;
 }
 
 }  // namespace facet

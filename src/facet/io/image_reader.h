@@ -19,8 +19,12 @@ class ImageReader {
   ///
   /// The pixels of `image` are overwritten in place if the size fits and no other cv::Mat shares
   /// them. Throws InputError naming the file when it is missing, truncated, damaged or of another
-  /// format; `image` then has undefined content.
+  /// format, or has more than 64 megapixels; `image` then has undefined content.
   void Read(const std::filesystem::path& file, cv::Mat& image);
+
+  /// The same for an image that must have a certain size. Returns the size that the file's header
+  /// says. If that is another one, nothing is decoded and `image` stays as it is.
+  cv::Size ReadOfSize(const std::filesystem::path& file, const cv::Size& size, cv::Mat& image);
 
  private:
   std::vector<std::uint8_t> bytes_;

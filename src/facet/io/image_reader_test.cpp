@@ -194,6 +194,63 @@ TEST(ImageReaderTest, ErrorsNameTheFileAndTheReason) {
   EXPECT_THROW(ImageReader().Read("/nonexistent.png", image), InputError);
 }
 
+std::string BigEndian(std::uint32_t value, int num_bytes) {
+  std::string bytes;
+  for (int i = num_bytes - 1; i >= 0; --i)
+    bytes += static_cast<char>(value >> 8 * i & 0xff);
+  return bytes;
+}
+
+std::uint32_t Crc32(std::string_view bytes) {
+  std::uint32_t crc = 0xffffffff;
+  for (const char c : bytes) {
+    crc ^= static_cast<std::uint8_t>(c);
+    for (int bit = 0; bit < 8; ++bit)
+      crc = crc >> 1 ^ ((crc & 1) != 0 ? 0xedb88320 : 0);
+  }
+  return ~crc;
+}
+
+// Small files whose headers promise a square image with sides of `size` pixels.
+std::vector<std::string> HeadersOfSize(std::uint32_t size) {
+  TestImage colour = RandomImage(3, 255);
+  std::string png = EncodePng(colour);
+  png.replace(16, 8, BigEndian(size, 4) + BigEndian(size, 4));
+  png.replace(29, 4, BigEndian(Crc32(std::string_view(png).substr(12, 17)), 4));
+  std::string jpeg = EncodeJpeg(colour, 80);
+  jpeg.replace(jpeg.find("\xFF\xC0") + 5, 4, BigEndian(size, 2) + BigEndian(size, 2));
+  std::string webp = EncodeWebpLossless(colour);
+  const std::size_t vp8l = webp.find("VP8L") + 9;
+  const std::uint32_t alpha_and_version = static_cast<std::uint8_t>(webp[vp8l + 3]) & 0xf0u;
+  const std::uint32_t sides = (size - 1) | (size - 1) << 14 | alpha_and_version << 24;
+  for (std::size_t i = 0; i < 4; ++i)
+    webp[vp8l + i] = static_cast<char>(sides >> 8 * i & 0xff);
+  const std::string side = std::to_string(size);
+  return {png,
+          jpeg,
+          webp,
+          "P5\n" + side + " " + side + "\n255\n123",
+          "P2 " + side + " " + side + " 15 3"};
+}
+
+TEST(ImageReaderTest, ImmenseImagesAreRefusedByTheirHeader) {
+  for (const std::string& image : HeadersOfSize(16000))
+    EXPECT_THAT(ErrorOf(image), HasSubstr("image size 16000 x 16000 is not usable"));
+}
+
+TEST(ImageReaderTest, AnImageOfAnotherSizeIsNotDecoded) {
+  const TempFolder folder;
+  for (const std::string& content : HeadersOfSize(4000)) {
+    WriteText(folder / "image", content);
+    cv::Mat image(2, 3, CV_8UC1, 7.0);
+    const cv::Size size = ImageReader().ReadOfSize(folder / "image", {3, 2}, image);
+    EXPECT_EQ(size, cv::Size(4000, 4000));
+    EXPECT_EQ(image.size(), cv::Size(3, 2)) << "it was decoded";
+    // Of the right size, what follows the header counts, and is damaged.
+    EXPECT_THROW(ImageReader().ReadOfSize(folder / "image", size, image), InputError);
+  }
+}
+
 TEST(ImageReaderTest, ReusesTheBufferUnlessItIsShared) {
   TempFolder folder;
   WriteText(folder / "a", EncodePng(RandomImage(1, 255)));

@@ -64,14 +64,15 @@ std::uint8_t ScaleTo8Bits(int value, int max_value) {
 
 }  // namespace
 
-void DecodePgm(Bytes file, cv::Mat& image) {
+void DecodePgm(Bytes file, GreyTarget& target) {
   const bool is_text = file[1] == '2';
   PgmText text(file);
   const int width = text.Number();
   const int height = text.Number();
   const int max_value = text.Number();
   if (max_value < 1 || max_value > 65535) throw InputError("damaged PGM: impossible maximum");
-  PrepareGrey(width, height, image);
+  if (!PrepareGrey(width, height, target)) return;
+  cv::Mat& image = target.image;
   const Bytes pixels = is_text ? Bytes() : text.Rest();
   const std::size_t depth = max_value > 255 ? 2 : 1;
   if (!is_text && pixels.size() < depth * image.total()) throw InputError("truncated PGM");

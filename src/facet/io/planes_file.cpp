@@ -14,6 +14,14 @@ namespace facet {
 namespace {
 
 constexpr double kMaxNormError = 0.01;
+// Runs have some hundreds. All estimated planes are compared with all true ones.
+constexpr std::size_t kMaxPlanes = 20'000;
+
+void RequireFewer(const CsvReader& row, std::size_t num_planes) {
+  if (num_planes < kMaxPlanes) return;
+  throw InputError(row.Where() + ": more than " + std::to_string(kMaxPlanes) +
+                   " planes, which no run or scene has; is this another file, or repeated?");
+}
 
 double Number(const CsvReader& row, std::size_t column, const char* name) {
   if (column >= row.fields().size()) {
@@ -71,6 +79,7 @@ std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& fil
   std::vector<EstimatedPlane> planes;
   CsvReader row(file);
   while (row.Next()) {
+    RequireFewer(row, planes.size());
     EstimatedPlane plane;
     plane.id = IdOf(row);
     std::tie(plane.n_W, plane.d_W) = NormalAndDistance(row);
@@ -92,6 +101,7 @@ std::vector<TruePlane> ReadTruePlanes(const std::filesystem::path& file) {
   std::vector<TruePlane> planes;
   CsvReader row(file);
   while (row.Next()) {
+    RequireFewer(row, planes.size());
     TruePlane plane;
     std::tie(plane.n_G, plane.d_G) = NormalAndDistance(row);
     plane.area_m2 = Number(row, 5, "area");

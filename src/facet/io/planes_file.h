@@ -32,7 +32,8 @@ struct TruePlane {
 /// planes.csv of `facet run`: columns id, nx, ny, nz, d, cx, cy, cz, orientation, label,
 /// first_seen_ns, last_seen_ns, landmarks, area_m2, ... A file with nothing but the header is an
 /// answer: no plane was found. Throws InputError with file and line for missing columns, numbers
-/// that are not finite, normals that are not of unit norm (within 1 %), and an empty file.
+/// that are not finite, normals that are not of unit norm (within 1 %), more than 20 000 planes,
+/// and an empty file.
 std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& file);
 
 /// Columns by position: plane, nx, ny, nz, d, area, seen area, label, ... A file with nothing but

@@ -160,10 +160,15 @@ class HeaderParser {
 
   void ParseElement(std::istream& words) {
     Element element;
-    std::int64_t count = -1;
-    words >> element.name >> count;
-    if (element.name.empty() || count < 0) Fail("'element NAME COUNT' is expected");
-    element.count = static_cast<std::size_t>(count);
+    std::string count_text, more;
+    words >> element.name >> count_text >> more;
+    // Digits only: "1e9" must not be read as 1.
+    const char* end = count_text.data() + count_text.size();
+    const auto [stop, error] = std::from_chars(count_text.data(), end, element.count);
+    if (element.name.empty() || error != std::errc() || stop != end || !more.empty()) {
+      Fail("'element NAME COUNT' is expected, with a whole number in digits, not 'element " +
+           element.name + " " + count_text + (more.empty() ? "" : " " + more) + "'");
+    }
     header_.elements.push_back(std::move(element));
   }
 
@@ -277,6 +282,10 @@ class MeshReader {
     for (const Element& element : header.elements) {
       if (element.name == "vertex") num_vertices_ = element.count;
     }
+    if (num_vertices_ > kMaxVertices) {
+      throw InputError(file + ": " + std::to_string(num_vertices_) + " vertices; at most " +
+                       std::to_string(kMaxVertices) + " can be read");
+    }
   }
 
   void Read(const Element& element) {
@@ -329,7 +338,7 @@ class MeshReader {
       values_.Fail("a list of impossible length");
     }
     const bool is_face = property.name == "vertex_indices" || property.name == "vertex_index";
-    for (int k = 0; k < static_cast<int>(count); ++k) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
       const double value = values_.Next(property.type);
       if (is_face) list_.push_back(value);
     }
@@ -346,23 +355,35 @@ class MeshReader {
   }
 
   static std::uint8_t Byte(double value) {
-    return static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0));
+    // The comparison is false for NaN.
+    return static_cast<std::uint8_t>(value > 0 ? std::min(value, 255.0) : 0.0);
   }
 
   void AddFace() {
     for (double index : list_) {
-      if (!(index >= 0) || index >= static_cast<double>(num_vertices_)) {
+      if (!(index >= 0) || index >= static_cast<double>(num_vertices_) ||
+          index != std::floor(index)) {
         values_.Fail("has a vertex that does not exist; the file has " +
                      std::to_string(num_vertices_));
       }
     }
-    const int plane_id = has_plane_ids_ ? static_cast<int>(slot_values_[kPlaneId]) : -1;
+    const int plane_id = has_plane_ids_ ? PlaneId() : -1;
     for (std::size_t k = 2; k < list_.size(); ++k) {
       mesh_.faces.push_back(
           {static_cast<int>(list_[0]), static_cast<int>(list_[k - 1]), static_cast<int>(list_[k])});
       if (has_plane_ids_) mesh_.plane_ids.push_back(plane_id);
     }
   }
+
+  int PlaneId() const {
+    const double id = slot_values_[kPlaneId];
+    constexpr double kMost = std::numeric_limits<int>::max();
+    if (!(id >= -kMost && id <= kMost)) values_.Fail("the plane_id is no whole number");
+    return static_cast<int>(id);
+  }
+
+  // Faces name them by int.
+  static constexpr std::size_t kMaxVertices = std::numeric_limits<int>::max();
 
   Values values_;
   TriangleMesh mesh_;

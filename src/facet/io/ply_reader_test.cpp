@@ -110,6 +110,42 @@ TEST_F(PlyReaderTest, NamesFileAndLineOfWhatIsWrong) {
   EXPECT_THAT(MessageOf(changed("vertex 4", "vertex 4000000000000")), HasSubstr("a.ply"));
 }
 
+// Read as far as they look like numbers, "1e9" faces would be one.
+TEST_F(PlyReaderTest, CountsAreWholeNumbersInDigits) {
+  const auto with_faces = [](const std::string& count) {
+    std::string text = kAscii;
+    const std::string from = "element face 1";
+    return text.replace(text.find(from), from.size(), "element face" + count);
+  };
+  for (const char* count :
+       {" 1e9", " 1.0", " -1", " +1", " 0x1", " 1 2", " one", "", " 99999999999999999999"})
+    EXPECT_THAT(MessageOf(with_faces(count)), HasSubstr("a.ply:9: 'element NAME COUNT'")) << count;
+  EXPECT_EQ(MessageOf(with_faces(" 1")), "accepted");
+  EXPECT_THAT(MessageOf(with_faces(" 4000000000000")),
+              HasSubstr("a.ply:17: face 1: the file ends"));
+}
+
+TEST_F(PlyReaderTest, NumbersThatDoNotFitTheirType) {
+  const std::string faces_first =
+      "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\n"
+      "element vertex 4000000000000\nproperty float x\nproperty float y\nproperty float z\n"
+      "end_header\n3 0 1 3999999999999\n0 0 0\n";
+  EXPECT_THAT(MessageOf(faces_first), HasSubstr("a.ply: 4000000000000 vertices; at most"));
+  const auto with_plane = [](const std::string& vertex, const std::string& id) {
+    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+           "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+           "element face 1\nproperty list uchar int vertex_index\nproperty int plane_id\n"
+           "end_header\n0 0 0 nan -5 1e300\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 " +
+           vertex + " " + id + "\n";
+  };
+  EXPECT_THAT(MessageOf(with_plane("2", "1e300")), HasSubstr("plane_id"));
+  EXPECT_THAT(MessageOf(with_plane("2", "nan")), HasSubstr("plane_id"));
+  EXPECT_THAT(MessageOf(with_plane("1.5", "3")), HasSubstr("a vertex that does not exist"));
+  const TriangleMesh mesh = Read(with_plane("2", "3"));
+  EXPECT_EQ(mesh.plane_ids, std::vector<int>{3});
+  EXPECT_THAT(mesh.colours.front(), ::testing::ElementsAre(0, 0, 255));
+}
+
 TEST_F(PlyReaderTest, TruncatedBinaryFile) {
   WritePlyMesh(folder_ / "b.ply", Tetrahedron());
   const std::string content = ReadText(folder_ / "b.ply");

@@ -5,21 +5,16 @@
 #include "facet/testing/io/reader_fuzz.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/testing/fuzz_corpus.h"
 #include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {
-
-int NumRuns() {
-  const char* text = std::getenv("FACET_FUZZ_RUNS");  // NOLINT(concurrency-mt-unsafe)
-  return text == nullptr ? 1000 : std::atoi(text);
-}
 
 std::size_t Place(const std::string& text, Rng& rng) {
   return static_cast<std::size_t>(rng.Index(static_cast<int>(text.size()) + 1));
@@ -69,8 +64,7 @@ TEST(ReaderFuzzTest, GoodFilesAreTaken) {
 }
 
 TEST(ReaderFuzzTest, DamagedFilesAreTakenOrComplainedAbout) {
-  const int num_runs = NumRuns();
-  ASSERT_GT(num_runs, 0) << "FACET_FUZZ_RUNS";
+  const int num_runs = testing::NumFuzzRuns(1000);
   for (const FuzzedReader& reader : FuzzedReaders()) {
     const TempFolder folder;
     int num_rejected = 0;

@@ -2,11 +2,14 @@
 #include "facet/io/result_folder.h"
 
 #include <cerrno>
+#include <cstring>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <stdio.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include "facet/io/errors.h"
@@ -28,7 +31,35 @@ void CheckReplaceable(const fs::path& target) {
                     ": exists and is not a result of Facet (no summary.json); choose another name");
 }
 
+// Hidden, and with the number of the process: two may write the same result, the last one wins.
+std::string StagingStem(const fs::path& target) {
+  std::string name = ".";
+  name += target.filename().string();
+  return name + ".partial-";
+}
+
+bool IsNumber(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+// What follows the name of a result that could not be exchanged but had to make room.
+constexpr const char* kOld = "-old";
+
 }  // namespace
+
+bool ResultFolder::Lock::Take(const fs::path& folder) {
+  Release();
+  descriptor_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor_ < 0) return false;
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
+  Release();
+  return false;
+}
+
+void ResultFolder::Lock::Release() {
+  if (descriptor_ >= 0) close(descriptor_);
+  descriptor_ = -1;
+}
 
 ResultFolder::ResultFolder(const fs::path& target) {
   std::error_code error;
@@ -36,17 +67,52 @@ ResultFolder::ResultFolder(const fs::path& target) {
   if (error) target_ = fs::absolute(target);
   if (!target_.has_filename()) target_ = target_.parent_path();
   CheckReplaceable(target_);
-  std::string name = ".";
-  name += target_.filename().string();
-  name += ".partial-" + std::to_string(getpid());
-  const fs::path staging = target_.parent_path() / name;
+  RemoveLeftOvers();
+  CreateStaging(target);
+}
+
+void ResultFolder::CreateStaging(const fs::path& named) {
+  const fs::path staging =
+      target_.parent_path() / (StagingStem(target_) + std::to_string(getpid()));
+  std::error_code error;
   fs::create_directories(target_.parent_path(), error);
-  if (!error) fs::remove_all(staging, error);
-  if (!error) fs::create_directory(staging, error);
+  // A process that begins at the same time may take it for a left-over before it is locked.
+  constexpr int kMaxTries = 5;
+  for (int i = 0; i < kMaxTries && !error; ++i) {
+    fs::remove_all(staging, error);
+    if (!error) fs::create_directory(staging, error);
+    if (!error && (lock_.Take(staging) || i + 1 == kMaxTries) && fs::exists(staging)) break;
+  }
   if (error) {
-    throw ConfigError("--out " + target.string() + ": cannot be created: " + error.message());
+    throw ConfigError("--out " + named.string() + ": cannot be created: " + error.message());
   }
   staging_ = staging;
+}
+
+// Whoever was killed could not remove what it had written.
+void ResultFolder::RemoveLeftOvers() const {
+  const std::string stem = StagingStem(target_);
+  std::error_code error;
+  std::vector<std::string> numbers;
+  for (const fs::directory_entry& entry : fs::directory_iterator(target_.parent_path(), error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(stem)) numbers.push_back(name.substr(stem.size()));
+  }
+  for (std::string number : numbers) {
+    const fs::path left_over = target_.parent_path() / (stem + number);
+    const bool is_old = number.ends_with(kOld);
+    if (is_old) number.resize(number.size() - std::strlen(kOld));
+    if (!IsNumber(number)) continue;
+    const fs::path staging = target_.parent_path() / (stem + number);
+    Lock lock;
+    if (fs::exists(staging, error) && !lock.Take(staging)) continue;
+    // Killed between two renames: the old result is still the only one.
+    if (is_old && !fs::exists(target_, error)) {
+      fs::rename(left_over, target_, error);
+    } else {
+      fs::remove_all(left_over, error);
+    }
+  }
 }
 
 ResultFolder::~ResultFolder() {
@@ -75,7 +141,7 @@ void ResultFolder::ExchangeWithTarget() {
   std::error_code error(errno, std::generic_category());
   if (error.value() == EINVAL || error.value() == ENOSYS) {
     // A file system that cannot exchange: the target is absent for a moment.
-    const fs::path old = staging_.string() + "-old";
+    const fs::path old = staging_.string() + kOld;
     fs::rename(target_, old, error);
     if (!error) {
       fs::rename(staging_, target_, error);

@@ -10,9 +10,10 @@ namespace facet {
 /// step.
 class ResultFolder {
  public:
-  /// Creates the sibling (and the parent folders). Throws ConfigError when that is impossible, or
-  /// when the target exists and is neither an earlier result (it has a summary.json) nor an empty
-  /// folder: nobody's other files are ever deleted.
+  /// Creates the sibling (and the parent folders), and removes those that dead processes left
+  /// behind for the same target; live ones hold a lock on theirs. Throws ConfigError when that is
+  /// impossible, or when the target exists and is neither an earlier result (it has a summary.json)
+  /// nor an empty folder: nobody's other files are ever deleted.
   explicit ResultFolder(const std::filesystem::path& target);
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
@@ -27,10 +28,28 @@ class ResultFolder {
   void Commit();
 
  private:
+  /// An open folder that is locked until it is closed, or the process ends in whatever way.
+  class Lock {
+   public:
+    Lock() = default;
+    Lock(const Lock&) = delete;
+    Lock& operator=(const Lock&) = delete;
+    ~Lock() { Release(); }
+    /// False if another process has it, or there is no such folder.
+    bool Take(const std::filesystem::path& folder);
+    void Release();
+
+   private:
+    int descriptor_ = -1;
+  };
+
+  void RemoveLeftOvers() const;
+  void CreateStaging(const std::filesystem::path& named);
   void ExchangeWithTarget();
 
   std::filesystem::path target_;
   std::filesystem::path staging_;
+  Lock lock_;  ///< on the staging folder
 };
 
 }  // namespace facet

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/io/result_writer.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "facet/io/errors.h"
 #include "facet/io/planes_file.h"
@@ -194,6 +197,46 @@ TEST(ResultFolderTest, ReplacesAnEarlierResultAsAWhole) {
   EXPECT_EQ(NamesIn(folder.path()), std::vector<std::string>{"run"});
   EXPECT_EQ(NamesIn(folder / "run"), std::vector<std::string>{"summary.json"});
   EXPECT_EQ(ReadText(folder / "run/summary.json"), "new");
+}
+
+// A process that is killed leaves its unfinished folder behind.
+TEST(ResultFolderTest, RemovesWhatDeadProcessesLeftBehind) {
+  TempFolder folder;
+  WriteText(folder / ".run.partial-123/meshes/1.ply", "half");
+  WriteText(folder / ".run.partial-124-old/summary.json", "old");
+  WriteText(folder / "run/summary.json", "newer");
+  // These belong to somebody else.
+  WriteText(folder / ".run.partial-mine/notes", "text");
+  WriteText(folder / ".run2.partial-123/summary.json", "half");
+  {
+    ResultFolder alive(folder / "run"), other(folder / "run2");
+    EXPECT_FALSE(std::filesystem::exists(folder / ".run2.partial-123"));
+    EXPECT_TRUE(std::filesystem::exists(alive.staging()));
+  }
+  EXPECT_EQ(NamesIn(folder.path()), (std::vector<std::string>{".run.partial-mine", "run"}));
+  EXPECT_EQ(ReadText(folder / "run/summary.json"), "newer");
+}
+
+TEST(ResultFolderTest, LeavesAloneWhatALiveProcessWrites) {
+  TempFolder folder;
+  const std::filesystem::path live = folder / ".run.partial-1";
+  WriteText(live / "summary.json", "half");
+  const int descriptor = open(live.c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(flock(descriptor, LOCK_EX), 0);
+  { ResultFolder result(folder / "run"); }
+  EXPECT_TRUE(std::filesystem::exists(live));
+  close(descriptor);
+  { ResultFolder result(folder / "run"); }
+  EXPECT_FALSE(std::filesystem::exists(live));
+}
+
+TEST(ResultFolderTest, AResultThatHadToMakeRoomComesBack) {
+  TempFolder folder;
+  WriteText(folder / ".run.partial-123/trajectory.tum", "half");
+  WriteText(folder / ".run.partial-123-old/summary.json", "old");
+  { ResultFolder result(folder / "run"); }
+  EXPECT_EQ(NamesIn(folder.path()), std::vector<std::string>{"run"});
+  EXPECT_EQ(ReadText(folder / "run/summary.json"), "old");
 }
 
 TEST(ResultFolderTest, RelativeNames) {

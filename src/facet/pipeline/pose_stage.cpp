@@ -28,8 +28,11 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
   out.status = result.status;
   out.reason = result.reason;
   out.is_image_repeated = frame.frontend.is_repeated;
-  if (frame.frontend.is_repeated && result.status == TrackingStatus::kDegraded)
-    out.reason = "image repeated";
+  out.is_image_blank = frame.frontend.is_blank;
+  if (result.status == TrackingStatus::kDegraded) {
+    if (frame.frontend.is_repeated) out.reason = "image repeated";
+    if (frame.frontend.is_blank) out.reason = "image dark or without texture";
+  }
   out.has_pose = result.has_state;
   out.segment = result.segment;
   out.state = result.state;

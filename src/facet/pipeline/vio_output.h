@@ -37,6 +37,7 @@ struct VioOutput {
   int num_constraints = 0;                  ///< landmarks that lie on planes, once per plane
   int imu_gaps = 0;                         ///< IMU holes since the previous frame
   bool is_image_repeated = false;           ///< the frozen image of a moving camera; not used
+  bool is_image_blank = false;              ///< the left image has one grey value everywhere
   bool was_reset = false;  ///< the state was given up after this frame; the next one starts again
   /// What is probably wrong with the calibration and what to do; set once in a run, else empty.
   std::string warning;

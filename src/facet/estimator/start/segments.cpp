@@ -12,6 +12,8 @@ namespace {
 constexpr double kMaxBlindDrift_m = 0.3;
 // What a broken IMU leads to is not believed: then the body is near where it was lost.
 constexpr double kMaxReckonedSpeed = 30;  // m/s
+// Nor where it leads to anywhere on a continent: such covariances drown all others in rounding.
+constexpr double kMaxReckonedSigma_m = 1e5;
 constexpr double kUnknownSpeedSigma = 5;  // m/s
 constexpr double kUnknownHeadingSigma = std::numbers::pi / 1.7320508;
 
@@ -26,13 +28,14 @@ Matrix<15, 4> MotionOfSegment(const NavState& x, const Vector3d& origin) {
   return J;
 }
 
-bool IsBelievable(const ReckonedState& state) {
-  return state.x.T_WB.p.allFinite() && state.x.T_WB.q.coeffs().allFinite() &&
-         state.covariance.allFinite() && state.x.v_WB.norm() < kMaxReckonedSpeed;
-}
-
 double PositionSigma(const Matrix<15, 15>& covariance) {
   return std::sqrt(std::max(covariance.block<3, 3>(3, 3).trace(), 0.0));
+}
+
+bool IsBelievable(const ReckonedState& state) {
+  return state.x.T_WB.p.allFinite() && state.x.T_WB.q.coeffs().allFinite() &&
+         state.covariance.allFinite() && state.x.v_WB.norm() < kMaxReckonedSpeed &&
+         PositionSigma(state.covariance) < kMaxReckonedSigma_m;
 }
 
 }  // namespace
@@ -60,7 +63,7 @@ void Segments::Follow(const ImuLink& link) {
     next.x.t = t;
     next.x.v_WB.setZero();
     // As if it had moved at a speed of its own for each interval: sigmas add up, not variances.
-    const double sigma_p = std::sqrt(next.covariance(3, 3)) + kUnknownSpeedSigma * T;
+    const double sigma_p = std::sqrt(std::max(next.covariance(3, 3), 0.0)) + kUnknownSpeedSigma * T;
     next.covariance = Matrix<15, 15>(next.covariance.diagonal().asDiagonal());
     next.covariance.diagonal().segment<3>(0).setConstant(std::pow(kUnknownHeadingSigma, 2));
     next.covariance.diagonal().segment<3>(3).setConstant(std::pow(sigma_p, 2));
@@ -90,7 +93,10 @@ void Segments::Begin(const NavState& newest) {
 
 Matrix<15, 15> Segments::InWorld(const Matrix<15, 15>& covariance, const NavState& x) const {
   const Matrix<15, 4> J = MotionOfSegment(x, origin_);
-  return covariance + J * origin_covariance_ * J.transpose();
+  Matrix<15, 15> in_world = covariance + J * origin_covariance_ * J.transpose();
+  // Only rounding could make anything better known in the world than within the segment.
+  in_world.diagonal() = in_world.diagonal().cwiseMax(covariance.diagonal());
+  return in_world;
 }
 
 }  // namespace facet

@@ -101,6 +101,27 @@ TEST_F(SegmentsTest, ABrokenImuIsNotFollowed) {
   EXPECT_GT(std::sqrt(covariance(2, 2)), 90 * kDegree);
 }
 
+// A clock that jumps by centuries: variances of kilometres squared times 1e50 would drown the
+// others.
+TEST_F(SegmentsTest, UncertaintyStaysAVarianceHoweverLongItLasts) {
+  segments_.Begin(x_);
+  segments_.Keep(x_, Small(), true);
+  ImuLink link;
+  link.measured = ImuPreintegration({}, PreintegrationNoise());
+  const ImuSample first{x_.t, {0.3, 0.2, 0.1}, {0.1, 0, kGravity}};
+  ImuSample last = first;
+  last.t = x_.t + FromSeconds(9e9);
+  link.measured.Integrate(std::vector<ImuSample>{first, last});
+  segments_.End(&link);
+  NavState begin;
+  begin.T_WB = *segments_.PredictedPose();
+  segments_.Begin(begin);
+  const Matrix<15, 15> covariance = segments_.InWorld(Small(), begin);
+  EXPECT_TRUE(covariance.allFinite());
+  EXPECT_GE(covariance.diagonal().minCoeff(), 0.99e-6);
+  EXPECT_LT(std::sqrt(covariance(3, 3)), 5.1 * 9e9) << "5 m/s all the time";
+}
+
 TEST_F(SegmentsTest, BlindFlightEndsWhereThePlaceIsUnknown) {
   segments_.Begin(x_);
   Matrix<15, 15> covariance = Small();

@@ -134,7 +134,10 @@ StartAttempt VioStart::Try(const std::optional<SE3>& predicted,
       // The covariance belongs to the origin and heading that were fixed when it was computed.
       optimizer.Solve(window, 1);
       attempt.covariance = optimizer.solver().NewestFrameCovariance();
-      attempt.has_started = has_state_ = true;
+      // Of measurements that contradict each other as much as numbers can.
+      attempt.has_failed = !attempt.covariance.allFinite();
+      if (attempt.has_failed) attempt.reason = "numerical failure";
+      attempt.has_started = has_state_ = !attempt.has_failed;
       return attempt;
     }
     attempt.reason = "tilt not known well enough";

@@ -16,6 +16,7 @@ namespace facet {
 /// The outcome of an attempt to start.
 struct StartAttempt {
   bool has_started = false;
+  bool has_failed = false;   ///< no numbers came out: the window is of no use any more
   std::string reason;        ///< why not yet
   int num_constraining = 0;  ///< landmarks that constrain the window
   SolveSummary solve;
