@@ -32,11 +32,15 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
   }
   EXPECT_EQ(changed,
             (std::map<std::string, std::string>{
+                {"estimator.calibration.lens", "false"},
+                {"estimator.calibration.mount", "false"},
+                {"estimator.calibration.time", "false"},
                 {"estimator.projection.convert_back", "false"},
                 {"estimator.solver.keyframe_iterations", "1"},
                 {"estimator.solver.plane_common_sigma_m", "0"},
                 {"estimator.solver.plane_huber_sigma", "0.04"},
                 {"estimator.solver.plane_sigma_m", "0.03"},
+                {"frontend.noise.match_base_px", "0"},
                 {"frontend.support.enabled", "false"},
                 {"regularities.detection.min_faces", "20"},
                 {"regularities.detection.oblique", "false"},

@@ -7,6 +7,7 @@ if(NOT FACET_BUILD_TESTS OR FACET_SANITIZE)
 endif()
 set(root ${PROJECT_SOURCE_DIR}/src/facet)
 file(GLOB smoke_sources ${root}/imu/*.cpp)
+list(FILTER smoke_sources EXCLUDE REGEX imu_fuzz_test)  # has parts in testing/
 add_executable(sanitizer_smoke_test ${smoke_sources} ${root}/geometry/delaunay.cpp ${root}/geometry/delaunay_test.cpp
   ${root}/geometry/plane.cpp ${root}/geometry/se3.cpp ${root}/geometry/so3.cpp)
 set_target_properties(sanitizer_smoke_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

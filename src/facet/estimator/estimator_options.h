@@ -239,9 +239,9 @@ struct StartOptions {
 
 /// What is estimated of the calibration, and how well it is known before.
 struct CalibrationOptions {
-  bool lens = false;   ///< intrinsics of both cameras and the transform between them
-  bool mount = false;  ///< the cameras on the IMU
-  bool time = false;   ///< clock of the cameras against the IMU's
+  bool lens = true;   ///< intrinsics of both cameras and the transform between them
+  bool mount = true;  ///< the cameras on the IMU
+  bool time = true;   ///< clock of the cameras against the IMU's
   /// White noise of the corners with which lenses and stereo pair were calibrated; scales all their
   /// errors together.
   double board_noise_px = 0.2;
@@ -249,6 +249,7 @@ struct CalibrationOptions {
   double mount_translation_m = 0.003;  ///< 1-sigma of the length
   double time_s = 0.001;               ///< 1-sigma
 
+  static CalibrationOptions Held() { return {.lens = false, .mount = false, .time = false}; }
   bool IsHeld() const { return !lens && !mount && !time; }
 
   template <class Visitor>

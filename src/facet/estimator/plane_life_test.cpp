@@ -287,6 +287,7 @@ TEST(PlaneLifeTest, ARelationThatDoesNotHoldIsDropped) {
 
 TEST(PlaneLifeTest, LandmarksOfPipelineSP) {
   EstimatorOptions options;
+  options.calibration = CalibrationOptions::Held();
   int most = 0;
   const auto project = [](const VioEstimator& estimator) {
     PlaneAssignments out;

@@ -7,7 +7,6 @@
 #include "facet/estimator/factors/imu_factor.h"
 #include "facet/estimator/planes/plane_membership.h"
 #include "facet/estimator/solver/marginalization.h"
-#include "facet/estimator/start/start_calibration.h"
 #include "facet/estimator/window/landmark_depth.h"
 #include "facet/estimator/window/window_policy.h"
 #include "facet/estimator/window/window_snapshot.h"
@@ -55,10 +54,11 @@ VioEstimator::VioEstimator(const StereoRig& rig,
       segments_(BiasWalk(noise, options.imu)),
       imu_(noise, options.imu, rig.time_offset),
       start_(rig, options),
+      calibration_(rig, options.calibration),
       optimizer_(rig, options),
       planes_(options),
       updater_(rig, options.solver, BiasWalk(noise, options.imu)) {
-  window_.calibration = StartCalibration(rig, options.calibration);
+  calibration_.Begin(window_);
 }
 
 EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
@@ -76,7 +76,10 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
   }
   EstimatorResult result = Estimate(observations, times);
   if (result.has_state) {
-    MoveToImage(result);
+    calibration_.MoveToImage(window_,
+                             intermediate_ ? RateAtEnd(intermediate_->link, intermediate_->x.bias)
+                                           : window_.frames.back().w_B,
+                             result);
     result.segment = segments_.id();
     result.covariance = segments_.InWorld(result.covariance, result.state);
   }
@@ -128,15 +131,6 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
   window_.frames.push_back(std::move(frame));
 }
 
-void VioEstimator::MoveToImage(EstimatorResult& result) const {
-  if (!window_.calibration) return;
-  const NavState& x = intermediate_ ? intermediate_->x : window_.frames.back().x;
-  const Vector3d w_B =
-      intermediate_ ? RateAtEnd(intermediate_->link, x.bias) : window_.frames.back().w_B;
-  const BodyRates rates{w_B, x.T_WB.q.conjugate() * x.v_WB};
-  result.state.T_WB = window_.calibration->AtImage(result.state.T_WB, rates);
-}
-
 std::vector<PreparedObservation> VioEstimator::Prepare(
     const FrameObservations& observations) const {
   return PrepareObservations(observations, rig_, options_.solver.pixel_sigma_scale);
@@ -169,6 +163,7 @@ EstimatorResult VioEstimator::Start(const FrameObservations& observations, Stage
   if (attempt.has_failed) Forget();
   if (!attempt.has_started) return result;
   newest_covariance_ = attempt.covariance;
+  calibration_.TakeClock(window_, optimizer_.solver());
   const WindowFrame& newest = window_.frames.back();
   segments_.Begin(newest.x);
   segments_.Keep(newest.x, newest_covariance_, true);
@@ -190,6 +185,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     result.solve = Solve();
     WindowSolver& solver = optimizer_.solver();
     newest_covariance_ = solver.NewestFrameCovariance();
+    calibration_.TakeClock(window_, solver);
     result.imu_error_sigma = NewestImuError(window_);
     planes_.Judge(
         solver.PlaneInformation(), solver.PlaneCovariances(), optimizer_.noise(), window_);
@@ -204,6 +200,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     return result;
   }
   segments_.Keep(newest.x, newest_covariance_, result.num_constraining >= kMinLandmarksSeen);
+  calibration_.Keep(window_, optimizer_.solver());
   ScopedStage stage(times, Stage::kMarginalize);
   updater_.SetReference(window_, newest_covariance_, optimizer_.noise());
   Shrink(result.finished_keyframes);
@@ -253,13 +250,14 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
   while (true) {
     MarginalizationPlan plan = PlanMarginalization(window_, options_.window);
     planes_.RetireIn(window_, plan);
-    if (plan.IsEmpty()) return;
+    if (plan.IsEmpty()) break;
     planes_.CutNonPersistent(plan, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
       if (plan.drop_frame[i]) Report(window_.frames[i], finished);
     }
     Marginalize(plan, rig_, optimizer_.noise(), window_);
   }
+  calibration_.Walk(window_);
 }
 
 void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
@@ -272,9 +270,8 @@ void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
 }
 
 void VioEstimator::Forget() {
-  std::optional<WindowCalibration> calibration = std::move(window_.calibration);
   window_ = SlidingWindow(rig_.T_BC[0]);
-  if (calibration) window_.calibration = StartCalibration(rig_, options_.calibration);
+  calibration_.Begin(window_);
   intermediate_.reset();
   newest_covariance_.setZero();
   start_ = VioStart(rig_, options_);

@@ -10,6 +10,7 @@
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/estimator_result.h"
 #include "facet/estimator/planes/plane_lifecycle.h"
+#include "facet/estimator/self_calibration.h"
 #include "facet/estimator/solver/frame_update.h"
 #include "facet/estimator/solver/window_optimizer.h"
 #include "facet/estimator/start/segments.h"
@@ -44,14 +45,17 @@ class VioEstimator {
   /// How many landmarks lie on planes, once per plane.
   int NumPlaneConstraints() const { return window_.NumPlaneLandmarks(); }
 
+  /// What became of the calibration; empty if all of it is held, and before a second keyframe.
+  std::optional<RefinedCalibration> Calibration() const { return calibration_.Refined(); }
+  /// What is wrong with the given one by more than a careful calibration leaves.
+  std::vector<CalibrationDeviation> GrossDeviations() const { return calibration_.Gross(); }
+
   /// Latest state, keyframe poses, planes and landmarks.
   MapSnapshot Snapshot() const;
 
  private:
   bool IsAfterNewest(Timestamp t) const;
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
-  /// From the nominal stamp, for which it is estimated, to when the image was taken.
-  void MoveToImage(EstimatorResult& result) const;
   std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
 
   std::vector<PreparedObservation> Believable(std::vector<PreparedObservation> observations,
@@ -81,6 +85,7 @@ class VioEstimator {
   Segments segments_;  ///< survives StartOver
   ImuIntervals imu_;
   VioStart start_;
+  SelfCalibration calibration_;
   WindowOptimizer optimizer_;
   WindowValues before_solve_;  ///< where to return to if wrong landmarks on planes bent the window
   PlaneLifecycle planes_;

@@ -128,6 +128,7 @@ TEST(VioEstimatorTest, AfterAResetItIsAsGoodAsNew) {
   options.imu.accel_noise_scale = 5;
   options.start.sigma_velocity = 2;
   options.window.max_pose_keyframes = 6;
+  options.calibration = CalibrationOptions::Held();  // what was learnt of it outlives the state
   const testing::Spoil spoil = [](std::size_t i, EstimatorInput& input) {
     if (i < testing::kBadBegin || i >= testing::kBadBegin + 40) return;
     input.observations.features.clear();

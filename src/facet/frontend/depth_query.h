@@ -21,6 +21,7 @@ struct DepthQuery {
 /// denser between the tracked corners. The estimator does not know it.
 struct SupportPoint {
   Vector2d px = Vector2d::Zero();
+  Vector2d px_right = Vector2d::Zero();
   Vector2d xy = Vector2d::Zero();  ///< undistorted, on the plane z = 1 of the left camera
   double inverse_depth = 0;        ///< [1/m] along z of the left camera, above 0
   double sigma_inverse_depth = 0;  ///< 1-sigma

@@ -174,6 +174,9 @@ struct PixelNoiseOptions {
   double left_base_px = 0.2;
   /// The same for a right pixel.
   double right_base_px = 0.25;
+  /// The same for the match of left and right alone, which is better than either pixel: a place
+  /// that slides in the left image takes its match along. 0: both pixels are off each for itself.
+  double match_base_px = 0.2;
   /// Above 1 because errors of a track are correlated from frame to frame.
   double residual_factor = 1.5;
 
@@ -189,6 +192,10 @@ struct PixelNoiseOptions {
             Range{0.01, 20},
             "the same of a right pixel [px]",
             Audience::kUsers);
+    v.Field("match_base_px",
+            match_base_px,
+            Range{0, 20},
+            "the same of the match alone; 0: left and right pixel are off each for itself [px]");
     v.Field("residual_factor",
             residual_factor,
             Range{0, 10},

@@ -45,7 +45,8 @@ void KeyframeStereo::MatchPlaces(std::span<const DepthQuery> queries,
     if (!match || match->level != 0 || !(match->inverse_depth > 0)) continue;
     const double sigma_px =
         std::hypot(options_.noise.right_base_px, options_.noise.residual_factor * match->sigma_px);
-    found.push_back({query.px, ray->xy, match->inverse_depth, sigma_px / baseline_focal_px_});
+    found.push_back(
+        {query.px, match->px, ray->xy, match->inverse_depth, sigma_px / baseline_focal_px_});
   }
 }
 

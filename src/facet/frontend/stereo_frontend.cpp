@@ -192,6 +192,10 @@ void StereoFrontend::Impl::FillObservations(FrontendResult& result) {
       observation.px_right = match->px;
       observation.sigma_right_px =
           sigma(options.noise.right_base_px, match->level, match->sigma_px);
+      if (options.noise.match_base_px > 0) {
+        observation.sigma_match_px =
+            sigma(options.noise.match_base_px, match->level, match->sigma_px);
+      }
       ++result.num_stereo;
     }
     result.observations.features.push_back(observation);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "facet/camera/stereo_triangulation.h"
 #include "facet/frontend/warp_prediction.h"
 
 namespace facet {
@@ -51,18 +52,10 @@ bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
                                 StereoMatch& match) const {
   const std::optional<UndistortedPoint> right = right_camera_.Undistort(px_right);
   if (!right) return false;
-  // p_C1 ~ a + rho b must be parallel to (x, y, 1).
-  const Vector3d a = T_C1C0_.q * Vector3d(ray.xy.x(), ray.xy.y(), 1);
-  const Vector3d& b = T_C1C0_.p;
-  const Vector2d at_infinity = a.head<2>() - a.z() * right->xy;
-  const Vector2d direction = b.head<2>() - b.z() * right->xy;
-  const double length2 = direction.squaredNorm();
-  if (length2 < 1e-12) return false;
-  const double rho = -at_infinity.dot(direction) / length2;
-  const double depth_ratio = a.z() + rho * b.z();
-  if (depth_ratio < 1e-3) return false;
-  const double focal = right_camera_.mean_focal_px();
-  const double epipolar_px = (at_infinity + rho * direction).norm() / depth_ratio * focal;
+  const auto depth = TriangulateOnRay(ray.xy, right->xy, T_C1C0_);
+  if (!depth) return false;
+  const double rho = depth->inverse_depth;
+  const double epipolar_px = depth->off_line * right_camera_.mean_focal_px();
   if (epipolar_px > options_.max_epipolar_px) return false;
   if (rho * baseline_focal_px_ < -options_.max_epipolar_px) return false;
   match.inverse_depth = std::max(0.0, rho);

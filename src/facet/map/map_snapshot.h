@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
+#include "facet/camera/stereo_rig.h"
 #include "facet/geometry/plane.h"
 #include "facet/imu/imu_types.h"
 #include "facet/map/plane_relation.h"
@@ -43,7 +45,10 @@ struct PlaneEstimate {
 };
 
 struct MapSnapshot {
-  NavState latest;                      ///< newest frame
+  NavState latest;  ///< newest frame
+  SE3 T_WC0;        ///< left camera when the newest frame's image was taken
+  /// The calibration at present; null: the one that was given.
+  std::shared_ptr<const StereoRig> rig;
   std::vector<KeyframePose> keyframes;  ///< oldest first
   std::vector<PlaneEstimate> planes;
   std::vector<PlaneRelation> relations;     ///< between these planes, in force

@@ -16,6 +16,10 @@ struct FeatureObservation {
   std::optional<Vector2d> px_right;
   double sigma_left_px = 0.5;  ///< 1-sigma per axis
   double sigma_right_px = 0.5;
+  /// 1-sigma per axis of the match alone: what the right pixel is off besides what the left one is.
+  /// A place that slides in the left image takes its match along. 0: left and right pixel are off
+  /// each for itself.
+  double sigma_match_px = 0;
 };
 
 /// All observations of one stereo frame; each landmark at most once.

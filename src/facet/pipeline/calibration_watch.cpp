@@ -59,6 +59,14 @@ std::optional<double> CalibrationWatch::RecentValues::Quantile(double share) con
 }
 
 std::string CalibrationWatch::Add(const CalibrationEvidence& evidence) {
+  std::string warning = FromStretch(evidence);
+  if (!warning.empty() || has_named_ || evidence.gross_deviations.empty()) return warning;
+  has_named_ = true;
+  return "the calibration is off by more than a careful one is: " + evidence.gross_deviations +
+         "; this was estimated and the run goes on with it, but calibrate again";
+}
+
+std::string CalibrationWatch::FromStretch(const CalibrationEvidence& evidence) {
   if (has_warned_) return {};
   if (evidence.num_stereo && evidence.num_features >= kMinFeatures) {
     stereo_share_.Add(evidence.t,

@@ -18,13 +18,14 @@ struct CalibrationEvidence {
   int num_features = 0;           ///< in the left image
   std::optional<int> num_stereo;  ///< of them found in the right image; empty without that image
   std::optional<double> imu_error_sigma;  ///< see EstimatorResult
+  std::string gross_deviations;           ///< that the estimator has found, in words
 };
 
 /// Not thread-safe.
 class CalibrationWatch {
  public:
   /// What is probably wrong and what to do, once: with the keyframe that completes a stretch in
-  /// which three quarters agree on it. Otherwise empty.
+  /// which three quarters agree on it; and once what the estimator has found. Otherwise empty.
   std::string Add(const CalibrationEvidence& evidence);
 
  private:
@@ -45,7 +46,9 @@ class CalibrationWatch {
     Timestamp begin_;
   };
 
-  bool has_warned_ = false;
+  std::string FromStretch(const CalibrationEvidence& evidence);
+
+  bool has_warned_ = false, has_named_ = false;
   RecentValues stereo_share_, imu_error_sigma_;
 };
 

@@ -43,9 +43,9 @@ class Keyframes {
   std::vector<std::string> warnings_;
 };
 
-const CalibrationEvidence kGood{{}, 100, 60, 1.0};
-const CalibrationEvidence kOneEye{{}, 100, 2, 1.0};
-const CalibrationEvidence kWrongImu{{}, 100, 60, 30.0};
+const CalibrationEvidence kGood{{}, 100, 60, 1.0, {}};
+const CalibrationEvidence kOneEye{{}, 100, 2, 1.0, {}};
+const CalibrationEvidence kWrongImu{{}, 100, 60, 30.0, {}};
 
 TEST(CalibrationWatchTest, SaysNothingOfGoodKeyframes) {
   Keyframes keyframes;
@@ -69,13 +69,13 @@ TEST(CalibrationWatchTest, WarnsOnceWhenTheImuNeverFits) {
 
 TEST(CalibrationWatchTest, NamesTheImagesWhenBothAreWrong) {
   Keyframes keyframes;
-  keyframes.Add(60, {{}, 100, 0, kInfinity});
+  keyframes.Add(60, {{}, 100, 0, kInfinity, {}});
   EXPECT_THAT(keyframes.warnings(), ElementsAre(HasSubstr("right image")));
 }
 
 TEST(CalibrationWatchTest, EstimatorThatNeverStartsLeavesTheImages) {
   Keyframes keyframes;
-  keyframes.Add(60, {{}, 100, 0, std::nullopt});
+  keyframes.Add(60, {{}, 100, 0, std::nullopt, {}});
   EXPECT_THAT(keyframes.warnings(), ElementsAre(HasSubstr("right image")));
 }
 
@@ -84,7 +84,7 @@ TEST(CalibrationWatchTest, TwoBadSecondsAreNoReason) {
   for (int i = 0; i < 5; ++i) {
     keyframes.Add(2, kOneEye);
     keyframes.Add(4, kGood);
-    keyframes.Add(1, {{}, 100, 60, kInfinity});
+    keyframes.Add(1, {{}, 100, 60, kInfinity, {}});
     keyframes.Add(4, kGood);
   }
   EXPECT_THAT(keyframes.warnings(), IsEmpty());
@@ -110,16 +110,16 @@ TEST(CalibrationWatchTest, EstimatorThatIsSoonLostAgain) {
 
 TEST(CalibrationWatchTest, MissingRightImagesAndBlankWallsAreNoEvidence) {
   Keyframes keyframes;
-  keyframes.Add(60, {{}, 100, std::nullopt, 1.0});
-  keyframes.Add(60, {{}, 5, 0, 1.0});
+  keyframes.Add(60, {{}, 100, std::nullopt, 1.0, {}});
+  keyframes.Add(60, {{}, 5, 0, 1.0, {}});
   EXPECT_THAT(keyframes.warnings(), IsEmpty());
 }
 
 // Warnings while the estimator runs with another time offset than the simulated one.
-std::vector<std::string> WarningsWithOffset(Duration error) {
+std::vector<std::string> WarningsWithOffset(Duration error, const CalibrationOptions& estimated) {
   FeatureSimulatorOptions options;
   options.max_tracks = 70;
-  options.duration_s = 8;
+  options.duration_s = 20;
   const SimulatedRun run =
       SimulateFeatures(SplineTrajectory::Fit(MakeFlight(10, 2)), EurocRig(), options, 1);
   ImuBuffer buffer;
@@ -127,7 +127,9 @@ std::vector<std::string> WarningsWithOffset(Duration error) {
     buffer.Add(sample);
   StereoRig rig = run.rig;
   rig.time_offset = rig.time_offset + error;
-  VioEstimator estimator(rig, ImuNoise{}, EstimatorOptions());
+  EstimatorOptions estimator_options;
+  estimator_options.calibration = estimated;
+  VioEstimator estimator(rig, ImuNoise{}, estimator_options);
   CalibrationWatch watch;
   StageTimes times;
   std::vector<std::string> warnings;
@@ -138,16 +140,28 @@ std::vector<std::string> WarningsWithOffset(Duration error) {
     previous = now;
     const EstimatorResult result = estimator.AddFrame(frame, imu, times);
     if (!frame.is_keyframe) continue;
-    const std::string warning = watch.Add({frame.t, 70, 70, result.imu_error_sigma});
+    const std::string warning =
+        watch.Add({frame.t, 70, 70, result.imu_error_sigma, InWords(estimator.GrossDeviations())});
     if (!warning.empty()) warnings.push_back(warning);
   }
   return warnings;
 }
 
 TEST(CalibrationWatchTest, TimeOffsetOnSimulatedFeatures) {
-  EXPECT_THAT(WarningsWithOffset(Duration{0}), IsEmpty());
-  EXPECT_THAT(WarningsWithOffset(Duration{40'000'000}), ElementsAre(HasSubstr("time offset")));
-  EXPECT_THAT(WarningsWithOffset(Duration{-40'000'000}), ElementsAre(HasSubstr("time offset")));
+  const auto held = CalibrationOptions::Held();
+  EXPECT_THAT(WarningsWithOffset(Duration{0}, held), IsEmpty());
+  EXPECT_THAT(WarningsWithOffset(Duration{40'000'000}, held),
+              ElementsAre(HasSubstr("time offset")));
+  EXPECT_THAT(WarningsWithOffset(Duration{-40'000'000}, held),
+              ElementsAre(HasSubstr("time offset")));
+}
+
+TEST(CalibrationWatchTest, AnEstimatedTimeOffsetIsNamedWithItsSize) {
+  EXPECT_THAT(WarningsWithOffset(Duration{1'000'000}, {}), IsEmpty());
+  EXPECT_THAT(WarningsWithOffset(Duration{20'000'000}, {}),
+              ElementsAre(HasSubstr("time offset -20 ms")));
+  EXPECT_THAT(WarningsWithOffset(Duration{-20'000'000}, {}),
+              ElementsAre(HasSubstr("time offset +20 ms")));
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+
+#include "facet/camera/stereo_triangulation.h"
 
 namespace facet {
 
@@ -37,18 +40,18 @@ std::vector<Vector2d> PlacesOnBorder(const CameraModel& camera) {
 
 MeshViewBuilder::MeshViewBuilder(const StereoRig& rig, const MeshOptions& options)
     : options_(options),
-      camera_(rig.cameras[0]),
-      T_BC_(rig.T_BC[0]),
+      rig_(rig),
       baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()) {
-  if (options.border.enabled) border_xy_ = PlacesOnBorder(camera_);
+  if (options.border.enabled) border_xy_ = PlacesOnBorder(rig_.cameras[0]);
 }
 
 const MeshView& MeshViewBuilder::Build(const FrontendResult& keyframe,
                                        const MapSnapshot& snapshot) {
   view_.frame = keyframe.observations.frame;
   view_.t = keyframe.observations.t;
-  view_.T_WC = snapshot.latest.T_WB * T_BC_;
-  view_.focal_px = camera_.mean_focal_px();
+  now_ = snapshot.rig;
+  view_.T_WC = snapshot.T_WC0;
+  view_.focal_px = rig_.cameras[0].mean_focal_px();
   view_.points.clear();
   AddObservations(keyframe, snapshot);
   AddSupport(keyframe.depths.support);
@@ -72,7 +75,7 @@ void MeshViewBuilder::AddObservations(const FrontendResult& keyframe, const MapS
         AddUnknownCorner(feature, keyframe.depths.inverse_depths[i], intensity);
       continue;
     }
-    const auto undistorted = camera_.Undistort(feature.px_left);
+    const auto undistorted = (now_ ? *now_ : rig_).cameras[0].Undistort(feature.px_left);
     if (!undistorted) continue;
     view_.points.push_back(
         {feature.landmark, undistorted->xy, T_CW * known->p_W, known->sigma_depth_m, intensity});
@@ -82,18 +85,40 @@ void MeshViewBuilder::AddObservations(const FrontendResult& keyframe, const MapS
 void MeshViewBuilder::AddUnknownCorner(const FeatureObservation& feature,
                                        double inverse_depth,
                                        std::uint8_t intensity) {
-  const auto undistorted = camera_.Undistort(feature.px_left);
-  if (!undistorted || !(inverse_depth > 0)) return;
-  const Vector2d& xy = undistorted->xy;
+  std::optional<Vector2d> xy_left;
+  if (now_) {
+    const auto point = Triangulate(feature.px_left, *feature.px_right);
+    if (!point) return;
+    xy_left = point->first;
+    inverse_depth = point->second;
+  } else if (const auto undistorted = rig_.cameras[0].Undistort(feature.px_left)) {
+    xy_left = undistorted->xy;
+  }
+  if (!xy_left || !(inverse_depth > 0)) return;
+  const Vector2d& xy = *xy_left;
   const double z = 1 / inverse_depth;
   const double sigma_m = z * z * feature.sigma_right_px / baseline_focal_px_;
   view_.points.push_back(
       {NextSupportId(), xy, z * Vector3d(xy.x(), xy.y(), 1), sigma_m, intensity});
 }
 
+std::optional<std::pair<Vector2d, double>> MeshViewBuilder::Triangulate(
+    const Vector2d& px, const Vector2d& px_right) const {
+  const auto left = now_->cameras[0].Undistort(px), right = now_->cameras[1].Undistort(px_right);
+  if (!left || !right) return std::nullopt;
+  const auto depth = TriangulateOnRay(left->xy, right->xy, now_->T_C1C0());
+  if (!depth) return std::nullopt;
+  return std::pair(left->xy, depth->inverse_depth);
+}
+
 void MeshViewBuilder::AddSupport(const std::vector<SupportPoint>& support) {
   view_.first_match = LandmarkId{next_support_id_};
-  for (const SupportPoint& point : support) {
+  for (SupportPoint point : support) {
+    if (now_) {
+      const auto found = Triangulate(point.px, point.px_right);
+      if (!found || !(found->second > 0)) continue;
+      std::tie(point.xy, point.inverse_depth) = *found;
+    }
     const double z = 1 / point.inverse_depth;
     const double sigma_m = z * z * point.sigma_inverse_depth;
     if (!(sigma_m <= kMaxSupportSigma * z)) continue;

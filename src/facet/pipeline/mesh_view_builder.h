@@ -2,6 +2,9 @@
 // Joins what the front end saw in a keyframe with what the estimator knows, for the mesh.
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "facet/camera/stereo_rig.h"
@@ -30,12 +33,15 @@ class MeshViewBuilder {
                         double inverse_depth,
                         std::uint8_t intensity);
   void AddSupport(const std::vector<SupportPoint>& support);
+  /// On the plane z = 1 of the left camera, and inverse depth, by the present calibration.
+  std::optional<std::pair<Vector2d, double>> Triangulate(const Vector2d& px,
+                                                         const Vector2d& px_right) const;
   void AddBorder();
   LandmarkId NextSupportId() { return LandmarkId{next_support_id_++}; }
 
   MeshOptions options_;
-  CameraModel camera_;
-  SE3 T_BC_;
+  StereoRig rig_;                         // the calibration that was given
+  std::shared_ptr<const StereoRig> now_;  // at present; null: that one
   double baseline_focal_px_;
   std::vector<Vector2d> border_xy_;  // places on the image's border, undistorted; empty: not used
   BorderPoints border_;

@@ -60,6 +60,7 @@ std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
   evidence.num_features = static_cast<int>(observations.features.size());
   if (frontend.right_ok) evidence.num_stereo = frontend.num_stereo;
   evidence.imu_error_sigma = imu_error_sigma;
+  evidence.gross_deviations = InWords(estimator_.GrossDeviations());
   return calibration_.Add(evidence);
 }
 

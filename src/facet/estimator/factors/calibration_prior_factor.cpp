@@ -9,7 +9,8 @@ double CalibrationPriorFactor::AddTo(NormalEquations& equations) const {
   const int column = equations.layout.calibration_column;
   const CalibrationMatrix& information = *calibration_.start_information;
   equations.H.block<kNumCalibration, kNumCalibration>(column, column) += information;
-  equations.b.segment<kNumCalibration>(column) += information * calibration_.delta();
+  equations.b.segment<kNumCalibration>(column) +=
+      information * (calibration_.delta() - calibration_.start_mean());
   return Cost();
 }
 

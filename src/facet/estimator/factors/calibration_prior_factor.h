@@ -13,7 +13,7 @@ class CalibrationPriorFactor {
       : calibration_(calibration) {}
 
   double Cost() const {
-    const CalibrationVector& delta = calibration_.delta();
+    const CalibrationVector delta = calibration_.delta() - calibration_.start_mean();
     return 0.5 * delta.dot(*calibration_.start_information * delta);
   }
   double AddTo(NormalEquations& equations) const;

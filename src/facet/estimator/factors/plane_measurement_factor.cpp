@@ -11,9 +11,20 @@ static_assert(Factor<PlaneMeasurementFactor>);
 // Equation (9.2).
 Vector3d PlaneMeasurementFactor::Error() const {
   const SE3& T_WB = frame_.x.T_WB;
-  return {measured_plane_.SignedDistance(T_WB * measurement_.centre_B) / measurement_.sigma_m,
-          measured_plane_.n.dot(T_WB.q * measurement_.along_B[0]) / measurement_.sigma_rad[0],
-          measured_plane_.n.dot(T_WB.q * measurement_.along_B[1]) / measurement_.sigma_rad[1]};
+  Vector3d error(
+      measured_plane_.SignedDistance(T_WB * measurement_.centre_B) / measurement_.sigma_m,
+      measured_plane_.n.dot(T_WB.q * measurement_.along_B[0]) / measurement_.sigma_rad[0],
+      measured_plane_.n.dot(T_WB.q * measurement_.along_B[1]) / measurement_.sigma_rad[1]);
+  if (calibration_ != nullptr) {
+    error += InverseSigmas().cwiseProduct(measurement_.J_calibration *
+                                          (calibration_->delta() - measurement_.measured_at));
+  }
+  return error;
+}
+
+Vector3d PlaneMeasurementFactor::InverseSigmas() const {
+  return Vector3d(measurement_.sigma_m, measurement_.sigma_rad[0], measurement_.sigma_rad[1])
+      .cwiseInverse();
 }
 
 // Equation (9.3): X = p + R c, dX = dp - R Hat(c) dtheta.
@@ -41,6 +52,10 @@ PlaneMeasurementRows PlaneMeasurementFactor::Linearize() const {
   rows.r *= loss.root_weight;
   rows.J_pose *= loss.root_weight;
   rows.J_plane *= loss.root_weight;
+  if (calibration_ != nullptr) {
+    rows.J_calibration =
+        loss.root_weight * InverseSigmas().asDiagonal() * measurement_.J_calibration;
+  }
   return rows;
 }
 
@@ -53,6 +68,12 @@ double PlaneMeasurementFactor::AddTo(NormalEquations& equations) const {
   equations.AddSquare(plane_, rows.J_plane, rows.r);
   equations.AddSquare(pose_, rows.J_pose, rows.r);
   equations.AddProduct(pose_, rows.J_pose, plane_, rows.J_plane);
+  if (calibration_ != nullptr) {
+    const Variable calibration = Variable::Calibration();
+    equations.AddSquare(calibration, rows.J_calibration, rows.r);
+    equations.AddProduct(calibration, rows.J_calibration, plane_, rows.J_plane);
+    equations.AddProduct(pose_, rows.J_pose, calibration, rows.J_calibration);
+  }
   return rows.cost;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Rows of the measurements of planes (docs/math.md, section 9): what one keyframe measured of a
-// plane as a whole. They touch that keyframe's pose and the plane, and no landmark.
+// plane as a whole. They touch that keyframe's pose, the plane and, if it is a
+// variable, the calibration, which all keyframes share; no landmark.
 #pragma once
 
 #include "facet/estimator/factors/factor.h"
@@ -12,6 +13,7 @@ struct PlaneMeasurementRows {
   Vector3d r = Vector3d::Zero();  ///< distance at the centre, slopes
   Matrix<3, 6> J_pose = Matrix<3, 6>::Zero();
   Matrix3d J_plane = Matrix3d::Zero();  ///< two directions, offset
+  Matrix<3, kNumCalibration> J_calibration = Matrix<3, kNumCalibration>::Zero();
   double cost = 0;
 };
 
@@ -20,14 +22,15 @@ struct PlaneMeasurementRows {
 class PlaneMeasurementFactor {
  public:
   PlaneMeasurementFactor(const SlidingWindow& window,
-                         const PlaneMeasurement& measurement,
+                         const WindowMeasurement& measurement,
                          double huber_sigma)
       : measurement_(measurement),
         huber_sigma_(huber_sigma),
         plane_(Variable::Plane(window.IndexOf(measurement.plane))),
         pose_(Variable::Pose(window.IndexOf(measurement.frame))),
         measured_plane_(window.planes[plane_.index]),
-        frame_(window.frames[pose_.index]) {}
+        frame_(window.frames[pose_.index]),
+        calibration_(window.calibration ? &*window.calibration : nullptr) {}
 
   /// Whitened, at the estimate.
   Vector3d Error() const;
@@ -43,14 +46,18 @@ class PlaneMeasurementFactor {
   void ForEachVariable(const Visitor& visit) const {
     visit(plane_);
     visit(pose_);
+    if (calibration_ != nullptr) visit(Variable::Calibration());
   }
 
  private:
-  const PlaneMeasurement& measurement_;
+  Vector3d InverseSigmas() const;
+
+  const WindowMeasurement& measurement_;
   double huber_sigma_;
   Variable plane_, pose_;
   const WindowPlane& measured_plane_;
   const WindowFrame& frame_;
+  const WindowCalibration* calibration_;  ///< null: held
 };
 
 }  // namespace facet

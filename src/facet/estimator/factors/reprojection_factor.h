@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A landmark seen by the cameras of one frame (docs/math.md, equations (3.1) to (3.4)). Pixel noise
-// is in WindowObservation::sqrt_info; Geman and McClure's loss, or for the landmarks of pipeline SP
-// the paper's noise and Tukey's loss (section 4.1).
+// is in WindowObservation::sqrt_info; where the match has a noise of its own, the right pixel
+// counts by how far it is from the left one (section 3.4); Geman and McClure's loss, or for the
+// landmarks of pipeline SP the paper's noise and Tukey's loss (section 4.1).
 #pragma once
 
 #include <optional>
@@ -9,6 +10,7 @@
 #include "facet/estimator/factors/factor_noise.h"
 #include "facet/estimator/factors/hosted_point.h"
 #include "facet/estimator/factors/landmark_block.h"
+#include "facet/estimator/factors/robust_loss.h"
 
 namespace facet {
 
@@ -27,6 +29,7 @@ class ReprojectionFactor {
       : geometry_(geometry), landmark_(landmark), observation_(observation), noise_(noise) {}
 
   /// Residual of one camera in sigmas of the front end; empty if the point is not in front of it.
+  /// Of the right camera, if the match has a noise of its own: what the match is off.
   std::optional<Vector2d> Error(const HostedPoint& point, int camera) const;
 
   /// Times the above: the residual in the sigmas that count. Not 1 for the landmarks of pipeline SP
@@ -41,6 +44,11 @@ class ReprojectionFactor {
   void AddTo(const LinearizedPoint& point, LandmarkBlock& block, LensSums* lens = nullptr) const;
 
  private:
+  bool HasMatchNoise() const {
+    return observation_.has_right && observation_.sigma_match_px > 0 && !landmark_.is_projection;
+  }
+  RobustLoss Loss(const std::optional<Vector2d>& error, int camera) const;
+
   const FrameGeometry& geometry_;
   const WindowLandmark& landmark_;
   const WindowObservation& observation_;

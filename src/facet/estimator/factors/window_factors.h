@@ -33,7 +33,7 @@ template <class Visitor>
 void VisitPlaneMeasurements(const SlidingWindow& window,
                             const FactorNoise& noise,
                             Visitor&& visit) {
-  for (const PlaneMeasurement& measurement : window.measurements)
+  for (const WindowMeasurement& measurement : window.measurements)
     visit(PlaneMeasurementFactor(window, measurement, noise.measurement_huber_sigma));
 }
 

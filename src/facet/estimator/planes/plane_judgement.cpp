@@ -82,7 +82,7 @@ void CutMeasurements(const std::vector<char>& leaving_frames, SlidingWindow& win
   const auto pose_of = [&](const PlaneMeasurement& s) -> const SE3& {
     return window.frames[frame_of(s)].x.T_WB;
   };
-  std::vector<PlaneMeasurement> staying = window.measurements;
+  std::vector<WindowMeasurement> staying = window.measurements;
   std::erase_if(staying, leaves);
   std::erase_if(window.measurements, [&](const PlaneMeasurement& measurement) {
     if (!leaves(measurement)) return false;

@@ -84,8 +84,15 @@ void ApplyAssignments(const PlaneAssignments& assignments,
   for (const PlaneRelation& relation : assignments.relations)
     window.AddRelation(relation);
   for (const PlaneMeasurement& measurement : assignments.measurements) {
-    if (window.IndexOf(measurement.plane) >= 0 && window.IndexOf(measurement.frame) >= 0)
-      window.measurements.push_back(measurement);
+    const int plane = window.IndexOf(measurement.plane), frame = window.IndexOf(measurement.frame);
+    if (plane < 0 || frame < 0) continue;
+    WindowMeasurement& added = window.measurements.emplace_back(measurement);
+    if (!window.calibration) continue;
+    const WindowFrame& measured_in = window.frames[frame];
+    SetCalibrationColumns(*window.calibration,
+                          measured_in.Rates(),
+                          measured_in.x.T_WB.q.conjugate() * window.planes[plane].n,
+                          added);
   }
 }
 

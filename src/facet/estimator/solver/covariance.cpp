@@ -16,6 +16,23 @@ Matrix<15, 15> NewestFrameCovariance(const ReducedSystem& reduced, const StateLa
   return inverse_L.transpose() * inverse_L;
 }
 
+ClockCovariance NewestFrameWithClock(const ReducedSystem& reduced, const StateLayout& layout) {
+  const int newest = layout.pose_column.back();
+  VectorXd clock = VectorXd::Unit(layout.dense_dim, layout.calibration_column + kTimeOffset);
+  reduced.factor().triangularView<Eigen::Lower>().solveInPlace(clock);
+  Matrix<15, 15> inverse_L = Matrix<15, 15>::Identity();
+  const Matrix<15, 15> L = reduced.factor().block<15, 15>(newest, newest);
+  L.triangularView<Eigen::Lower>().solveInPlace(inverse_L);
+  return {inverse_L.transpose() * clock.tail<15>(), clock.squaredNorm()};
+}
+
+CalibrationMatrix CalibrationCovariance(const ReducedSystem& reduced, const StateLayout& layout) {
+  MatrixXd columns = MatrixXd::Zero(layout.dense_dim, kNumCalibration);
+  columns.middleRows<kNumCalibration>(layout.calibration_column).setIdentity();
+  reduced.factor().triangularView<Eigen::Lower>().solveInPlace(columns);
+  return columns.transpose() * columns;
+}
+
 // Sigma = L^-T L^-1, so the columns of L^-1 that belong to pose and planes are enough.
 std::vector<Matrix<9, 9>> PlaneCovariances(const ReducedSystem& reduced,
                                            const StateLayout& layout) {

@@ -15,6 +15,16 @@ Matrix<15, 15> NewestFrameCovariance(const ReducedSystem& reduced, const StateLa
 /// Joint covariance of the newest pose and each plane: theta p, two tangent directions, offset.
 std::vector<Matrix<9, 9>> PlaneCovariances(const ReducedSystem& reduced, const StateLayout& layout);
 
+/// Of the clock of the cameras: with the newest frame (theta p v b_g b_a), and its variance.
+struct ClockCovariance {
+  Vector<15> with_newest = Vector<15>::Zero();
+  double variance = 0;
+};
+
+/// Both need a calibration among the variables.
+ClockCovariance NewestFrameWithClock(const ReducedSystem& reduced, const StateLayout& layout);
+CalibrationMatrix CalibrationCovariance(const ReducedSystem& reduced, const StateLayout& layout);
+
 /// What landmarks and measurements say about each plane, poses given: information on two tangent
 /// directions and offset. The landmarks must have been eliminated (ReducedSystem::Solve).
 std::vector<Matrix3d> PlaneInformation(const LinearizedWindow& linear);

@@ -37,6 +37,12 @@ class WindowSolver {
   std::vector<Matrix<9, 9>> PlaneCovariances() const {
     return facet::PlaneCovariances(reduced_, linear_.layout());
   }
+  ClockCovariance NewestFrameWithClock() const {
+    return facet::NewestFrameWithClock(reduced_, linear_.layout());
+  }
+  CalibrationMatrix CalibrationCovariance() const {
+    return facet::CalibrationCovariance(reduced_, linear_.layout());
+  }
   std::vector<Matrix3d> PlaneInformation() const { return facet::PlaneInformation(linear_); }
 
   /// Median of the norms of the whitened left errors in the newest frame, at the present estimate;

@@ -35,10 +35,4 @@ CalibrationMatrix StartCovariance(const StereoRig& rig, const CalibrationOptions
   return covariance;
 }
 
-std::optional<WindowCalibration> StartCalibration(const StereoRig& rig,
-                                                  const CalibrationOptions& options) {
-  if (options.IsHeld()) return std::nullopt;
-  return WindowCalibration(rig, StartCovariance(rig, options));
-}
-
 }  // namespace facet

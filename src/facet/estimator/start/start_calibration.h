@@ -2,8 +2,6 @@
 // The calibration as a variable at the start of a run.
 #pragma once
 
-#include <optional>
-
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/window/window_calibration.h"
 
@@ -13,9 +11,5 @@ namespace facet {
 /// as a calibration with a board leaves them, the mount and the clock each for itself. What is held
 /// has next to no uncertainty.
 CalibrationMatrix StartCovariance(const StereoRig& rig, const CalibrationOptions& options);
-
-/// Empty if all of it is held.
-std::optional<WindowCalibration> StartCalibration(const StereoRig& rig,
-                                                  const CalibrationOptions& options);
 
 }  // namespace facet

@@ -81,17 +81,13 @@ SE3 FrameGeometry::AtImage(const SE3& T_WB, const BodyRates& rates) const {
   return {(T_WB.q * ExpSO3(dt * rates.w_B)).normalized(), T_WB.p + T_WB.q * (dt * rates.v_B)};
 }
 
-Matrix<2, kNumIntrinsics> FrameGeometry::IntrinsicsJacobianAt(const WindowObservation& observation,
-                                                              int camera) const {
-  return IntrinsicsJacobian(nominal_.cameras[static_cast<std::size_t>(camera)],
-                            observation.xy[camera]);
-}
-
 // The ray that the pixel has with other intrinsic parameters, to first order.
 Vector2d FrameGeometry::CorrectedXy(const WindowObservation& observation, int camera) const {
   const Matrix2d J_px_xy = observation.sigma_px[camera] * observation.sqrt_info[camera];
-  const Vector2d moved_px = IntrinsicsJacobianAt(observation, camera) *
-                            delta_.segment<kNumIntrinsics>(camera * kNumIntrinsics);
+  const Vector2d moved_px =
+      LensShift(camera,
+                IntrinsicsJacobian(nominal_.cameras[static_cast<std::size_t>(camera)],
+                                   observation.xy[camera]));
   return observation.xy[camera] - J_px_xy.inverse() * moved_px;
 }
 

@@ -3,8 +3,10 @@
 // landmarks needs it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "facet/calibration/intrinsics_jacobian.h"
 #include "facet/camera/stereo_rig.h"
 #include "facet/estimator/window/sliding_window.h"
 
@@ -40,14 +42,20 @@ class FrameGeometry {
   /// Where the body is when the image of a frame at T_WB is taken.
   SE3 AtImage(const SE3& T_WB, const BodyRates& rates) const;
 
+  /// Where the point h of the camera is seen by the nominal lens, with its derivatives, and what
+  /// the present deviation of the lens adds to the pixel, to first order. Empty outside of the
+  /// field of view.
+  std::optional<ProjectionDerivatives> NominalProjection(int camera, const Vector3d& h) const {
+    return ProjectWithDerivatives(nominal_.cameras[static_cast<std::size_t>(camera)], h);
+  }
+  Vector2d LensShift(int camera, const Matrix<2, kNumIntrinsics>& J_px_k) const {
+    return J_px_k * delta_.segment<kNumIntrinsics>(camera * kNumIntrinsics);
+  }
+
   /// The measured point on the plane z = 1, as the present calibration has it.
   Vector2d MeasuredXy(const WindowObservation& observation, int camera) const {
     return has_calibration_ ? CorrectedXy(observation, camera) : observation.xy[camera];
   }
-
-  /// d pixel / d intrinsic parameters, where the observation is.
-  Matrix<2, kNumIntrinsics> IntrinsicsJacobianAt(const WindowObservation& observation,
-                                                 int camera) const;
 
   /// Of the body, at present.
   Matrix3d R_CB[2];

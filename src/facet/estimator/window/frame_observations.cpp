@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/window/frame_observations.h"
 
+#include <cmath>
 #include <optional>
 
 #include <Eigen/LU>
@@ -9,10 +10,16 @@ namespace facet {
 
 namespace {
 
+bool IsUsable(double sigma_px) {
+  return sigma_px > 0 && std::isfinite(sigma_px);
+}
+
 void SetCamera(int camera,
+               const Vector2d& px,
                const UndistortedPoint& point,
                double sigma_px,
                WindowObservation& observation) {
+  observation.px[camera] = px;
   observation.xy[camera] = point.xy;
   observation.sigma_px[camera] = sigma_px;
   observation.sqrt_info[camera] = point.J_xy_px.inverse() / sigma_px;
@@ -27,13 +34,15 @@ std::vector<PreparedObservation> PrepareObservations(const FrameObservations& ob
   prepared.reserve(observations.features.size());
   for (const FeatureObservation& feature : observations.features) {
     const std::optional<UndistortedPoint> left = rig.cameras[0].Undistort(feature.px_left);
-    if (!left || !(feature.sigma_left_px > 0)) continue;
+    if (!left || !IsUsable(feature.sigma_left_px)) continue;
     WindowObservation observation;
-    SetCamera(0, *left, pixel_sigma_scale * feature.sigma_left_px, observation);
-    if (feature.px_right && feature.sigma_right_px > 0) {
+    SetCamera(0, feature.px_left, *left, pixel_sigma_scale * feature.sigma_left_px, observation);
+    if (feature.px_right && IsUsable(feature.sigma_right_px)) {
       if (const auto right = rig.cameras[1].Undistort(*feature.px_right)) {
         observation.has_right = true;
-        SetCamera(1, *right, pixel_sigma_scale * feature.sigma_right_px, observation);
+        SetCamera(
+            1, *feature.px_right, *right, pixel_sigma_scale * feature.sigma_right_px, observation);
+        observation.sigma_match_px = pixel_sigma_scale * feature.sigma_match_px;
       }
     }
     prepared.push_back({feature.landmark, observation});

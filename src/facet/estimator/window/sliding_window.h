@@ -10,8 +10,8 @@
 
 #include "facet/estimator/window/window_frame.h"
 #include "facet/estimator/window/window_landmark.h"
+#include "facet/estimator/window/window_measurement.h"
 #include "facet/estimator/window/window_priors.h"
-#include "facet/map/plane_measurement.h"
 
 namespace facet {
 
@@ -25,7 +25,7 @@ class SlidingWindow {
   std::vector<WindowFrame> frames;  ///< oldest first
   std::vector<WindowPlane> planes;
   std::vector<WindowRelation> relations;
-  std::vector<PlaneMeasurement> measurements;  ///< of these frames and planes
+  std::vector<WindowMeasurement> measurements;  ///< of these frames and planes
   MarginalPrior prior;
   std::optional<StartPrior> start_prior;
   SE3 T_BC0;                                     ///< nominal

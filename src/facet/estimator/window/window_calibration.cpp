@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/calibration/triangulation_jacobian.h"
 #include "facet/geometry/so3.h"
 
 namespace facet {
@@ -27,8 +28,26 @@ Matrix<6, kNumMount> MountJacobian(const Matrix3d& R_WB, const BodyRates& rates)
   return A;
 }
 
+std::optional<Matrix<3, kNumCalibration>> PointJacobian(const StereoRig& rig,
+                                                        const Vector3d& X_B,
+                                                        const BodyRates& rates) {
+  const auto of_lens = TriangulationJacobian(rig, rig.T_BC[0].Inverse() * X_B);
+  if (!of_lens) return std::nullopt;
+  Matrix<3, kNumCalibration> J;
+  J.leftCols<kNumRigParameters>() = rig.T_BC[0].R() * *of_lens;
+  J.middleCols<3>(kMountRotation) = -Hat(X_B);
+  J.middleCols<3>(kMountTranslation).setIdentity();
+  J.col(kTimeOffset) = rates.w_B.cross(X_B) + rates.v_B;
+  return J;
+}
+
 WindowCalibration::WindowCalibration(const StereoRig& nominal, const CalibrationMatrix& covariance)
     : start_information(InformationOf(covariance)), nominal_(nominal), T_BC_(nominal.T_BC) {}
+
+void WindowCalibration::Restart(const CalibrationMatrix& covariance) {
+  start_mean_ = delta_;
+  start_information = InformationOf(covariance);
+}
 
 void WindowCalibration::SetDelta(const CalibrationVector& delta) {
   delta_ = delta;

@@ -7,23 +7,12 @@
 #include <array>
 #include <optional>
 
-#include "facet/calibration/rig_parameters.h"
+#include "facet/calibration/calibration_vector.h"
 #include "facet/estimator/window/variable.h"
 
 namespace facet {
 
-/// Columns of the calibration: the 22 parameters of lenses and stereo pair (RigVector), then the
-/// mount (rotation and translation of both cameras on the body), then the time offset [s].
-inline constexpr int kMountRotation = kNumRigParameters;
-inline constexpr int kMountTranslation = kMountRotation + 3;
-inline constexpr int kTimeOffset = kMountTranslation + 3;
-inline constexpr int kNumCalibration = kTimeOffset + 1;
-/// Those that move the cameras of a frame as a whole, like its pose.
-inline constexpr int kNumMount = kNumCalibration - kNumRigParameters;
 static_assert(SizeOf(Variable::Kind::kCalibration) == kNumCalibration);
-
-using CalibrationVector = Vector<kNumCalibration>;
-using CalibrationMatrix = Matrix<kNumCalibration, kNumCalibration>;
 
 /// How a frame moves while its image is taken, in B: what a time offset does to its pose.
 struct BodyRates {
@@ -34,11 +23,20 @@ struct BodyRates {
 /// d (theta p) / d (mount rotation, mount translation, time offset) of a frame.
 Matrix<6, kNumMount> MountJacobian(const Matrix3d& R_WB, const BodyRates& rates);
 
+/// d X_B / d calibration of a point of the body that a keyframe has triangulated; rates as of its
+/// frame. Empty where TriangulationJacobian is.
+std::optional<Matrix<3, kNumCalibration>> PointJacobian(const StereoRig& rig,
+                                                        const Vector3d& X_B,
+                                                        const BodyRates& rates);
+
 /// All measurements are linear in the deviation, at the nominal calibration: it is the point of
 /// first estimates, as for the frames that the prior touches.
 class WindowCalibration {
  public:
   WindowCalibration(const StereoRig& nominal, const CalibrationMatrix& covariance);
+
+  /// From here on the present deviation is what is known before any measurement, this well.
+  void Restart(const CalibrationMatrix& covariance);
 
   const StereoRig& nominal() const { return nominal_; }
   const CalibrationVector& delta() const { return delta_; }
@@ -54,12 +52,15 @@ class WindowCalibration {
   /// Where the body is when the image is taken, if it is at T_WB at the nominal stamp.
   SE3 AtImage(const SE3& T_WB, const BodyRates& rates) const;
 
-  /// Information on `delta` before any measurement; until the first marginalisation takes it up.
+  /// Information on the deviation before any measurement, from start_mean(); until the first
+  /// marginalisation takes it up.
   std::optional<CalibrationMatrix> start_information;
+  const CalibrationVector& start_mean() const { return start_mean_; }
 
  private:
   StereoRig nominal_;
   CalibrationVector delta_ = CalibrationVector::Zero();
+  CalibrationVector start_mean_ = CalibrationVector::Zero();
   std::array<SE3, 2> T_BC_;
 };
 

@@ -15,7 +15,9 @@ struct WindowObservation {
   /// [0] left, [1] right: measured x/z, y/z and the whitening 1/sigma * (d xy / d px)^-1.
   Vector2d xy[2] = {Vector2d::Zero(), Vector2d::Zero()};
   Matrix2d sqrt_info[2] = {Matrix2d::Zero(), Matrix2d::Zero()};
+  Vector2d px[2] = {Vector2d::Zero(), Vector2d::Zero()};  ///< measured pixels
   double sigma_px[2] = {1, 1};  ///< 1-sigma of the pixels that sqrt_info was made with
+  double sigma_match_px = 0;    ///< see FeatureObservation
 };
 
 /// A point as bearing and inverse distance in the left camera of its host frame (docs/math.md,

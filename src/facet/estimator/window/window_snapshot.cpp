@@ -20,7 +20,7 @@ void AddLandmarks(const SlidingWindow& window, const StereoRig& rig, MapSnapshot
   for (const WindowLandmark& landmark : window.landmarks()) {
     const double rho = landmark.inverse_distance;
     if (!landmark.has_depth || rho < kMinInverseDistance) continue;
-    const SE3 T_WC = window.frames[landmark.host].x.T_WB * rig.T_BC[0];
+    const SE3 T_WC = window.LeftCameraAt(landmark.host);
     const Vector3d ray_W = T_WC.q * landmark.bearing_H;
     const double information = InverseDistanceInformation(landmark, ray_W, centres);
     snapshot.landmarks.push_back({landmark.id,
@@ -64,6 +64,9 @@ MapSnapshot SnapshotWindow(const SlidingWindow& window,
                            std::span<const PlaneCovariance> covariances) {
   MapSnapshot snapshot;
   snapshot.latest = window.frames.back().x;
+  snapshot.T_WC0 = window.LeftCameraAt(window.newest_frame());
+  if (window.calibration)
+    snapshot.rig = std::make_shared<const StereoRig>(window.calibration->Refined());
   for (const WindowFrame& frame : window.frames) {
     if (frame.is_reported) snapshot.keyframes.push_back({frame.id, frame.x.t, frame.x.T_WB});
   }

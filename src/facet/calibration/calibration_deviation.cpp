@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/calibration/calibration_deviation.h"
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "facet/geometry/angles.h"
+
+namespace facet {
+
+namespace {
+
+// In units of what a careful calibration leaves, and of what is still uncertain.
+constexpr double kGross = 5, kCertain = 4;
+
+// A linear function of the deviations.
+struct Quantity {
+  std::string what, unit;
+  CalibrationVector gradient = CalibrationVector::Zero();
+};
+
+void AddLens(const StereoRig& rig, int camera, std::vector<Quantity>& out) {
+  const CameraIntrinsics& k = rig.cameras[static_cast<std::size_t>(camera)].intrinsics();
+  const std::string of = camera == 0 ? " of the left camera" : " of the right camera";
+  const int first = camera * kNumIntrinsics;
+  Quantity focal{"focal length" + of, "%"};
+  focal.gradient(first) = 50 / k.fx;
+  focal.gradient(first + 1) = 50 / k.fy;
+  out.push_back(std::move(focal));
+  for (int axis = 0; axis < 2; ++axis) {
+    Quantity point{std::string("principal point") + of + " in " + "xy"[axis], "px"};
+    point.gradient(first + 2 + axis) = 1;
+    out.push_back(std::move(point));
+  }
+}
+
+void AddAxes(const std::string& what,
+             const std::string& unit,
+             int first,
+             double scale,
+             std::vector<Quantity>& out) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Quantity quantity{what + ' ' + "xyz"[axis], unit};
+    quantity.gradient(first + axis) = scale;
+    out.push_back(std::move(quantity));
+  }
+}
+
+std::vector<Quantity> QuantitiesOf(const StereoRig& rig) {
+  std::vector<Quantity> out;
+  AddLens(rig, 0, out);
+  AddLens(rig, 1, out);
+  AddAxes("right camera against the left one about", "deg", kStereoRotation, 1 / kDegree, out);
+  const Vector3d t = rig.T_C1C0().p;
+  Quantity baseline{"baseline", "%"};
+  baseline.gradient.segment<3>(kStereoTranslation) = 100 * t / t.squaredNorm();
+  out.push_back(std::move(baseline));
+  AddAxes("cameras on the IMU about", "deg", kMountRotation, 1 / kDegree, out);
+  AddAxes("cameras on the IMU along", "mm", kMountTranslation, 1e3, out);
+  Quantity clock{"time offset", "ms"};
+  clock.gradient(kTimeOffset) = 1e3;
+  out.push_back(std::move(clock));
+  return out;
+}
+
+double SigmaOf(const CalibrationVector& gradient, const CalibrationMatrix& covariance) {
+  return std::sqrt(std::max(gradient.dot(covariance * gradient), 0.0));
+}
+
+}  // namespace
+
+std::vector<CalibrationDeviation> CalibrationDeviations(const StereoRig& nominal,
+                                                        const CalibrationVector& delta,
+                                                        const CalibrationMatrix& covariance,
+                                                        const CalibrationMatrix& prior) {
+  std::vector<CalibrationDeviation> out;
+  for (Quantity& q : QuantitiesOf(nominal)) {
+    out.push_back({std::move(q.what),
+                   std::move(q.unit),
+                   q.gradient.dot(delta),
+                   SigmaOf(q.gradient, covariance),
+                   SigmaOf(q.gradient, prior)});
+  }
+  return out;
+}
+
+std::vector<CalibrationDeviation> GrossDeviations(const StereoRig& nominal,
+                                                  const CalibrationVector& delta,
+                                                  const CalibrationMatrix& covariance,
+                                                  const CalibrationMatrix& prior) {
+  std::vector<CalibrationDeviation> out = CalibrationDeviations(nominal, delta, covariance, prior);
+  std::erase_if(out, [](const CalibrationDeviation& d) {
+    const double size = std::abs(d.value);
+    return !(size > kGross * d.prior_sigma && size > kCertain * d.sigma);
+  });
+  return out;
+}
+
+std::string InWords(const std::vector<CalibrationDeviation>& deviations) {
+  std::string text;
+  for (const CalibrationDeviation& d : deviations) {
+    char value[40];
+    std::snprintf(value, sizeof(value), " %+.2g ", d.value);
+    text += (text.empty() ? "" : ", ") + d.what + value + d.unit;
+  }
+  return text;
+}
+
+}  // namespace facet

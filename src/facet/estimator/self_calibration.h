@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The calibration over a run: what is known of it at the start, after a loss and at the end, and
+// how it is forgotten a little as time goes by.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "facet/calibration/calibration_deviation.h"
+#include "facet/estimator/estimator_options.h"
+#include "facet/estimator/estimator_result.h"
+#include "facet/estimator/solver/window_solver.h"
+
+namespace facet {
+
+/// What became of the calibration.
+struct RefinedCalibration {
+  StereoRig rig;
+  /// Of its parameters, in the order of WindowCalibration.
+  CalibrationMatrix covariance = CalibrationMatrix::Zero();
+};
+
+/// Does nothing if all of the calibration is held. Not thread-safe.
+class SelfCalibration {
+ public:
+  SelfCalibration(const StereoRig& rig, const CalibrationOptions& options);
+
+  /// Makes the calibration a variable of an empty window: as it was given, or, after a loss, as it
+  /// was last kept.
+  void Begin(SlidingWindow& window) const;
+
+  /// After a keyframe's solve.
+  void TakeClock(const SlidingWindow& window, const WindowSolver& solver);
+  /// And if its state is good; looks again after a second.
+  void Keep(const SlidingWindow& window, const WindowSolver& solver);
+
+  /// After marginalisation: from time to time it takes a random step. Once, when it has turned out
+  /// to be wrong by more than was believed possible, it takes a large one.
+  void Walk(SlidingWindow& window);
+
+  /// What is wrong by more than a careful calibration leaves, as last kept. Empty until the large
+  /// step was taken and has settled.
+  std::vector<CalibrationDeviation> Gross() const {
+    return freed_at_ ? gross_deviations_ : std::vector<CalibrationDeviation>();
+  }
+
+  /// Moves a state and its covariance from the nominal stamp, for which they are estimated, to when
+  /// the image was taken.
+  void MoveToImage(const SlidingWindow& window, const Vector3d& w_B, EstimatorResult& result) const;
+
+  /// As it was last kept; empty before, and if all of it is held.
+  std::optional<RefinedCalibration> Refined() const;
+
+ private:
+  struct Kept {
+    Timestamp t;
+    CalibrationVector delta;
+    CalibrationMatrix covariance;
+    StereoRig rig;
+  };
+
+  StereoRig rig_;
+  CalibrationOptions options_;
+  std::optional<CalibrationMatrix> start_covariance_;
+  ClockCovariance clock_;
+  std::optional<Kept> kept_;
+  std::optional<Timestamp> last_step_;
+  std::optional<Timestamp> freed_at_;  // when it took the large step
+  std::vector<CalibrationDeviation> gross_deviations_;
+};
+
+}  // namespace facet

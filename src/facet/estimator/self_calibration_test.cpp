@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The calibration is estimated from simulated features: as exact as its covariance says, where the
+// motion shows it, and left alone where it does not.
+#include "facet/estimator/self_calibration.h"
+
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "facet/calibration/drawn_calibration.h"
+#include "facet/estimator/start/start_calibration.h"
+#include "facet/estimator/vio_estimator.h"
+#include "facet/sim/euroc_rig.h"
+#include "facet/sim/feature_simulator.h"
+#include "facet/testing/estimator/spoilt_run.h"
+
+namespace facet {
+namespace {
+
+using Motion = std::function<void(std::vector<NavState>&)>;
+
+void AsFlown(std::vector<NavState>&) {}
+
+void AtRest(std::vector<NavState>& poses) {
+  for (NavState& pose : poses)
+    pose.T_WB = poses.front().T_WB;
+}
+
+struct Calibrated {
+  CalibrationVector error, sigma;  // of the refined calibration
+  CalibrationVector error_before, sigma_before;
+};
+
+Calibrated Fly(const Motion& motion, std::uint64_t seed, double duration_s) {
+  FeatureSimulatorOptions options;
+  options.max_tracks = 70;
+  options.duration_s = duration_s;
+  std::vector<NavState> poses = MakeFlight(duration_s + 2, 2);
+  motion(poses);
+  const SimulatedRun run =
+      SimulateFeatures(SplineTrajectory::Fit(poses), EurocRig(), options, seed);
+  const StereoRig written = *DrawCalibration(run.rig, seed);
+  const ImuBuffer imu = testing::ImuOf(run);
+  VioEstimator estimator(written, ImuNoise{}, {});
+  StageTimes times;
+  Timestamp previous = run.frames.front().t + written.time_offset;
+  for (const FrameObservations& frame : run.frames) {
+    const Timestamp now = frame.t + written.time_offset;
+    estimator.AddFrame(frame, imu.Between(previous, now, Duration{20'000'000}, Duration{0}), times);
+    previous = now;
+  }
+  const auto refined = estimator.Calibration();
+  EXPECT_TRUE(refined) << seed;
+  if (!refined) return {};
+  return {CalibrationDifference(run.rig, refined->rig),
+          refined->covariance.diagonal().cwiseSqrt(),
+          CalibrationDifference(run.rig, written),
+          StartCovariance(written, {}).diagonal().cwiseSqrt()};
+}
+
+double MeanSquare(const CalibrationVector& error, const CalibrationVector& sigma) {
+  return error.cwiseQuotient(sigma).squaredNorm() / kNumCalibration;
+}
+
+TEST(SelfCalibrationTest, FindsWhatTheMotionShowsAndKnowsHowWell) {
+  double nees = 0;
+  constexpr int kNumSeeds = 6;
+  for (int seed = 1; seed <= kNumSeeds; ++seed) {
+    const Calibrated flown = Fly(AsFlown, static_cast<std::uint64_t>(seed), 20);
+    nees += MeanSquare(flown.error, flown.sigma) / kNumSeeds;
+    EXPECT_LT(std::abs(flown.error(kTimeOffset)), 1e-4) << seed;
+    EXPECT_LT(flown.sigma(kTimeOffset), 2e-4);
+    EXPECT_LT(MeanSquare(flown.error, flown.sigma_before),
+              0.6 * MeanSquare(flown.error_before, flown.sigma_before) + 0.2)
+        << seed;
+  }
+  EXPECT_GT(nees, 0.4);
+  EXPECT_LT(nees, 1.8);
+}
+
+TEST(SelfCalibrationTest, AtRestNothingIsLearntThatCannotBeSeen) {
+  double nees = 0;
+  constexpr int kNumSeeds = 4;
+  for (int seed = 1; seed <= kNumSeeds; ++seed) {
+    const Calibrated flown = Fly(AtRest, static_cast<std::uint64_t>(seed), 40);
+    nees += MeanSquare(flown.error, flown.sigma) / kNumSeeds;
+    // Nothing tells the common focal length from the distances, nor the clock.
+    EXPECT_GT(flown.sigma(0), 0.5 * flown.sigma_before(0)) << seed;
+    EXPECT_GT(flown.sigma(kMountTranslation), 0.5 * flown.sigma_before(kMountTranslation)) << seed;
+    EXPECT_LT(std::abs(flown.error(0) - flown.error_before(0)), 2.5 * flown.sigma_before(0));
+  }
+  EXPECT_LT(nees, 1.8);
+}
+
+}  // namespace
+}  // namespace facet
