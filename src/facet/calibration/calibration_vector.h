@@ -3,6 +3,8 @@
 // (docs/math.md, section 10.1).
 #pragma once
 
+#include <array>
+
 #include "facet/calibration/rig_parameters.h"
 
 namespace facet {
@@ -15,6 +17,15 @@ inline constexpr int kTimeOffset = kMountTranslation + 3;
 inline constexpr int kNumCalibration = kTimeOffset + 1;
 /// Those that move the cameras of a frame as a whole, like its pose.
 inline constexpr int kNumMount = kNumCalibration - kNumRigParameters;
+
+/// Their names in files.
+inline constexpr std::array<const char*, kNumCalibration> kCalibrationNames = {
+    "cam0_fx",  "cam0_fy",           "cam0_cx",           "cam0_cy",           "cam0_d0",
+    "cam0_d1",  "cam0_d2",           "cam0_d3",           "cam1_fx",           "cam1_fy",
+    "cam1_cx",  "cam1_cy",           "cam1_d0",           "cam1_d1",           "cam1_d2",
+    "cam1_d3",  "stereo_rotation_x", "stereo_rotation_y", "stereo_rotation_z", "stereo_x",
+    "stereo_y", "stereo_z",          "mount_rotation_x",  "mount_rotation_y",  "mount_rotation_z",
+    "mount_x",  "mount_y",           "mount_z",           "time_offset"};
 
 using CalibrationVector = Vector<kNumCalibration>;
 using CalibrationMatrix = Matrix<kNumCalibration, kNumCalibration>;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "facet/camera/camera_model.h"
 #include "facet/geometry/se3.h"
@@ -14,6 +15,9 @@ struct StereoRig {
   std::array<SE3, 2> T_BC;             ///< camera to body
   /// t_imu = t_camera + time_offset (Kalibr's timeshift_cam_imu).
   Duration time_offset;
+  /// Of all this, in the order of CalibrationVector (calibration/calibration_vector.h); null: not
+  /// known.
+  std::shared_ptr<const MatrixXd> covariance;
 
   SE3 T_C1C0() const { return T_BC[1].Inverse() * T_BC[0]; }
   double baseline_m() const { return T_C1C0().p.norm(); }

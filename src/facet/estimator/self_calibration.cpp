@@ -112,9 +112,11 @@ void SelfCalibration::MoveToImage(const SlidingWindow& window,
   result.covariance += cross + cross.transpose() + clock_.variance * moved * moved.transpose();
 }
 
-std::optional<RefinedCalibration> SelfCalibration::Refined() const {
+std::optional<StereoRig> SelfCalibration::Refined() const {
   if (!kept_) return std::nullopt;
-  return RefinedCalibration{kept_->rig, kept_->covariance};
+  StereoRig rig = kept_->rig;
+  rig.covariance = std::make_shared<const MatrixXd>(kept_->covariance);
+  return rig;
 }
 
 }  // namespace facet

@@ -14,13 +14,6 @@
 
 namespace facet {
 
-/// What became of the calibration.
-struct RefinedCalibration {
-  StereoRig rig;
-  /// Of its parameters, in the order of WindowCalibration.
-  CalibrationMatrix covariance = CalibrationMatrix::Zero();
-};
-
 /// Does nothing if all of the calibration is held. Not thread-safe.
 class SelfCalibration {
  public:
@@ -49,8 +42,8 @@ class SelfCalibration {
   /// the image was taken.
   void MoveToImage(const SlidingWindow& window, const Vector3d& w_B, EstimatorResult& result) const;
 
-  /// As it was last kept; empty before, and if all of it is held.
-  std::optional<RefinedCalibration> Refined() const;
+  /// As it was last kept, with its covariance; empty before, and if all of it is held.
+  std::optional<StereoRig> Refined() const;
 
  private:
   struct Kept {

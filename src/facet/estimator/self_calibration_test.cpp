@@ -53,8 +53,8 @@ Calibrated Fly(const Motion& motion, std::uint64_t seed, double duration_s) {
   const auto refined = estimator.Calibration();
   EXPECT_TRUE(refined) << seed;
   if (!refined) return {};
-  return {CalibrationDifference(run.rig, refined->rig),
-          refined->covariance.diagonal().cwiseSqrt(),
+  return {CalibrationDifference(run.rig, *refined),
+          refined->covariance->diagonal().cwiseSqrt(),
           CalibrationDifference(run.rig, written),
           StartCovariance(written, {}).diagonal().cwiseSqrt()};
 }

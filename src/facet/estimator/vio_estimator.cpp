@@ -39,8 +39,9 @@ std::optional<double> NewestImuError(const SlidingWindow& window) {
   return ImuErrorSigma(*link, std::next(newest)->x, newest->x);
 }
 
-void Report(const WindowFrame& frame, std::vector<KeyframePose>& finished) {
-  if (frame.is_reported) finished.push_back({frame.id, frame.x.t, frame.x.T_WB});
+void Report(const SlidingWindow& window, int i, std::vector<KeyframePose>& finished) {
+  const WindowFrame& frame = window.frames[i];
+  if (frame.is_reported) finished.push_back({frame.id, frame.x.t, window.BodyAt(i)});
 }
 
 }  // namespace
@@ -253,7 +254,7 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     if (plan.IsEmpty()) break;
     planes_.CutNonPersistent(plan, window_);
     for (std::size_t i = 0; i < window_.frames.size(); ++i) {
-      if (plan.drop_frame[i]) Report(window_.frames[i], finished);
+      if (plan.drop_frame[i]) Report(window_, static_cast<int>(i), finished);
     }
     Marginalize(plan, rig_, optimizer_.noise(), window_);
   }
@@ -265,7 +266,7 @@ void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
   segments_.End(link ? &*link : nullptr);
   // The newest one is what was lost.
   for (int i = 0; i < window_.newest_frame(); ++i)
-    Report(window_.frames[i], finished);
+    Report(window_, i, finished);
   Forget();
 }
 

@@ -140,6 +140,18 @@ ordered_json ToJson(const ConsistencyError& error) {
   return json;
 }
 
+ordered_json ToJson(const CalibrationError& e) {
+  ordered_json json;
+  json["disparity_mean_px"] = e.disparity_mean_px;
+  json["disparity_rms_px"] = e.disparity_rms_px;
+  json["vertical_rms_px"] = e.vertical_rms_px;
+  json["time_offset_ms"] = 1e3 * e.error(kTimeOffset);
+  if (e.nees) json["nees"] = *e.nees;
+  for (int i = 0; i < kNumCalibration; ++i)
+    json["errors"][kCalibrationNames[static_cast<std::size_t>(i)]] = e.error(i);
+  return json;
+}
+
 std::string Text(const char* format, double value) {
   char text[64];
   std::snprintf(text, sizeof(text), format, value);
@@ -213,6 +225,14 @@ void AddConsistencyRows(const ConsistencyError& error, Rows& rows) {
   add("accelerometer bias", error.accel_bias);
 }
 
+void AddCalibrationRows(const CalibrationError& e, Rows& rows) {
+  rows.emplace_back("calibration: disparity at infinity [px]", Text("%+.3f", e.disparity_mean_px));
+  rows.emplace_back("calibration: the same, rms [px]", Text("%.3f", e.disparity_rms_px));
+  rows.emplace_back("calibration: across the rows, rms [px]", Text("%.3f", e.vertical_rms_px));
+  rows.emplace_back("calibration: time offset [ms]", Text("%+.3f", 1e3 * e.error(kTimeOffset)));
+  if (e.nees) rows.emplace_back("NEES calibration", Text("%.2f", *e.nees));
+}
+
 Rows RowsOf(const RunEvaluation& e) {
   Rows rows;
   rows.emplace_back("poses with truth", std::to_string(e.causal.num_pairs));
@@ -244,6 +264,7 @@ Rows RowsOf(const RunEvaluation& e) {
   if (e.map) AddMeshRows("map", *e.map, rows);
   if (e.planes) AddPlaneRows(*e.planes, e.close_planes, rows);
   if (e.consistency) AddConsistencyRows(*e.consistency, rows);
+  if (e.calibration) AddCalibrationRows(*e.calibration, rows);
   return rows;
 }
 
@@ -297,6 +318,7 @@ nlohmann::ordered_json ToJson(const RunEvaluation& e) {
     if (e.close_planes) json["planes"]["within_3deg_5cm"] = ToJson(*e.close_planes);
   }
   if (e.consistency) json["consistency"] = ToJson(*e.consistency);
+  if (e.calibration) json["calibration"] = ToJson(*e.calibration);
   json["warnings"] = e.warnings;
   return json;
 }

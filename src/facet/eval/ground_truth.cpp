@@ -64,6 +64,7 @@ GroundTruth LoadGroundTruth(const std::filesystem::path& sequence_or_file) {
       FirstThatExists({extra / "mesh.ply", truth.mav0 / "pointcloud0" / "data.ply"});
   if (!surface.empty()) truth.surface = std::make_shared<SurfaceFile>(surface);
   truth.planes_file = FirstThatExists({extra / "planes.csv"});
+  if (fs::exists(extra / "cam0" / "sensor.yaml")) truth.calibration = extra;
   return truth;
 }
 

@@ -39,6 +39,8 @@ struct GroundTruth {
       surface;                        ///< truth/mesh.ply, else mav0/pointcloud0/data.ply, or null
   std::filesystem::path planes_file;  ///< truth/planes.csv; empty: none
   std::filesystem::path mav0;         ///< for the calibration; empty: none
+  /// truth/ if it holds the exact calibration, as `facet simulate` writes it; empty: not known.
+  std::filesystem::path calibration;
 };
 
 /// A sequence folder (holds mav0/, or is it), or a trajectory file (TUM or EuRoC csv).

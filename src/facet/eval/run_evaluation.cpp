@@ -12,6 +12,7 @@
 #include "facet/eval/mesh_evaluation.h"
 #include "facet/eval/quaternion_order.h"
 #include "facet/eval/time_alignment.h"
+#include "facet/io/calibration_file.h"
 #include "facet/io/errors.h"
 #include "facet/io/json_file.h"
 #include "facet/io/text_file.h"
@@ -184,6 +185,17 @@ void EvaluateParts(const fs::path& result,
   }
 }
 
+// What a run has learnt of the calibration, where the exact one is known.
+void EvaluateCalibration(const fs::path& result,
+                         const GroundTruth& truth,
+                         RunEvaluation& evaluation) {
+  const fs::path file = result / "calibration.yaml";
+  if (truth.calibration.empty() || !fs::is_directory(result) || !fs::exists(file)) return;
+  const StereoRig estimate = ReadKalibrCalibration(file, {}).rig;
+  const StereoRig exact = ReadEurocCalibration(truth.calibration, {}).rig;
+  evaluation.calibration = CompareCalibrations(estimate, exact);
+}
+
 // What states.csv says beyond the trajectory.
 void EvaluateStates(const fs::path& result,
                     const GroundTruth& truth,
@@ -228,6 +240,7 @@ RunEvaluation EvaluateRun(const std::filesystem::path& result,
   EvaluateKeyframes(result, truth, options, evaluation);
   EvaluateParts(result, truth, options, evaluation);
   EvaluateStates(result, truth, options, evaluation);
+  if (options.judge_consistency) EvaluateCalibration(result, truth, evaluation);
   return evaluation;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "facet/calibration/calibration_error.h"
 #include "facet/eval/consistency.h"
 #include "facet/eval/ground_truth.h"
 #include "facet/eval/mesh_error.h"
@@ -44,6 +45,7 @@ struct RunEvaluation {
   std::optional<PlaneError> planes;
   std::optional<PlaneError> close_planes;  ///< the same with kClosePlanes
   std::optional<ConsistencyError> consistency;
+  std::optional<CalibrationError> calibration;  ///< of the one that was estimated
   std::vector<std::string> warnings;
 };
 

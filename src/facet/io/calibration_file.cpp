@@ -147,6 +147,7 @@ Calibration ReadKalibrCalibration(const fs::path& camchain, const fs::path& imu_
   }
   CheckBaseline(result.rig, camchain.string());
   result.rig.time_offset = offsets[0];
+  result.rig.covariance = ReadCovariance(yaml);
   if (std::abs(ToSeconds(offsets[1]) - ToSeconds(offsets[0])) > kMaxTimeOffsetDifferenceS) {
     result.warnings.push_back(camchain.string() +
                               ": the cameras have different time offsets; that of cam0 is used");
@@ -163,6 +164,7 @@ Calibration ReadKalibrCalibration(const fs::path& camchain, const fs::path& imu_
       "Kalibr " + camchain.string() +
       (is_inverse ? " (T_cam_imu maps IMU to camera)" : " (T_imu_cam maps camera to IMU)") +
       OffsetText(result.rig.time_offset);
+  if (result.rig.covariance) result.source += ", with the covariance of the run that wrote it";
   if (!imu_file.empty()) result.source += ", IMU noise from " + imu_file.string();
   return result;
 }

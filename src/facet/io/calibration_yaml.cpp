@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "facet/calibration/calibration_vector.h"
 #include "facet/io/errors.h"
 
 namespace facet {
@@ -128,6 +130,35 @@ CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera) {
   const std::string problem = CameraModel::WhatIsWrong(k);
   if (!problem.empty()) yaml.Fail(intrinsics, "unusable camera: " + problem);
   return CameraModel(k);
+}
+
+std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml) {
+  if (!YamlFile::Has(yaml.root(), "covariance")) return nullptr;
+  const YAML::Node node = yaml.root()["covariance"];
+  const YAML::Node names = yaml.Require(node, "parameters");
+  bool are_ours = names.IsSequence() && names.size() == kCalibrationNames.size();
+  for (std::size_t i = 0; are_ours && i < kCalibrationNames.size(); ++i)
+    are_ours = names[i].IsScalar() && names[i].Scalar() == kCalibrationNames[i];
+  if (!are_ours) {
+    yaml.Fail(names,
+              std::string("the parameters must be those that 'facet run' writes: ") +
+                  kCalibrationNames.front() + " ... " + kCalibrationNames.back());
+  }
+  const YAML::Node rows = yaml.Require(node, "matrix");
+  const std::vector<double> values = yaml.Numbers(rows);
+  constexpr std::size_t kSize = kCalibrationNames.size();
+  if (values.size() != kSize * kSize) {
+    yaml.Fail(rows,
+              "a matrix of 29 x 29 has 841 numbers, here are " + std::to_string(values.size()));
+  }
+  const CalibrationMatrix matrix = Eigen::Map<const CalibrationMatrix>(values.data());
+  const CalibrationVector scale = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const CalibrationMatrix correlation = scale.asDiagonal() * matrix * scale.asDiagonal();
+  if (!((correlation - correlation.transpose()).cwiseAbs().maxCoeff() < 1e-6))
+    yaml.Fail(rows, "a covariance is symmetric");
+  if (!(matrix.diagonal().minCoeff() > 0) || correlation.ldlt().vectorD().minCoeff() <= 0)
+    yaml.Fail(rows, "a covariance is positive definite");
+  return std::make_shared<const MatrixXd>(0.5 * (matrix + matrix.transpose()));
 }
 
 ImuNoise ReadImuNoise(const YamlFile& yaml, std::vector<std::string>& warnings) {

@@ -2,6 +2,7 @@
 // The parts that EuRoC's and Kalibr's calibration files have in common.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,11 @@ SE3 ReadRigid(const YamlFile& yaml, const YAML::Node& parent, const std::string&
 
 /// Resolution, camera_model (pinhole), intrinsics (fu fv cu cv) and distortion.
 CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera);
+
+/// The `covariance` that a run has written with its calibration (calibration_writer.h), in the
+/// order of CalibrationVector; null if there is none. Refuses what is no covariance of these
+/// parameters.
+std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml);
 
 /// Noise densities at the root of the file or below `imu0`; warns of values that are off by
 /// decades.

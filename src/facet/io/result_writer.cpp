@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "facet/io/calibration_writer.h"
 #include "facet/io/errors.h"
 #include "facet/io/json_file.h"
 #include "facet/io/ply_writer.h"
@@ -278,6 +279,8 @@ void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   if (run.mesh) WritePlyMesh(folder / "mesh.ply", *run.mesh);
   if (run.map) WritePlyMesh(folder / "map.ply", *run.map);
   if (run.planes) WriteTextFile(folder / "planes.csv", PlanesCsv(*run.planes));
+  if (run.estimated_calibration)
+    WriteCalibration(folder / "calibration.yaml", *run.estimated_calibration);
   WriteTextFile(folder / "config.yaml", run.config);
   WriteTextFile(folder / "summary.json", JsonText(Summary(run), 2) + "\n");
 }

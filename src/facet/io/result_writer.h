@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "facet/base/stage_timer.h"
+#include "facet/camera/stereo_rig.h"
 #include "facet/imu/imu_types.h"
 #include "facet/io/trajectory_file.h"
 #include "facet/map/plane_record.h"
@@ -61,7 +62,8 @@ struct RunRecord {
   std::optional<std::vector<PlaneRecord>> planes;  ///< ever in the estimator, in W; if looked for
   /// Surface of the horizon mesh and of the newest keyframe's own faces, by keyframe [m^2].
   std::vector<double> mesh_areas_m2, view_areas_m2;
-  std::string config;  ///< YAML of every parameter in force
+  std::optional<StereoRig> estimated_calibration;  ///< if it was estimated
+  std::string config;                              ///< YAML of every parameter in force
 
   std::vector<StampedPose> CausalTrajectory() const;  ///< of the frames with a pose
   /// Seconds from first_pair to the first pose.
@@ -69,9 +71,9 @@ struct RunRecord {
 };
 
 /// Writes trajectory.tum, keyframes.tum, states.csv, timing.csv, landmarks.ply, summary.json,
-/// planes.csv, config.yaml and, where there are some, mesh.ply and map.ply into an existing folder.
-/// Everything but timing.csv and summary.json depends on the estimates alone. Throws OutputError
-/// naming the file that could not be written completely.
+/// planes.csv, config.yaml and, where there are some, calibration.yaml, mesh.ply and map.ply into
+/// an existing folder. Everything but timing.csv and summary.json depends on the estimates alone.
+/// Throws OutputError naming the file that could not be written completely.
 void WriteResult(const std::filesystem::path& folder, const RunRecord& run);
 
 }  // namespace facet

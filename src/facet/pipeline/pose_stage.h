@@ -32,6 +32,9 @@ class PoseStage {
   /// The keyframes that are still in the window, oldest first.
   std::vector<KeyframePose> WindowKeyframes() const { return estimator_.Snapshot().keyframes; }
 
+  /// What has been learnt of it; see VioEstimator.
+  std::optional<StereoRig> Calibration() const { return estimator_.Calibration(); }
+
  private:
   void FillPose(const TrackedFrame& frame, EstimatorResult result, VioOutput& out) const;
   std::string JudgeCalibration(const FrontendResult& frontend,

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "facet/camera/stereo_rig.h"
 #include "facet/imu/imu_screen.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/plane_record.h"
@@ -21,6 +22,8 @@ struct RunResult {
   MapMemory map_memory;  ///< what `map` takes up inside
   /// Every plane that was ever a variable, in the order of their ids; empty but in pipeline SPR.
   std::optional<std::vector<PlaneRecord>> planes;
+  /// With what was learnt of it, and its covariance; empty if it is held, or nothing was learnt.
+  std::optional<StereoRig> calibration;
   int num_refused_imu = 0;  ///< samples that were not finite or not in order
   ImuScreenCounts imu_screen;
 };

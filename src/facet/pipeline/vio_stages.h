@@ -22,6 +22,7 @@ struct VioStages {
     result.window_keyframes = pose.WindowKeyframes();
     result.map = scene.Map(result.map_memory);
     result.planes = scene.Planes();
+    result.calibration = pose.Calibration();
     result.num_refused_imu = front.num_refused_imu();
     result.imu_screen = front.imu_screen_counts();
     return result;

@@ -14,23 +14,37 @@ namespace {
 // 1-sigma of what is held, in the units of the parameter: far below what anything can measure.
 constexpr double kHeldSigma = 1e-7;
 
+// As far as a rig's own covariance is trusted: it was another day.
+constexpr double kOtherDay = 0.1;
+
+CalibrationMatrix OfACarefulCalibration(const StereoRig& rig, const CalibrationOptions& options) {
+  CalibrationMatrix covariance = CalibrationMatrix::Zero();
+  BoardCalibrationOptions board;
+  board.corner_noise_px = options.board_noise_px;
+  if (const auto of_board = BoardCalibrationCovariance(rig, board))
+    covariance.topLeftCorner<kNumRigParameters, kNumRigParameters>() = *of_board;
+  const auto set = [&](int first, int count, double sigma) {
+    covariance.diagonal().segment(first, count).setConstant(sigma * sigma);
+  };
+  const double per_axis = 1 / std::sqrt(3.0);
+  set(kMountRotation, 3, per_axis * options.mount_rotation_deg * kDegree);
+  set(kMountTranslation, 3, per_axis * options.mount_translation_m);
+  set(kTimeOffset, 1, options.time_s);
+  return covariance;
+}
+
 }  // namespace
 
 CalibrationMatrix StartCovariance(const StereoRig& rig, const CalibrationOptions& options) {
-  CalibrationMatrix covariance = CalibrationMatrix::Zero();
-  if (options.lens) {
-    BoardCalibrationOptions board;
-    board.corner_noise_px = options.board_noise_px;
-    if (const auto of_board = BoardCalibrationCovariance(rig, board))
-      covariance.topLeftCorner<kNumRigParameters, kNumRigParameters>() = *of_board;
-  }
-  const auto set = [&](int first, int count, bool is_estimated, double sigma) {
-    if (is_estimated) covariance.diagonal().segment(first, count).setConstant(sigma * sigma);
+  CalibrationMatrix covariance = OfACarefulCalibration(rig, options);
+  if (rig.covariance) covariance = kOtherDay * kOtherDay * covariance + *rig.covariance;
+  const auto hold = [&](int first, int count) {
+    covariance.middleRows(first, count).setZero();
+    covariance.middleCols(first, count).setZero();
   };
-  const double per_axis = 1 / std::sqrt(3.0);
-  set(kMountRotation, 3, options.mount, per_axis * options.mount_rotation_deg * kDegree);
-  set(kMountTranslation, 3, options.mount, per_axis * options.mount_translation_m);
-  set(kTimeOffset, 1, options.time, options.time_s);
+  if (!options.lens) hold(0, kNumRigParameters);
+  if (!options.mount) hold(kMountRotation, 6);
+  if (!options.time) hold(kTimeOffset, 1);
   covariance.diagonal().array() += kHeldSigma * kHeldSigma;
   return covariance;
 }

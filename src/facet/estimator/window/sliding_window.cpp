@@ -26,10 +26,13 @@ bool IsInPrior(const MarginalPrior& prior, Variable::Kind kind, FrameId frame) {
 
 }  // namespace
 
-SE3 SlidingWindow::LeftCameraAt(int frame) const {
+SE3 SlidingWindow::BodyAt(int frame) const {
   const WindowFrame& at = frames[frame];
-  if (!calibration) return at.x.T_WB * T_BC0;
-  return calibration->AtImage(at.x.T_WB, at.Rates()) * calibration->T_BC(0);
+  return calibration ? calibration->AtImage(at.x.T_WB, at.Rates()) : at.x.T_WB;
+}
+
+SE3 SlidingWindow::LeftCameraAt(int frame) const {
+  return BodyAt(frame) * (calibration ? calibration->T_BC(0) : T_BC0);
 }
 
 WindowLandmark* SlidingWindow::Find(LandmarkId id) {

@@ -34,6 +34,8 @@ class SlidingWindow {
   const std::vector<WindowLandmark>& landmarks() const { return landmarks_; }
   std::vector<WindowLandmark>& landmarks() { return landmarks_; }
 
+  /// T_WB when the frame's image is taken.
+  SE3 BodyAt(int frame) const;
   /// T_WC0 when the frame's image is taken.
   SE3 LeftCameraAt(int frame) const;
 

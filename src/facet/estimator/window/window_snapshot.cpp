@@ -67,8 +67,9 @@ MapSnapshot SnapshotWindow(const SlidingWindow& window,
   snapshot.T_WC0 = window.LeftCameraAt(window.newest_frame());
   if (window.calibration)
     snapshot.rig = std::make_shared<const StereoRig>(window.calibration->Refined());
-  for (const WindowFrame& frame : window.frames) {
-    if (frame.is_reported) snapshot.keyframes.push_back({frame.id, frame.x.t, frame.x.T_WB});
+  for (int i = 0; i <= window.newest_frame(); ++i) {
+    const WindowFrame& frame = window.frames[i];
+    if (frame.is_reported) snapshot.keyframes.push_back({frame.id, frame.x.t, window.BodyAt(i)});
   }
   AddLandmarks(window, rig, snapshot);
   AddPlanes(window, covariances, snapshot);

@@ -92,6 +92,9 @@ void Observe(const TestWindowOptions& options, Rng& rng, TestWindow& out) {
       visible &= h.z() > 0.3 && h.head<2>().cwiseAbs().maxCoeff() < kFieldOfView * h.z();
       SetMeasurement(h, c, options.pixel_sigma, observation);
       observation.xy[c] += size * options.pixel_sigma / kFocal * Vector2d(x, y);
+      const auto px = out.rig.cameras[static_cast<std::size_t>(c)].Project(h);
+      visible &= px.has_value();
+      if (px) observation.px[c] = *px + size * options.pixel_sigma * Vector2d(x, y);
     }
     if (visible) landmark.observations.push_back(observation);
   }

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/calibration/calibration_error.h"
+
+#include <gtest/gtest.h>
+
+#include "facet/sim/euroc_rig.h"
+
+namespace facet {
+namespace {
+
+TEST(CalibrationErrorTest, TheTrueOneHasNone) {
+  const CalibrationError e = CompareCalibrations(EurocRig(), EurocRig());
+  EXPECT_LT(e.error.norm(), 1e-12);
+  EXPECT_LT(e.disparity_rms_px, 1e-9);
+  EXPECT_FALSE(e.nees);
+}
+
+TEST(CalibrationErrorTest, APrincipalPointMovesAllDisparities) {
+  StereoRig rig = EurocRig();
+  CameraIntrinsics k = rig.cameras[1].intrinsics();
+  k.cx += 0.25;
+  k.cy -= 0.1;
+  rig.cameras[1] = CameraModel(k);
+  const CalibrationError e = CompareCalibrations(rig, EurocRig());
+  EXPECT_NEAR(e.disparity_mean_px, 0.25, 1e-9);
+  EXPECT_NEAR(e.disparity_rms_px, 0.25, 1e-9);
+  EXPECT_NEAR(e.vertical_rms_px, 0.1, 1e-9);
+  EXPECT_NEAR(e.error(kNumIntrinsics + 2), 0.25, 1e-12);
+}
+
+TEST(CalibrationErrorTest, TheCovarianceIsInTheSameOrder) {
+  StereoRig rig = EurocRig();
+  rig.time_offset = rig.time_offset + Duration{2'000'000};
+  MatrixXd covariance = 1e-6 * MatrixXd::Identity(kNumCalibration, kNumCalibration);
+  rig.covariance = std::make_shared<const MatrixXd>(covariance);
+  EXPECT_NEAR(*CompareCalibrations(rig, EurocRig()).nees, 4.0 / kNumCalibration, 1e-6);
+}
+
+}  // namespace
+}  // namespace facet

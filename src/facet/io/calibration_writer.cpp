@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/io/calibration_writer.h"
+
+#include <cstdio>
+#include <initializer_list>
+
+#include "facet/calibration/calibration_vector.h"
+#include "facet/io/text_file.h"
+
+namespace facet {
+namespace {
+
+std::string Number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof(text), "%.12g", value);
+  return text;
+}
+
+template <class Values>
+std::string List(const Values& values) {
+  std::string text;
+  for (const double value : values)
+    text += (text.empty() ? "[" : ", ") + Number(value);
+  return text + "]";
+}
+
+std::string Rigid(const std::string& key, const SE3& T) {
+  const Matrix3d R = T.R();
+  std::string text = "  " + key + ":\n";
+  for (int i = 0; i < 3; ++i)
+    text += "  - " + List(std::initializer_list<double>{R(i, 0), R(i, 1), R(i, 2), T.p(i)}) + "\n";
+  return text + "  - [0.0, 0.0, 0.0, 1.0]\n";
+}
+
+const char* NameOf(DistortionModel model) {
+  switch (model) {
+    case DistortionModel::kRadialTangential:
+      return "radtan";
+    case DistortionModel::kEquidistant:
+      return "equidistant";
+    case DistortionModel::kNone:
+      break;
+  }
+  return "none";
+}
+
+std::string Camera(const StereoRig& rig, std::size_t c) {
+  const CameraIntrinsics& k = rig.cameras[c].intrinsics();
+  std::string text = "cam" + std::to_string(c) + ":\n";
+  text += Rigid("T_cam_imu", rig.T_BC[c].Inverse());
+  if (c == 1) text += Rigid("T_cn_cnm1", rig.T_C1C0());
+  text += std::string("  cam_overlaps: [") + (c == 0 ? "1" : "0") + "]\n";
+  text += "  camera_model: pinhole\n";
+  text += "  distortion_coeffs: " + List(k.coefficients) + "\n";
+  text += std::string("  distortion_model: ") + NameOf(k.distortion) + "\n";
+  text += "  intrinsics: " + List(std::initializer_list<double>{k.fx, k.fy, k.cx, k.cy}) + "\n";
+  text += "  resolution: [" + std::to_string(k.width) + ", " + std::to_string(k.height) + "]\n";
+  text += "  timeshift_cam_imu: " + Number(ToSeconds(rig.time_offset)) + "\n";
+  return text;
+}
+
+std::string Covariance(const MatrixXd& covariance) {
+  std::string text =
+      "# Of the deviations of the parameters; rotations in rad, about the axes of the left camera\n"
+      "# (stereo) and of the IMU (mount); translations in m, time in s.\n"
+      "covariance:\n  parameters: [";
+  for (const char* name : kCalibrationNames)
+    text += (name == kCalibrationNames.front() ? "" : ", ") + std::string(name);
+  text += "]\n  matrix:\n";
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    const Eigen::RowVectorXd row = covariance.row(i);
+    text += "  - " + List(row) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string CalibrationYaml(const StereoRig& rig) {
+  std::string text = Camera(rig, 0) + Camera(rig, 1);
+  if (rig.covariance) text += Covariance(*rig.covariance);
+  return text;
+}
+
+void WriteCalibration(const std::filesystem::path& file, const StereoRig& rig) {
+  WriteTextFile(file, CalibrationYaml(rig));
+}
+
+}  // namespace facet
