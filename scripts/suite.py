@@ -9,8 +9,8 @@ and with drawn ones (docs/simulator.md, "What is simulated").
   suite.py run --against other/facet        another program on the same sequences, and the ratio to it
   suite.py attribution                      which part of the drawn calibration costs what: lens, imu, time, all
 
-A figure of a scene is the median over its starts (0, 0.1, 0.2 ... s) and draws; NEES are means. The last line has the
-median over the scenes and the worst one. Sequences and results go to --out.
+A figure of a scene is the median over its starts (0, 0.1, 0.2 ... s) and draws; NEES and what is left of the errors of
+the calibration at the ends of the runs are means. The last columns have the median over the scenes and the worst one. Sequences and results go to --out.
 """
 
 import argparse
@@ -200,6 +200,22 @@ def nees(runs, part):
     return statistics.mean(values) if values else math.nan
 
 
+CALIBRATION = {  # key of evaluation.json: name of the figure
+    "disparity_mean_px": "disparity error at infinity [px]",
+    "disparity_rms_px": "disparity error, rms [px]",
+    "vertical_rms_px": "vertical error, rms [px]",
+    "time_offset_ms": "time offset error [ms]",
+    "nees": "calibration NEES",
+}
+
+
+def calibration_error(runs, key):
+    """Mean of its absolute values at the ends of the runs; NaN if the calibration was held."""
+    values = [run.evaluation.get("calibration", {}).get(key) for run in runs]
+    values = [abs(v) for v in values if v is not None]
+    return statistics.mean(values) if values else math.nan
+
+
 def figures_of(groups, scene, kinds, pipelines):
     """A row of figures: {column: value}."""
     row = {}
@@ -213,6 +229,9 @@ def figures_of(groups, scene, kinds, pipelines):
         for kind in ["exact", *kinds]:
             for part in ("position", "orientation"):
                 row[f"{pipeline} {part} NEES {kind}"] = nees(groups[scene, kind, pipeline], part)
+        for kind in kinds:
+            for key, name in CALIBRATION.items():
+                row[f"{pipeline} {kind}: {name}"] = calibration_error(groups[scene, kind, pipeline], key)
     if "S" in pipelines and "SPR" in pipelines:
         for kind in ["exact", *kinds]:
             pairs = zip(groups[scene, kind, "SPR"], groups[scene, kind, "S"])
@@ -228,6 +247,8 @@ def overall(table, column):
 
 
 def form(column, value):
+    if "[px]" in column or "[ms]" in column:
+        return f"{value:.3f}"
     return f"{value:.2f}" if "mm" not in column or value < 9.95 else f"{value:.1f}"
 
 

@@ -47,6 +47,14 @@ class Figures(unittest.TestCase):
         self.assertAlmostEqual(row["SPR/S exact"], 0.5)
         self.assertAlmostEqual(row["SPR/S drawn"], 1)
 
+    def test_what_is_left_of_the_calibrations_errors_is_a_mean_of_sizes(self):
+        for r, offset in zip(self.groups["a", "drawn", "SPR"], (0.1, -0.3, None)):
+            if offset is not None:
+                r.evaluation["calibration"] = {"time_offset_ms": offset}
+        row = suite.figures_of(self.groups, "a", ["drawn"], ["SPR"])
+        self.assertAlmostEqual(row["SPR drawn: time offset error [ms]"], 0.2)
+        self.assertTrue(math.isnan(row["SPR drawn: calibration NEES"]))
+
     def test_a_run_that_failed_spoils_the_figure_of_its_scene(self):
         self.groups["a", "drawn", "S"] = [run(None)]
         row = suite.figures_of(self.groups, "a", ["drawn"], ["S", "SPR"])

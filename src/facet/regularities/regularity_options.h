@@ -159,6 +159,8 @@ struct PlaneMeasurementOptions {
   /// Errors of neighbouring points are correlated, and so are those of the next keyframe: what many
   /// points say together is worse than their own sigmas by this factor.
   double sigma_scale = 2;
+  /// What the errors of all points of a keyframe have in common, as a share of one point's sigma.
+  double common_share = 0.6;
   /// Least 1-sigma of a distance [m] and of a slope [deg].
   double min_sigma_m = 0.003, min_sigma_deg = 0.1;
 
@@ -167,6 +169,10 @@ struct PlaneMeasurementOptions {
     v.Field("enabled", enabled, Range{}, "support points measure planes of the estimator");
     v.Field(
         "sigma_scale", sigma_scale, Range{0.1, 100}, "factor on the sigma of many points together");
+    v.Field("common_share",
+            common_share,
+            Range{0, 10},
+            "what all points of a keyframe have in common, as a share of one's sigma");
     v.Field("min_sigma_m", min_sigma_m, Range{0, 1}, "least 1-sigma of a distance [m]");
     v.Field("min_sigma_deg", min_sigma_deg, Range{0, 10}, "least 1-sigma of a slope [deg]");
   }

@@ -100,7 +100,9 @@ std::optional<PlaneMeasurement> Measure(const WeightedPoints& points,
   if (chi_square > kMaxChiSquare * static_cast<double>(p_W.size())) return std::nullopt;
 
   // Equation (9.1).
-  const double sigma_m = options.sigma_scale / std::sqrt(total);
+  const double point_sigma_m = std::sqrt(static_cast<double>(p_W.size()) / total);
+  const double sigma_m =
+      std::hypot(options.sigma_scale / std::sqrt(total), options.common_share * point_sigma_m);
   const auto slope_sigma = [&](double extent_m) {
     return std::hypot(sigma_m / extent_m, options.min_sigma_deg * kDegree);
   };

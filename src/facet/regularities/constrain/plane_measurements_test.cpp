@@ -76,7 +76,7 @@ TEST_F(PlaneMeasurementsTest, SaysWhereTheBodySawThePlane) {
 // The points' noise is what the mesh says it is, so the whitened errors have unit variance.
 TEST_F(PlaneMeasurementsTest, ErrorsAreAsLargeAsTheSigmasSay) {
   options_.sigma_scale = 1;
-  options_.min_sigma_m = options_.min_sigma_deg = 0;
+  options_.min_sigma_m = options_.min_sigma_deg = options_.common_share = 0;
   view_.sigma_depth_m = 0.02;
   const Plane plane = wall_.ToPlane();
   constexpr int kRuns = 400;
@@ -99,13 +99,30 @@ TEST_F(PlaneMeasurementsTest, ErrorsAreAsLargeAsTheSigmasSay) {
 TEST_F(PlaneMeasurementsTest, ScaleAndFloorsWidenTheSigmas) {
   const TrackedPlane known = Known(wall_, PlaneId{0});
   options_.sigma_scale = 1;
-  options_.min_sigma_m = options_.min_sigma_deg = 0;
+  options_.min_sigma_m = options_.min_sigma_deg = options_.common_share = 0;
   const PlaneMeasurement narrow = Measure({wall_}, known).at(0);
   options_.sigma_scale = 3;
   options_.min_sigma_m = 0.02;
   const PlaneMeasurement wide = Measure({wall_}, known).at(0);
   EXPECT_NEAR(wide.sigma_m, std::hypot(3 * narrow.sigma_m, 0.02), 1e-12);
   EXPECT_NEAR(wide.sigma_rad[0], 3 * narrow.sigma_rad[0], 1e-12);
+}
+
+// However many points there are: what they have in common, a share of one point's sigma, stays.
+TEST_F(PlaneMeasurementsTest, WhatPointsHaveInCommonDoesNotAverageOut) {
+  const TrackedPlane known = Known(wall_, PlaneId{0});
+  options_.min_sigma_m = options_.min_sigma_deg = 0;
+  options_.sigma_scale = 1e-9;
+  view_.sigma_depth_m = 0.02;
+  options_.common_share = 0.5;
+  const PlaneMeasurement half = Measure({wall_}, known).at(0);
+  options_.common_share = 1;
+  const PlaneMeasurement one = Measure({wall_}, known).at(0);
+  EXPECT_NEAR(one.sigma_m, 2 * half.sigma_m, 1e-9);
+  EXPECT_NEAR(one.sigma_rad[1], 2 * half.sigma_rad[1], 1e-9);
+  // Depth sigma seen along the wall's normal, and the flatness of real surfaces.
+  EXPECT_GT(one.sigma_m, 0.01);
+  EXPECT_LT(one.sigma_m, 0.022);
 }
 
 // Where the plane is thought to be must not draw what is measured: the mean over many keyframes is
