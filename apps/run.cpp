@@ -163,7 +163,8 @@ void PrintOutcome(const RunRecord& record, const std::string& folder) {
 }
 
 int ExitCode(RunEnd end) {
-  constexpr int kEstimator = 4, kInterrupted = 128 + SIGINT;
+  constexpr int kInput = 3, kEstimator = 4, kInterrupted = 128 + SIGINT;
+  if (end == RunEnd::kRefused) return kInput;
   return end == RunEnd::kStopped ? kInterrupted : kEstimator;
 }
 
