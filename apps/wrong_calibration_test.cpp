@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr const char* kRecordings[] = {"rendered_room", "euroc_mh01_handheld"};
 
@@ -133,6 +134,34 @@ TEST_P(GrosslyWrongCalibrationTest, FaultsOfSensorsAreNoReason) {
                             "imu_early:ms=20"}) {
     const ProgramRun run = Run(*recording, fault);
     EXPECT_EQ(run.exit_code, 0) << fault << ": " << run.err;
+  }
+}
+
+TEST_P(GrosslyWrongCalibrationTest, ATurnedRightCameraIsMeasuredBeforeTheRun) {
+  const auto recording = testing::DataDir(GetParam());
+  if (!recording) GTEST_SKIP() << testing::MissingData(GetParam());
+  // About y the images of one moment do not tell; the estimator takes care of that.
+  for (const char* axis : {"0", "2"}) {
+    const ProgramRun run = Run(*recording, std::string("right_turned:deg=0.2,axis=") + axis);
+    EXPECT_EQ(run.exit_code, 0) << axis << ": " << run.err;
+    EXPECT_THAT(run.err, HasSubstr("the right camera is turned by")) << axis;
+    EXPECT_THAT(run.err, Not(HasSubstr("of the corners were found"))) << axis;
+  }
+}
+
+TEST_P(GrosslyWrongCalibrationTest, CarefulCalibrationsAreLeftAlone) {
+  const auto recording = testing::DataDir(GetParam());
+  if (!recording) GTEST_SKIP() << testing::MissingData(GetParam());
+  for (const char* seed : {"1", "2", "3"}) {
+    const fs::path sequence = folder_ / (std::string("drawn") + seed);
+    const ProgramRun drawn =
+        RunFacet("simulate --quiet --of " + recording->string() + " --draw-calibration " + seed +
+                 " --out " + sequence.string());
+    EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+    const ProgramRun run = RunFacet("run " + sequence.string() + " --pipeline S --quiet --out " +
+                                    (folder_ / "out").string() + " --set mesh.enabled=false");
+    EXPECT_EQ(run.exit_code, 0) << seed << ": " << run.err;
+    EXPECT_THAT(run.err, Not(HasSubstr("turned"))) << seed;
   }
 }
 
