@@ -33,6 +33,8 @@ constexpr double kAlike = 15;
 // Maps from rate to rate that differ by less are the same.
 constexpr double kSameMap = 0.3;
 constexpr std::size_t kMinTurns = 5, kMaxTurns = 30;
+// What has a free parameter fits a few turns too easily.
+constexpr std::size_t kMinTurnsToFit = 15;
 constexpr std::array<const char*, 3> kAxisNames = {"x", "y", "z"};
 
 struct SignedAxes {
@@ -208,8 +210,7 @@ bool GyroscopeCheck::IsClear(const Costs& better, const Costs& worse) const {
   return num_clear >= kMinClearTurns;
 }
 
-// What the turns of both are explained by equally well, or better than by the calibration as given,
-// in words.
+// What explains the turns where the calibration as given does not, in words.
 std::string GyroscopeCheck::Decide(const Costs& as_given,
                                    const std::vector<const Hypothesis*>& open) const {
   if (as_given.sum < kClear || open.empty()) return {};
@@ -241,7 +242,7 @@ std::string GyroscopeCheck::Add(const SharedTurn& turn) {
     if (!hypothesis.is_refuted) open.push_back(&hypothesis);
   }
   const std::string words = Decide(as_given, open);
-  if (!words.empty()) return words;
+  if (!words.empty() || turns_.size() < kMinTurnsToFit) return words;
   const std::vector<Hypothesis> fitted = Fitted();
   return Decide(as_given, {&fitted[0], &fitted[1]});
 }
