@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "align_stereo.h"
 #include "load_options.h"
 #include "progress_bar.h"
 #include "run_sequence.h"
@@ -132,17 +133,18 @@ SequenceRun RunWith(Vio& vio,
 }
 
 SequenceRun RunPipeline(AslDataset& dataset,
+                        const StereoRig& rig,
                         const VioOptions& options,
                         const RunArguments& arguments,
                         MeshFiles& mesh_files) {
   VioFunctions functions;
   if (arguments.threads == 1) {
-    VioPipeline vio(dataset.rig(), dataset.imu_noise(), options);
+    VioPipeline vio(rig, dataset.imu_noise(), options);
     functions.add_stereo = [&](const StereoFrame& f) { return std::vector{vio.AddStereo(f)}; };
     functions.finish = [] { return std::vector<VioOutput>(); };
     return RunWith(vio, functions, dataset, options, arguments, mesh_files);
   }
-  ThreadedVio vio(dataset.rig(), dataset.imu_noise(), options);
+  ThreadedVio vio(rig, dataset.imu_noise(), options);
   functions.add_stereo = [&](const StereoFrame& f) { return vio.AddStereo(f); };
   functions.finish = [&] { return vio.Finish(); };
   return RunWith(vio, functions, dataset, options, arguments, mesh_files);
@@ -163,7 +165,8 @@ void PrintOutcome(const RunRecord& record, const std::string& folder) {
 }
 
 int ExitCode(RunEnd end) {
-  constexpr int kEstimator = 4, kInterrupted = 128 + SIGINT;
+  constexpr int kInput = 3, kEstimator = 4, kInterrupted = 128 + SIGINT;
+  if (end == RunEnd::kRefused) return kInput;
   return end == RunEnd::kStopped ? kInterrupted : kEstimator;
 }
 
@@ -180,7 +183,10 @@ void RunCommand(const RunArguments& arguments) {
 
   MeshFiles mesh_files(
       folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
-  SequenceRun run = RunPipeline(dataset, options, arguments, mesh_files);
+  AlignedRig aligned{dataset.rig(), {}};
+  if (options.check_calibration) aligned = AlignStereo(dataset, arguments.range.start_s);
+  SequenceRun run = RunPipeline(dataset, aligned.rig, options, arguments, mesh_files);
+  if (!aligned.warning.empty()) run.record.warnings.push_back(aligned.warning);
   run.record.version = FACET_VERSION;
   run.record.pipeline = ToString(options.pipeline);
   run.record.threads = arguments.threads;

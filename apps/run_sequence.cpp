@@ -118,6 +118,7 @@ class SequenceRunner {
       if (!ProcessFrame(i)) StopAt(i);
     }
     Deliver(vio_.finish(), run_.record.num_frames);
+    if (!refusal_.empty() && run_.end == RunEnd::kComplete) StopAt(part_.end - 1);
     RequireImages();
     run_.record.wall_s = 1e-3 * MsSince(start_);
     run_.record.cpu_s = ProcessCpuSeconds() - cpu_start_s;
@@ -197,7 +198,8 @@ class SequenceRunner {
       recorder_.Add(output, frame.cost);
       start_trouble_.AddOutput(output);
       if (!output.warning.empty()) run_.record.warnings.push_back(output.warning);
-      goes_on = observer_(num_fed, run_.record.num_frames, output) && goes_on;
+      if (refusal_.empty()) refusal_ = output.refusal;
+      goes_on = observer_(num_fed, run_.record.num_frames, output) && goes_on && refusal_.empty();
     }
     return goes_on;
   }
@@ -227,9 +229,14 @@ class SequenceRunner {
   }
 
   void StopAt(std::size_t i) {
-    run_.end = RunEnd::kStopped;
-    run_.message = "stopped after " + std::to_string(i + 1 - part_.begin) + " of " +
-                   std::to_string(run_.record.num_frames) + " frames";
+    run_.end = refusal_.empty() ? RunEnd::kStopped : RunEnd::kRefused;
+    const std::string after = std::to_string(i + 1 - part_.begin) + " of " +
+                              std::to_string(run_.record.num_frames) + " frames";
+    run_.message = refusal_.empty()
+                       ? "stopped after " + after
+                       : run_.record.calibration +
+                             ": the calibration cannot be right: " + refusal_ + " (stopped after " +
+                             after + "; check_calibration=false goes on with it)";
     run_.record.num_frames = static_cast<int>(i + 1 - part_.begin);
     run_.record.duration_s = ToSeconds(Stamp(i) - Stamp(part_.begin));
   }
@@ -332,6 +339,7 @@ class SequenceRunner {
   std::deque<PendingFrame> pending_;
   std::size_t next_imu_ = 0;
   InputProblems problems_;
+  std::string refusal_;  // of the calibration
 };
 
 }  // namespace

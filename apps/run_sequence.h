@@ -35,6 +35,7 @@ struct RunRange {
 enum class RunEnd {
   kComplete,
   kStopped,     ///< by the observer
+  kRefused,     ///< the calibration cannot be right
   kNotStarted,  ///< no frame got a pose
   kLost         ///< the last second or more has no pose
 };

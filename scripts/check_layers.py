@@ -23,6 +23,7 @@ RANK = {
     "estimator": 4,
     "mesh": 4,
     "regularities": 5,
+    "plausibility": 5,
     "io": 6,
     "sim": 6,
     "eval": 6,

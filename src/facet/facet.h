@@ -91,7 +91,7 @@ struct State {
       sigma_v{{0, 0, 0}};  ///< 1-sigma; theta in B [rad]
   bool is_keyframe = false;
   bool was_reset = false;  ///< the state was given up after this frame; the next pose may jump
-  std::string warning;     ///< what is probably wrong with the calibration; once in a run
+  std::string warning;     ///< what is, or probably is, wrong with the calibration; else empty
 };
 
 /// Triangles in W, counter-clockwise seen from where the surface was seen.

@@ -144,7 +144,7 @@ State Plain(const VioOutput& output) {
   state.sigma_v = Plain(output.sigma_v);
   state.is_keyframe = output.is_keyframe;
   state.was_reset = output.was_reset;
-  state.warning = output.warning;
+  state.warning = output.refusal.empty() ? output.warning : output.refusal;
   return state;
 }
 

@@ -25,7 +25,9 @@ FrontendOptions FrontendOptionsOf(const VioOptions& options) {
 FrontStage::FrontStage(const StereoRig& rig, const VioOptions& options)
     : rig_(rig),
       max_gap_s_(options.estimator.imu.max_gap_s),
-      frontend_(rig, FrontendOptionsOf(options)) {}
+      frontend_(rig, FrontendOptionsOf(options)),
+      check_calibration_(options.check_calibration),
+      calibration_(rig) {}
 
 void FrontStage::AddImu(const ImuSample& sample) {
   if (imu_.Add(sample) != ImuBuffer::AddResult::kAdded) ++num_refused_imu_;
@@ -51,8 +53,16 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   if (!tracked.frontend.in_order) return tracked;
   previous_t_ = frame.t + rig_.time_offset;
   has_previous_ = true;
+  tracked.refusal = CheckCalibration(frame, tracked);
   ForgetOldImu();
   return tracked;
+}
+
+std::string FrontStage::CheckCalibration(const StereoFrame& frame, const TrackedFrame& tracked) {
+  if (!check_calibration_) return {};
+  const FrontendResult& seen = tracked.frontend;
+  const bool is_usable = seen.image_ok && !seen.is_repeated && !seen.is_blank;
+  return calibration_.Add(is_usable ? frame.left : cv::Mat(), tracked.imu);
 }
 
 // What is still needed: the time since the feedback in use, and since the frames whose feedback may

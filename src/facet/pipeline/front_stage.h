@@ -3,11 +3,13 @@
 #pragma once
 
 #include <deque>
+#include <string>
 #include <unordered_map>
 
 #include "facet/imu/imu_buffer.h"
 #include "facet/pipeline/tracked_frame.h"
 #include "facet/pipeline/vio_options.h"
+#include "facet/plausibility/calibration_check.h"
 
 namespace facet {
 
@@ -42,11 +44,14 @@ class FrontStage {
   ImuInterval IntervalTo(Timestamp t_imu) const;
   FrontendHint MakeHint(const ImuInterval& now);
   void TakeFeedback();
+  std::string CheckCalibration(const StereoFrame& frame, const TrackedFrame& tracked);
   void ForgetOldImu();
 
   StereoRig rig_;
   double max_gap_s_;
   StereoFrontend frontend_;
+  bool check_calibration_;
+  CalibrationCheck calibration_;
   ImuBuffer imu_;
   int num_refused_imu_ = 0;
   std::deque<Feedback> feedback_;  ///< front: in use (if its frame is old enough)

@@ -47,6 +47,7 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
   out.num_planes = static_cast<int>(estimator_.window().planes.size());
   out.num_constraints = estimator_.NumPlaneConstraints();
   out.imu_gaps = frame.imu.gaps;
+  out.refusal = frame.refusal;
   out.was_reset = result.was_reset;
   out.finished_keyframes = std::move(result.finished_keyframes);
 }

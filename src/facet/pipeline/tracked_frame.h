@@ -2,6 +2,7 @@
 // What the two halves of a stereo frame tell each other.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "facet/base/stage_timer.h"
@@ -23,6 +24,7 @@ struct TrackedFrame {
   FrontendResult frontend;
   ImuInterval imu;             ///< from the previous frame to this one
   bool used_feedback = false;  ///< the tracks were predicted with more than the gyroscope
+  std::string refusal;         ///< see VioOutput
   StageTimes times;
 };
 

@@ -23,6 +23,8 @@ const char* ToString(Formulation formulation);
 
 struct VioOptions {
   Formulation pipeline = Formulation::kSPR;
+  /// Off: a calibration that is grossly wrong is not refused (plausibility/calibration_check.h).
+  bool check_calibration = true;
   FrontendOptions frontend;
   EstimatorOptions estimator;
   MeshOptions mesh;
@@ -35,6 +37,10 @@ struct VioOptions {
              {"S", "SP", "SPR"},
              "the paper's formulations: no planes, projection factors, planes as variables",
              Audience::kUsers);
+    v.Field("check_calibration",
+            check_calibration,
+            Range{},
+            "refuse a calibration that the images of the first seconds contradict");
     v.Group("frontend", frontend);
     v.Group("estimator", estimator);
     v.Group("mesh", mesh);

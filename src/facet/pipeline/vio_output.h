@@ -41,6 +41,9 @@ struct VioOutput {
   bool was_reset = false;  ///< the state was given up after this frame; the next one starts again
   /// What is probably wrong with the calibration and what to do; set once in a run, else empty.
   std::string warning;
+  /// Why the calibration cannot be right, once in a run, else empty: whoever sees it should stop,
+  /// for what the run finds from here on, and found before, is worth nothing.
+  std::string refusal;
   /// Keyframes that left the window with this frame, with their final (smoothed) poses.
   std::vector<KeyframePose> finished_keyframes;
   /// Set on keyframes.
