@@ -155,8 +155,8 @@ def execute(run):
     done = subprocess.run([run.config.program, "run", run.sequence, "--out", run.folder, "--start", f"{run.start:g}",
                            "--quiet", *run.config.arguments], capture_output=True, text=True, check=False)
     if (run.folder / "trajectory.tum").exists():
-        subprocess.run([run.config.program, "evaluate", run.folder, "--truth",
-                        run_all.trajectories.truth_file(run.sequence)], capture_output=True, check=False)
+        subprocess.run([run.config.program, "evaluate", run.folder, "--truth", run.sequence, "--parts", "consistency"],
+                       capture_output=True, check=False)
         run.evaluation = run_all.read_json(run.folder / "evaluation.json")
     if run.ate() is None:
         print(f"suite: {run.folder.name}: {done.stderr.strip() or done.returncode}", file=sys.stderr, flush=True)
