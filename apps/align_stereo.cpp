@@ -2,9 +2,9 @@
 #include "align_stereo.h"
 
 #include <cstdio>
-#include <numbers>
 #include <vector>
 
+#include "facet/geometry/angles.h"
 #include "facet/io/errors.h"
 #include "facet/plausibility/stereo_turn.h"
 
@@ -46,7 +46,7 @@ AlignedRig AlignStereo(AslDataset& dataset, double start_s) {
   const StereoTurn turn = EstimateStereoTurn(dataset.rig(), MatchPairs(dataset, start_s));
   if (!turn.IsClear()) return aligned;
   aligned.rig = TurnedRig(dataset.rig(), turn.omega);
-  const Vector3d degrees = turn.omega * 180 / std::numbers::pi;
+  const Vector3d degrees = turn.omega / kDegree;
   char text[320];
   std::snprintf(text,
                 sizeof(text),

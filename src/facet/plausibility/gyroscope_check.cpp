@@ -4,18 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <sstream>
 
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 
+#include "facet/geometry/angles.h"
 #include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Slower turns hide behind the bias [rad/s].
 constexpr double kLeastRate = 0.15;
 // A gyroscope's bias before it is known, and what a careful calibration, 20 ms of clock and a

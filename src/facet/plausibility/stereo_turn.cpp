@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 
@@ -12,12 +11,13 @@
 #include "facet/frontend/image_pyramid.h"
 #include "facet/frontend/stereo_matcher.h"
 #include "facet/frontend/temporal_tracker.h"
+#include "facet/geometry/angles.h"
 #include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {
 
-constexpr double kPriorSigma = 0.5 * std::numbers::pi / 180;
+constexpr double kPriorSigma = 0.5 * kDegree;
 // Of a distance from the epipolar line.
 constexpr double kSigma_px = 0.3;
 // In units of sigma: wide at first, so that all good matches take part, then narrow.
