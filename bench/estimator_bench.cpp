@@ -46,7 +46,7 @@ void BM_Linearize(benchmark::State& state) {
   LinearizedWindow linear;
   for (auto _ : state) {
     geometry.Update(test.window.frames);
-    Linearize(test.window, geometry, noise, linear);
+    Linearize(test.window, geometry, noise, CalibrationStep::kFree, linear);
   }
 }
 BENCHMARK(BM_Linearize)->Unit(benchmark::kMicrosecond);

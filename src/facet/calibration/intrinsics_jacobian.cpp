@@ -52,6 +52,15 @@ Matrix<2, kNumIntrinsics> IntrinsicsJacobian(const CameraModel& camera, const Ve
   return out;
 }
 
+Vector2d ShiftByIntrinsics(const CameraIntrinsics& k,
+                           const Vector2d& xy,
+                           const Vector2d& px,
+                           const IntrinsicsVector& change) {
+  const Vector2d moved = CoefficientJacobian(k.distortion, xy) * change.tail<4>();
+  return {(px.x() - k.cx) / k.fx * change(0) + change(2) + k.fx * moved.x(),
+          (px.y() - k.cy) / k.fy * change(1) + change(3) + k.fy * moved.y()};
+}
+
 std::optional<ProjectionDerivatives> ProjectWithDerivatives(const CameraModel& camera,
                                                             const Vector3d& p_C) {
   ProjectionDerivatives d;

@@ -8,6 +8,8 @@
 
 namespace facet {
 
+using IntrinsicsVector = Vector<kNumIntrinsics>;
+
 struct ProjectionDerivatives {
   Vector2d px;
   Matrix<2, 3> J_px_p;               ///< by the point in the camera frame
@@ -17,6 +19,12 @@ struct ProjectionDerivatives {
 /// d pixel / d intrinsic parameters where the point `xy` of the plane z = 1 is seen. Columns of
 /// coefficients that the model does not have are zero.
 Matrix<2, kNumIntrinsics> IntrinsicsJacobian(const CameraModel& camera, const Vector2d& xy);
+
+/// The same times a change of the parameters, for a point whose pixel is known.
+Vector2d ShiftByIntrinsics(const CameraIntrinsics& intrinsics,
+                           const Vector2d& xy,
+                           const Vector2d& px,
+                           const IntrinsicsVector& change);
 
 /// As CameraModel::Project. Columns of coefficients that the model does not have are zero.
 std::optional<ProjectionDerivatives> ProjectWithDerivatives(const CameraModel& camera,

@@ -74,7 +74,7 @@ TEST(OptimumTest, OptimumEqualsCeres) {
     WindowSolver solver(test.rig, testing::ExactOptions());
     const SolveSummary summary = solver.Solve(test.window, kNoise, 100);
     EXPECT_TRUE(summary.ok);
-    EXPECT_LT(summary.final_cost, summary.initial_cost);
+    EXPECT_LT(summary.final_cost, *summary.initial_cost);
     ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
   }
   Print("without prior", worst);

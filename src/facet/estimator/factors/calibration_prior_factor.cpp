@@ -7,6 +7,7 @@ static_assert(Factor<CalibrationPriorFactor>);
 
 double CalibrationPriorFactor::AddTo(NormalEquations& equations) const {
   const int column = equations.layout.calibration_column;
+  if (column < 0) return Cost();
   const CalibrationMatrix& information = *calibration_.start_information;
   equations.H.block<kNumCalibration, kNumCalibration>(column, column) += information;
   equations.b.segment<kNumCalibration>(column) +=

@@ -65,12 +65,12 @@ struct LandmarkBlock {
 struct LensSums {
   Matrix<kNumRigParameters, kNumRigParameters> H;   ///< lower triangle
   Vector<kNumRigParameters> b;                      ///< gradient
-  std::vector<Matrix<6, kNumRigParameters>> poses;  ///< pose-calibration, by frame
+  std::vector<Matrix<kNumRigParameters, 6>> poses;  ///< calibration-pose, by frame
 
   void Clear(std::size_t num_frames) {
     H.setZero();
     b.setZero();
-    poses.assign(num_frames, Matrix<6, kNumRigParameters>::Zero());
+    poses.assign(num_frames, Matrix<kNumRigParameters, 6>::Zero());
   }
 };
 

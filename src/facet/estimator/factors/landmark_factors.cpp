@@ -28,11 +28,8 @@ double LandmarkCost(const FrameGeometry& geometry,
                     const FactorNoise& noise) {
   double cost = 0;
   const HostedPoint point(landmark, geometry.current(landmark.host));
-  for (const WindowObservation& observation : landmark.observations) {
-    const ReprojectionFactor factor(geometry, landmark, observation, noise);
-    for (int c = 0; c < (observation.has_right ? 2 : 1); ++c)
-      cost += factor.Cost(point, c);
-  }
+  for (const WindowObservation& observation : landmark.observations)
+    cost += ReprojectionFactor(geometry, landmark, observation, noise).Cost(point);
   if (!landmark.IsOnPlanes()) return cost;
   for (int k = 0; k < landmark.planes.count(); ++k)
     cost += PointOnPlaneFactor(planes, landmark.planes, k, noise).Cost(point);

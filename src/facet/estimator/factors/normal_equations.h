@@ -11,12 +11,13 @@ namespace facet {
 /// Gauss-Newton system H dx = -b of frames and planes. Reuse one object: it keeps its storage. Not
 /// thread-safe.
 struct NormalEquations {
-  StateLayout layout;
+  StateLayout layout;  ///< without columns for a calibration that is held
   MatrixXd H;
   VectorXd b;
 
-  void Clear(const SlidingWindow& window) {
-    layout = MakeLayout(window);
+  void Clear(const SlidingWindow& window,
+             CalibrationStep calibration_step = CalibrationStep::kFree) {
+    layout = MakeLayout(window, calibration_step);
     H.setZero(layout.dim, layout.dim);
     b.setZero(layout.dim);
   }

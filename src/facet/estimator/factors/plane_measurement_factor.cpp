@@ -68,7 +68,7 @@ double PlaneMeasurementFactor::AddTo(NormalEquations& equations) const {
   equations.AddSquare(plane_, rows.J_plane, rows.r);
   equations.AddSquare(pose_, rows.J_pose, rows.r);
   equations.AddProduct(pose_, rows.J_pose, plane_, rows.J_plane);
-  if (calibration_ != nullptr) {
+  if (equations.layout.calibration_column >= 0) {
     const Variable calibration = Variable::Calibration();
     equations.AddSquare(calibration, rows.J_calibration, rows.r);
     equations.AddProduct(calibration, rows.J_calibration, plane_, rows.J_plane);

@@ -42,9 +42,11 @@ double PriorFactor::AddTo(NormalEquations& equations) const {
   };
   for (const MarginalPrior::Block& r : prior.blocks) {
     const int row = column(r), rows = r.size();
+    if (row < 0) continue;
     equations.b.segment(row, rows) +=
         prior.b.segment(r.offset, rows) + H_delta.segment(r.offset, rows);
     for (const MarginalPrior::Block& c : prior.blocks) {
+      if (column(c) < 0) continue;
       const int cols = c.size();
       equations.H.block(row, column(c), rows, cols) +=
           prior.H.block(r.offset, c.offset, rows, cols);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "facet/estimator/factors/lens_kernel.h"
 #include "facet/estimator/factors/robust_loss.h"
 #include "facet/estimator/factors/row_kernel.h"
 #include "facet/geometry/so3.h"
@@ -43,10 +44,10 @@ struct CameraView {
 std::optional<Vector2d> WhitenedPixelError(const Vector3d& h,
                                            const FrameGeometry& geometry,
                                            const CameraView& view) {
-  const auto seen = geometry.NominalProjection(view.camera, h);
-  if (!seen) return std::nullopt;
-  const Vector2d px = seen->px + geometry.LensShift(view.camera, seen->J_px_k);
-  return Vector2d((px - view.observation.px[view.camera]) / view.observation.sigma_px[view.camera]);
+  const std::optional<Vector2d> px = geometry.PresentProjection(view.camera, h);
+  if (!px) return std::nullopt;
+  return Vector2d((*px - view.observation.px[view.camera]) /
+                  view.observation.sigma_px[view.camera]);
 }
 
 // Equation (3.3).
@@ -110,52 +111,44 @@ void AddView(const WindowObservation& obs, const VisionRow* rows, LandmarkBlock&
   block.b += V.row(3).transpose();
 }
 
-// The columns of lenses and stereo pair of four rows, two of each camera.
-using LensRows = Matrix<4, kNumRigParameters>;
+using LensValues = Eigen::Map<Vector<kNumIntrinsics>>;
 
-// Equations (10.2) and (10.3): those of one camera. `by_h`, `by_lens`: the whitened and weighted
-// error's.
+LensValues LensOf(LensRow& row, int camera) {
+  return LensValues(row.k + camera * kNumIntrinsics);
+}
+
+// Equations (10.2) and (10.3): the columns of lenses and stereo pair of one camera's two rows.
+// `by_h`, `by_lens`: the whitened and weighted error's. A left row has those of the left lens only.
 void MakeLensRows(const LinearizedPoint& point,
                   const CameraView& view,
                   const Matrix<2, 3>& by_h,
                   const Matrix<2, kNumIntrinsics>& by_lens,
-                  LensRows& K) {
-  const int c = view.camera;
-  K.block<2, kNumIntrinsics>(2 * c, c * kNumIntrinsics) = by_lens;
-  if (c == 0) return;
+                  LensRow* rows) {
+  for (int k = 0; k < 2; ++k)
+    LensOf(rows[k], view.camera) = by_lens.row(k);
+  if (view.camera == 0) return;
   const Vector3d y_C0 = view.pose.R_CW[0] * point.frozen.SeenFrom(view.pose.p_WC[0]);
   const Matrix3d R_C0C1 = view.pose.R_CW[0] * view.pose.R_CW[1].transpose();
   for (int k = 0; k < 2; ++k) {
     const Vector3d s = by_h.row(k).transpose();
-    K.block<1, 3>(2 + k, kStereoRotation) = y_C0.cross(R_C0C1 * s).transpose();
-    K.block<1, 3>(2 + k, kStereoTranslation) = point.frozen.rho * s.transpose();
+    Eigen::Map<Vector3d>(rows[k].k + kStereoRotation) = y_C0.cross(R_C0C1 * s);
+    Eigen::Map<Vector3d>(rows[k].k + kStereoTranslation) = point.frozen.rho * s;
+    LensOf(rows[k], 0).setZero();
   }
 }
 
-// A left row has columns of the left lens only.
-void AddLens(
-    const VisionRow* rows, const LensRows& K, int frame, LandmarkBlock& block, LensSums& sums) {
-  constexpr int kLeft = kNumIntrinsics;
-  Matrix<4, 6> J_pose;
-  Matrix<4, 3> J_landmark;
-  Vector<4> r;
-  for (int k = 0; k < 4; ++k) {
-    J_pose.row(k) = Eigen::Map<const Eigen::RowVector<double, 6>>(rows[k].pose);
-    J_landmark.row(k) = Eigen::Map<const Eigen::RowVector3d>(rows[k].landmark);
-    r(k) = rows[k].residual;
-  }
-  const Matrix<2, kLeft> left = K.topLeftCorner<2, kLeft>();
-  const Matrix<2, kNumRigParameters> right = K.bottomRows<2>();
-  sums.H.topLeftCorner<kLeft, kLeft>().noalias() += left.transpose() * left;
-  sums.H.noalias() += right.transpose() * right;
-  sums.b.head<kLeft>().noalias() += left.transpose() * r.head<2>();
-  sums.b.noalias() += right.transpose() * r.tail<2>();
-  Matrix<6, kNumRigParameters>& pose = sums.poses[static_cast<std::size_t>(frame)];
-  pose.leftCols<kLeft>().noalias() += J_pose.topRows<2>().transpose() * left;
-  pose.noalias() += J_pose.bottomRows<2>().transpose() * right;
-  Matrix<kNumRigParameters, 3>& W = block.lens.front().W;
-  W.topRows<kLeft>().noalias() += left.transpose() * J_landmark.topRows<2>();
-  W.noalias() += right.transpose() * J_landmark.bottomRows<2>();
+// The left rows come first.
+void AddLens(const VisionRow* rows,
+             const LensRow* lens,
+             const WindowObservation& obs,
+             LandmarkBlock& block,
+             LensSums& sums) {
+  const LensProducts to{sums.H.data(),
+                        sums.poses[static_cast<std::size_t>(obs.frame)].data(),
+                        block.lens.front().W.data(),
+                        sums.b.data()};
+  AddLensProducts<2, kNumIntrinsics>(lens, rows, to);
+  if (obs.has_right) AddLensProducts<2, kNumRigParameters>(lens + 2, rows + 2, to);
 }
 
 using RowValues = Eigen::Map<Vector<10>>;
@@ -166,34 +159,46 @@ RowValues ValuesOf(VisionRow& row) {
 }
 
 // From the rows of both pixels to those of the left pixel and of the match.
-void SubtractLeft(const WindowObservation& o, VisionRow* rows, LensRows* K) {
+void SubtractLeft(const WindowObservation& o, VisionRow* rows, LensRow* lens) {
   const double of_right = o.sigma_px[1] / o.sigma_match_px;
   const double of_left = o.sigma_px[0] / o.sigma_match_px;
   for (int k = 0; k < 2; ++k) {
     ValuesOf(rows[2 + k]) = of_right * ValuesOf(rows[2 + k]) - of_left * ValuesOf(rows[k]);
-    if (K != nullptr) K->row(2 + k) = of_right * K->row(2 + k) - of_left * K->row(k);
+    if (lens == nullptr) continue;
+    Eigen::Map<RigVector>(lens[2 + k].k) *= of_right;
+    LensOf(lens[2 + k], 0) = -of_left * LensOf(lens[k], 0);
   }
 }
 
-void Weigh(double root_weight, int camera, VisionRow* rows, LensRows* K) {
-  for (int k = 2 * camera; k < 2 * camera + 2; ++k)
+void Weigh(double root_weight, int camera, VisionRow* rows, LensRow* lens) {
+  for (int k = 2 * camera; k < 2 * camera + 2; ++k) {
     ValuesOf(rows[k]) *= root_weight;
-  if (K != nullptr) K->middleRows<2>(2 * camera) *= root_weight;
+    if (lens == nullptr) continue;
+    if (camera == 0) {
+      LensOf(lens[k], 0) *= root_weight;
+    } else {
+      Eigen::Map<RigVector>(lens[k].k) *= root_weight;
+    }
+  }
 }
 
 }  // namespace
 
-std::optional<Vector2d> ReprojectionFactor::Error(const HostedPoint& point, int camera) const {
-  const auto of_camera = [&](int c) {
-    return WhitenedError(
-        point, geometry_, {geometry_.current(observation_.frame), observation_, c});
-  };
-  const std::optional<Vector2d> error = of_camera(camera);
-  if (camera == 0 || !error || !HasMatchNoise()) return error;
-  const std::optional<Vector2d> left = of_camera(0);
-  if (!left) return std::nullopt;
-  return Vector2d((observation_.sigma_px[1] * *error - observation_.sigma_px[0] * *left) /
-                  observation_.sigma_match_px);
+ReprojectionFactor::Errors ReprojectionFactor::PixelErrors(const HostedPoint& point) const {
+  Errors errors;
+  for (int c = 0; c < num_cameras(); ++c) {
+    errors[static_cast<std::size_t>(c)] =
+        WhitenedError(point, geometry_, {geometry_.current(observation_.frame), observation_, c});
+  }
+  return errors;
+}
+
+ReprojectionFactor::Errors ReprojectionFactor::FromPixelErrors(const Errors& pixels) const {
+  if (!HasMatchNoise() || !pixels[1]) return pixels;
+  if (!pixels[0]) return {};
+  return {pixels[0],
+          Vector2d((observation_.sigma_px[1] * *pixels[1] - observation_.sigma_px[0] * *pixels[0]) /
+                   observation_.sigma_match_px)};
 }
 
 double ReprojectionFactor::NoiseScale(int camera) const {
@@ -205,8 +210,40 @@ RobustLoss ReprojectionFactor::Loss(const std::optional<Vector2d>& error, int ca
       landmark_, error ? NoiseScale(camera) * error->norm() : BehindSigma(noise_), noise_);
 }
 
-double ReprojectionFactor::Cost(const HostedPoint& point, int camera) const {
-  return Loss(Error(point, camera), camera).cost;
+double ReprojectionFactor::Cost(const HostedPoint& point) const {
+  const Errors errors = ErrorsOf(point);
+  double cost = 0;
+  for (int c = 0; c < num_cameras(); ++c)
+    cost += Loss(errors[static_cast<std::size_t>(c)], c).cost;
+  return cost;
+}
+
+// One camera's rows, with all of its columns; false where it does not see the point: then they stay
+// zero.
+bool ReprojectionFactor::MakeCameraRows(const LinearizedPoint& point,
+                                        int camera,
+                                        double weight,
+                                        const std::optional<Vector2d>& error,
+                                        VisionRow* rows,
+                                        LensRow* lens) const {
+  const CameraView view{geometry_.frozen(observation_.frame), observation_, camera};
+  const Vector3d h = view.PointInCamera(point.frozen);
+  const bool is_in_front = error && h.z() >= kMinUnitDepth;
+  if (lens == nullptr) {
+    if (is_in_front)
+      MakeRows(point, view, weight * ByPoint(observation_, camera, h), weight * *error, rows);
+    return is_in_front;
+  }
+  const auto seen = is_in_front ? geometry_.NominalProjection(camera, h) : std::nullopt;
+  if (!seen) {
+    std::fill_n(lens, 2, LensRow{});
+    return false;
+  }
+  const double scale = weight / observation_.sigma_px[camera];
+  const Matrix<2, 3> by_h = scale * seen->J_px_p;
+  MakeRows(point, view, by_h, weight * *error, rows);
+  MakeLensRows(point, view, by_h, scale * seen->J_px_k, lens);
+  return true;
 }
 
 // With a noise of the match the rows of both pixels are made first, without the weights that belong
@@ -215,52 +252,34 @@ void ReprojectionFactor::AddTo(const LinearizedPoint& point,
                                LandmarkBlock& block,
                                LensSums* lens) const {
   VisionRow rows[4] = {};  // two of each camera
-  LensRows all_lens_rows;
-  LensRows* const K = lens != nullptr ? &all_lens_rows : nullptr;
-  if (K != nullptr) K->setZero();
+  LensRow all_lens_rows[4];
+  LensRow* const lens_rows = lens != nullptr ? all_lens_rows : nullptr;
   const bool has_match_noise = HasMatchNoise();
+  const Errors pixels = PixelErrors(point.current);
+  const Errors errors = FromPixelErrors(pixels);
   double root_weights[2] = {1, 1};
   bool is_complete = true;
-  for (int c = 0; c < (observation_.has_right ? 2 : 1); ++c) {
-    const std::optional<Vector2d> error = Error(point.current, c);
-    const RobustLoss loss = Loss(error, c);
+  for (int c = 0; c < num_cameras(); ++c) {
+    const std::size_t i = static_cast<std::size_t>(c);
+    const RobustLoss loss = Loss(errors[i], c);
     block.cost += loss.cost;
     root_weights[c] = loss.root_weight;
-    const CameraView view{geometry_.frozen(observation_.frame), observation_, c};
-    const Vector3d h = view.PointInCamera(point.frozen);
-    if (!error || h.z() < kMinUnitDepth) {
-      is_complete = false;
-      continue;
-    }
     const double weight = has_match_noise ? 1.0 : NoiseScale(c) * loss.root_weight;
-    const Vector2d& r =
-        has_match_noise && c == 1
-            ? *WhitenedError(point.current,
-                             geometry_,
-                             {geometry_.current(observation_.frame), observation_, 1})
-            : *error;
-    if (K == nullptr) {
-      MakeRows(point, view, weight * ByPoint(observation_, c, h), weight * r, rows + 2 * c);
-      continue;
-    }
-    const auto seen = geometry_.NominalProjection(c, h);
-    if (!seen) {
-      is_complete = false;
-      continue;
-    }
-    const double scale = weight / observation_.sigma_px[c];
-    const Matrix<2, 3> by_h = scale * seen->J_px_p;
-    MakeRows(point, view, by_h, weight * r, rows + 2 * c);
-    MakeLensRows(point, view, by_h, scale * seen->J_px_k, *K);
+    is_complete &= MakeCameraRows(point,
+                                  c,
+                                  weight,
+                                  errors[i] ? pixels[i] : std::nullopt,
+                                  rows + 2 * c,
+                                  lens_rows == nullptr ? nullptr : lens_rows + 2 * c);
   }
   if (has_match_noise) {
     if (!is_complete) return;
-    SubtractLeft(observation_, rows, K);
+    SubtractLeft(observation_, rows, lens_rows);
     for (int c = 0; c < 2; ++c)
-      Weigh(root_weights[c], c, rows, K);
+      Weigh(root_weights[c], c, rows, lens_rows);
   }
   AddView(observation_, rows, block);
-  if (K != nullptr) AddLens(rows, *K, observation_.frame, block, *lens);
+  if (lens != nullptr) AddLens(rows, lens_rows, observation_, block, *lens);
 }
 
 std::optional<Vector2d> ReprojectionError(const FrameGeometry& geometry,

@@ -5,6 +5,7 @@
 // landmarks of pipeline SP the paper's noise and Tukey's loss (section 4.1).
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "facet/estimator/factors/factor_noise.h"
@@ -18,6 +19,9 @@ namespace facet {
 /// camera.
 inline constexpr double kMinUnitDepth = 0.05;
 
+struct LensRow;
+struct VisionRow;
+
 /// One landmark in one stereo frame. A view of the window, as in factor.h, but one that adds up in
 /// a LandmarkBlock.
 class ReprojectionFactor {
@@ -28,16 +32,19 @@ class ReprojectionFactor {
                      const FactorNoise& noise)
       : geometry_(geometry), landmark_(landmark), observation_(observation), noise_(noise) {}
 
-  /// Residual of one camera in sigmas of the front end; empty if the point is not in front of it.
-  /// Of the right camera, if the match has a noise of its own: what the match is off.
-  std::optional<Vector2d> Error(const HostedPoint& point, int camera) const;
+  /// Of the left and the right camera; of the left one only if only that one sees the landmark.
+  using Errors = std::array<std::optional<Vector2d>, 2>;
+
+  /// Residuals in sigmas of the front end; empty if the point is not in front of the camera. Of the
+  /// right camera, if the match has a noise of its own: what the match is off.
+  Errors ErrorsOf(const HostedPoint& point) const { return FromPixelErrors(PixelErrors(point)); }
 
   /// Times the above: the residual in the sigmas that count. Not 1 for the landmarks of pipeline SP
   /// only, whose noise is that of the paper's projection factors.
   double NoiseScale(int camera) const;
 
-  /// Robust cost of one camera.
-  double Cost(const HostedPoint& point, int camera) const;
+  /// Robust cost of all cameras that see the landmark.
+  double Cost(const HostedPoint& point) const;
 
   /// Adds the rows of both cameras to the block, as one more view; and their columns of lenses and
   /// stereo pair to `lens`, unless it is null.
@@ -47,7 +54,16 @@ class ReprojectionFactor {
   bool HasMatchNoise() const {
     return observation_.has_right && observation_.sigma_match_px > 0 && !landmark_.is_projection;
   }
+  int num_cameras() const { return observation_.has_right ? 2 : 1; }
   RobustLoss Loss(const std::optional<Vector2d>& error, int camera) const;
+  Errors PixelErrors(const HostedPoint& point) const;
+  Errors FromPixelErrors(const Errors& pixels) const;
+  bool MakeCameraRows(const LinearizedPoint& point,
+                      int camera,
+                      double weight,
+                      const std::optional<Vector2d>& error,
+                      VisionRow* rows,
+                      LensRow* lens) const;
 
   const FrameGeometry& geometry_;
   const WindowLandmark& landmark_;

@@ -76,12 +76,11 @@ void SubtractLens(const LandmarkBlock& block,
                   MatrixXd& H,
                   VectorXd& b) {
   const int column = layout.calibration_column;
-  b.segment<kNumRigParameters>(column).noalias() -= lens.Y * block.y;
-  H.block<kNumRigParameters, kNumRigParameters>(column, column).noalias() -=
-      lens.Y * lens.Y.transpose();
+  b.segment<kNumRigParameters>(column) -= lens.Y.lazyProduct(block.y);
+  SubtractSquare<kNumRigParameters>(lens.Y.data(), &H(column, column), H.outerStride());
   for (const LandmarkBlock::View& view : ViewsOf(block)) {
-    H.block<6, kNumRigParameters>(layout.pose_column[view.frame], column).noalias() -=
-        view.Y * lens.Y.transpose();
+    SubtractOuterProduct<kNumRigParameters>(
+        view.Y.data(), lens.Y.data(), &H(layout.pose_column[view.frame], column), H.outerStride());
   }
   for (const LandmarkBlock::PlaneView& plane : PlaneViewsOf(block)) {
     H.block<kNumRigParameters, 3>(column, layout.plane_column[plane.plane]).noalias() -=
@@ -131,10 +130,10 @@ void SubtractSchur(const LandmarkBlock& block,
     b.segment<6>(row).noalias() -= view_i.Y * block.y;
     for (int j = 0; j <= i; ++j) {
       const LandmarkBlock::View& view_j = block.views[j];
-      SubtractOuterProduct(view_i.Y.data(),
-                           view_j.Y.data(),
-                           &H(row, layout.pose_column[view_j.frame]),
-                           H.outerStride());
+      SubtractOuterProduct<6>(view_i.Y.data(),
+                              view_j.Y.data(),
+                              &H(row, layout.pose_column[view_j.frame]),
+                              H.outerStride());
     }
   }
   for (const LandmarkBlock::PlaneView& plane : PlaneViewsOf(block))

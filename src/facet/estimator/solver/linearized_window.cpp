@@ -50,7 +50,7 @@ void AddLandmarks(const SlidingWindow& window,
                   const FactorNoise& noise,
                   LinearizedWindow& linear) {
   const StateLayout& layout = linear.layout();
-  const bool is_apart = window.calibration.has_value();
+  const bool is_apart = layout.calibration_column >= 0;
   MatrixXd& H = is_apart ? linear.vision_H : linear.equations.H;
   VectorXd& b = is_apart ? linear.vision_b : linear.equations.b;
   if (is_apart) {
@@ -79,8 +79,9 @@ void AddLandmarks(const SlidingWindow& window,
 void Linearize(const SlidingWindow& window,
                const FrameGeometry& geometry,
                const FactorNoise& noise,
+               CalibrationStep calibration_step,
                LinearizedWindow& linear) {
-  linear.equations.Clear(window);
+  linear.equations.Clear(window, calibration_step);
   ClearCouplings(window, linear);
   linear.cost = 0;
   VisitAllButPlaneMeasurements(window, noise, [&](const Factor auto& factor) {

@@ -40,6 +40,7 @@ struct LinearizedWindow {
 void Linearize(const SlidingWindow& window,
                const FrameGeometry& geometry,
                const FactorNoise& noise,
+               CalibrationStep calibration_step,
                LinearizedWindow& linear);
 
 /// Cost of the same factors. `geometry` must be up to date.

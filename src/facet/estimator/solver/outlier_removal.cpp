@@ -2,6 +2,7 @@
 #include "facet/estimator/solver/outlier_removal.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -15,16 +16,20 @@ namespace {
 // A landmark nearer than this is a mismatch.
 constexpr double kMaxInverseDistance = 15.0;
 
-// Norm of the error in sigmas; behind the camera: infinite.
-double SigmasOff(const WindowLandmark& landmark,
-                 const WindowObservation& observation,
-                 int camera,
-                 const FrameGeometry& geometry,
-                 const FactorNoise& noise) {
+// Norms of the errors in sigmas; behind the camera: infinite.
+std::array<double, 2> SigmasOff(const WindowLandmark& landmark,
+                                const WindowObservation& observation,
+                                const HostedPoint& point,
+                                const FrameGeometry& geometry,
+                                const FactorNoise& noise) {
   const ReprojectionFactor factor(geometry, landmark, observation, noise);
-  const auto error = factor.Error(HostedPoint(landmark, geometry.current(landmark.host)), camera);
-  return error ? factor.NoiseScale(camera) * error->norm()
-               : std::numeric_limits<double>::infinity();
+  const ReprojectionFactor::Errors errors = factor.ErrorsOf(point);
+  std::array<double, 2> sigmas;
+  for (std::size_t c = 0; c < 2; ++c) {
+    sigmas[c] = errors[c] ? factor.NoiseScale(static_cast<int>(c)) * errors[c]->norm()
+                          : std::numeric_limits<double>::infinity();
+  }
+  return sigmas;
 }
 
 bool IsSeenByHost(const WindowLandmark& landmark) {
@@ -67,17 +72,23 @@ int OutlierRemover::RemoveFrom(const FrameGeometry& geometry,
                                double max_sigma,
                                WindowLandmark& landmark) {
   int num_removed = 0;
+  const HostedPoint point(landmark, geometry.current(landmark.host));
+  auto kept = landmark.observations.begin();
   for (WindowObservation& o : landmark.observations) {
-    if (!o.has_right || SigmasOff(landmark, o, 1, geometry, noise) <= max_sigma) continue;
-    o.has_right = false;
-    ++num_removed;
-  }
-  num_removed += static_cast<int>(std::erase_if(landmark.observations, [&](const auto& o) {
-    const double sigmas = SigmasOff(landmark, o, 0, geometry, noise);
+    const auto [left, right] = SigmasOff(landmark, o, point, geometry, noise);
     // Landmarks of pipeline SP have a loss of their own.
-    if (!landmark.is_projection) left_sigmas_.push_back(sigmas);
-    return sigmas > max_sigma;
-  }));
+    if (!landmark.is_projection) left_sigmas_.push_back(left);
+    if (o.has_right && right > max_sigma) {
+      o.has_right = false;
+      ++num_removed;
+    }
+    if (left > max_sigma) {
+      ++num_removed;
+    } else {
+      *kept++ = o;
+    }
+  }
+  landmark.observations.erase(kept, landmark.observations.end());
   return num_removed;
 }
 

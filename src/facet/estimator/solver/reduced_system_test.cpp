@@ -49,5 +49,40 @@ TEST(ReducedSystemTest, StepAndCovarianceEqualTheDenseSystem) {
   }
 }
 
+// A calibration that is held stays in the residuals and leaves the equations. Derivatives are then
+// taken where pixels were measured, not where they are predicted, hence the tolerance.
+TEST(ReducedSystemTest, WithAHeldCalibrationTheRestIsSolvedForWhereItIs) {
+  for (std::uint64_t seed = 61; seed < 65; ++seed) {
+    TestWindow test = testing::MakeOptimumWindow(seed, 0);
+    Rng rng(seed);
+    testing::AddCalibration(test, rng);
+    test.window.calibration->SetDelta(CalibrationVector::Constant(1e-4));
+    if (seed % 2 == 0) {
+      testing::AddBalancedPrior(test, rng, kNoise);
+    } else {
+      test.window.start_prior.emplace(FrameId{0}, test.truth[0].T_WB, StartOptions{});
+    }
+    testing::Disturb(test.window, {1e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
+    const NormalEquations dense = testing::Assemble(test.window, test.rig, testing::kOptimumWidth);
+    std::vector<int> others;
+    for (int c = 0; c < dense.layout.dim; ++c) {
+      const int of_calibration = c - dense.layout.calibration_column;
+      if (of_calibration < 0 || of_calibration >= kNumCalibration) others.push_back(c);
+    }
+    const MatrixXd H = dense.H(others, others);
+    const VectorXd b = dense.b(others);
+    const VectorXd s = H.diagonal().cwiseSqrt().cwiseInverse();
+    const VectorXd step =
+        -s.cwiseProduct((s.asDiagonal() * H * s.asDiagonal()).inverse() * s.cwiseProduct(b));
+    LinearizedWindow linear;
+    ReducedSystem reduced;
+    testing::Linearize(test, kNoise, linear, CalibrationStep::kHeld);
+    ASSERT_EQ(linear.layout().dim, static_cast<int>(others.size()));
+    ASSERT_TRUE(reduced.Solve(0.0, linear));
+    const auto in_sigmas = [&](const VectorXd& x) { return s.cwiseInverse().cwiseProduct(x); };
+    EXPECT_LT(in_sigmas(reduced.step() - step).norm(), 0.02 * in_sigmas(step).norm());
+  }
+}
+
 }  // namespace
 }  // namespace facet

@@ -16,7 +16,7 @@ void AddLensSums(const LensSums& sums, const StateLayout& layout, MatrixXd& H, V
   H.block<kNumRigParameters, kNumRigParameters>(lens, lens) += sums.H;
   b.segment<kNumRigParameters>(lens) += sums.b;
   for (std::size_t i = 0; i < sums.poses.size(); ++i)
-    H.block<6, kNumRigParameters>(layout.pose_column[i], lens) += sums.poses[i];
+    H.block<6, kNumRigParameters>(layout.pose_column[i], lens) += sums.poses[i].transpose();
 }
 
 // Equation (10.5): with A_i of each frame the columns are sums of A_i^T times the rows of its pose.

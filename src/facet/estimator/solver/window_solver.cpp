@@ -18,6 +18,10 @@ double Raised(double lambda) {
   return std::max(lambda * 10, 1e-6);
 }
 
+// The newest frame is far from where it belongs if its errors are this many times the usual ones.
+constexpr double kFar = 3.0;
+constexpr int kMaxApproaches = 8;
+
 }  // namespace
 
 double WindowSolver::NewestFrameError(const SlidingWindow& window) {
@@ -49,21 +53,47 @@ SolveSummary WindowSolver::Solve(SlidingWindow& window,
                                  int max_iterations) {
   SolveSummary summary;
   lambda_ = kMinLambda;
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    const FactorNoise now = NoiseNow(window, noise);
-    Linearize(window, geometry_, now, linear_);
-    const double cost = linear_.cost;
-    if (iteration == 0) summary.initial_cost = summary.final_cost = cost;
-    const StepResult result = Step(window, now, summary);
+  const int num_approaches = max_iterations > 1 ? Approach(window, noise, summary) : 0;
+  for (int iteration = std::min(num_approaches, max_iterations - 1); iteration < max_iterations;
+       ++iteration) {
+    const StepResult result =
+        LinearizeAndStep(window, NoiseNow(window, noise), CalibrationStep::kFree, summary);
     if (result == StepResult::kFailed) break;
-    if (result == StepResult::kAccepted) ++summary.iterations;
     if (result == StepResult::kNothingToGain ||
-        cost - summary.final_cost < options_.min_cost_decrease) {
+        linear_.cost - summary.final_cost < options_.min_cost_decrease) {
       summary.converged = true;
       break;
     }
   }
   return summary;
+}
+
+// What is new in the window is mostly the newest frame. The first step holds the calibration, and
+// so do all until that frame is where it belongs: before, everything it sees would pull at the
+// lenses. It is also the cheaper step by half. Returns how many steps it took.
+int WindowSolver::Approach(SlidingWindow& window, const FactorNoise& noise, SolveSummary& summary) {
+  int num_steps = 0;
+  while (num_steps < kMaxApproaches) {
+    const FactorNoise now = NoiseNow(window, noise);
+    const bool is_far = now.reprojection_width > kFar * noise.reprojection_width;
+    if (!is_far && (num_steps > 0 || !window.calibration)) break;
+    const StepResult result = LinearizeAndStep(window, now, CalibrationStep::kHeld, summary);
+    ++num_steps;
+    if (result != StepResult::kAccepted) break;
+  }
+  lambda_ = kMinLambda;
+  return num_steps;
+}
+
+WindowSolver::StepResult WindowSolver::LinearizeAndStep(SlidingWindow& window,
+                                                        const FactorNoise& noise,
+                                                        CalibrationStep calibration_step,
+                                                        SolveSummary& summary) {
+  Linearize(window, geometry_, noise, calibration_step, linear_);
+  if (!summary.initial_cost) summary.initial_cost = summary.final_cost = linear_.cost;
+  const StepResult result = Step(window, noise, summary);
+  if (result == StepResult::kAccepted) ++summary.iterations;
+  return result;
 }
 
 // Starts at the present linearisation and increases the damping until a step lowers the cost.

@@ -2,6 +2,7 @@
 // Levenberg-Marquardt on the window. Knows no geometry: it goes round linearise, reduce, step.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "facet/estimator/solver/covariance.h"
@@ -12,7 +13,7 @@ namespace facet {
 struct SolveSummary {
   int iterations = 0;  ///< accepted steps
   /// Before the first and after the last step; the loss may have become narrower in between.
-  double initial_cost = 0;
+  std::optional<double> initial_cost;
   double final_cost = 0;
   bool ok = false;         ///< false: the system could not be factorised at all
   bool converged = false;  ///< another step would gain next to nothing
@@ -24,9 +25,10 @@ class WindowSolver {
   WindowSolver(const StereoRig& rig, const SolverOptions& options)
       : options_(options), geometry_(rig) {}
 
-  /// Minimises the window's cost in at most `max_iterations` steps. Moves frames, planes and
-  /// landmarks. While the newest frame is far from where it belongs, the loss of reprojections is
-  /// wider than `noise` says.
+  /// Minimises the window's cost in at most `max_iterations` steps. Moves frames, planes, landmarks
+  /// and the calibration. While the newest frame is far from where it belongs, the loss of
+  /// reprojections is wider than `noise` says, the calibration is held, and, unless
+  /// `max_iterations` is 1, a few more steps may be taken.
   SolveSummary Solve(SlidingWindow& window, const FactorNoise& noise, int max_iterations);
 
   /// Of the window of the last Solve, at its last linearisation and without its damping: theta p v
@@ -53,6 +55,11 @@ class WindowSolver {
   enum class StepResult { kAccepted, kNothingToGain, kFailed };
 
   FactorNoise NoiseNow(const SlidingWindow& window, const FactorNoise& noise);
+  int Approach(SlidingWindow& window, const FactorNoise& noise, SolveSummary& summary);
+  StepResult LinearizeAndStep(SlidingWindow& window,
+                              const FactorNoise& noise,
+                              CalibrationStep calibration_step,
+                              SolveSummary& summary);
   StepResult Step(SlidingWindow& window, const FactorNoise& noise, SolveSummary& summary);
 
   SolverOptions options_;

@@ -99,5 +99,27 @@ TEST(WindowSolverTest, PlanesWithoutLandmarksBreakNothing) {
   EXPECT_LT(difference.norm(), 1e-3 * plain.NewestFrameCovariance().norm());
 }
 
+// While everything that the newest frame sees is off, lenses that could move would take their
+// share.
+TEST(WindowSolverTest, TheCalibrationIsHeldUntilTheNewestFrameIsWhereItBelongs) {
+  for (std::uint64_t seed = 81; seed < 85; ++seed) {
+    Rng rng(seed);
+    TestWindow test = testing::MakeOptimumWindow(seed, 0);
+    testing::AddCalibration(test, rng);
+    test.window.start_prior.emplace(FrameId{0}, test.truth[0].T_WB, StartOptions{});
+    const auto solved = [&](double off, int max_iterations) {
+      SlidingWindow window = test.window;
+      WindowFrame& newest = window.frames.back();
+      newest.x.T_WB = newest.x.T_WB.Retract(off * Vector3d(1, -1, 1), off * Vector3d(3, 3, -3));
+      WindowSolver solver(test.rig, SolverOptions{});
+      EXPECT_TRUE(solver.Solve(window, FactorNoise(EstimatorOptions{}), max_iterations).ok);
+      const CalibrationVector sigmas = solver.CalibrationCovariance().diagonal().cwiseSqrt();
+      return CalibrationVector(window.calibration->delta().cwiseQuotient(sigmas));
+    };
+    const CalibrationVector optimum = solved(0, 30);
+    EXPECT_LT((solved(0.05, 2) - optimum).norm(), 0.3 * (solved(0.05, 1) - optimum).norm());
+  }
+}
+
 }  // namespace
 }  // namespace facet

@@ -51,7 +51,7 @@ void ApplyStep(const LinearizedWindow& linear, const VectorXd& step, SlidingWind
   for (std::size_t k = 0; k < window.planes.size(); ++k)
     window.planes[k].ApplyStep(step.segment<3>(layout.plane_column[k]));
   VectorXd seen_step = step;
-  if (window.calibration) {
+  if (layout.calibration_column >= 0) {
     window.calibration->ApplyStep(step.segment<kNumCalibration>(layout.calibration_column));
     seen_step = WithMountAsPoses(linear.mounts, layout, step);
   }

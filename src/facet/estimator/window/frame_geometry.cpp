@@ -81,13 +81,20 @@ SE3 FrameGeometry::AtImage(const SE3& T_WB, const BodyRates& rates) const {
   return {(T_WB.q * ExpSO3(dt * rates.w_B)).normalized(), T_WB.p + T_WB.q * (dt * rates.v_B)};
 }
 
+std::optional<Vector2d> FrameGeometry::PresentProjection(int camera, const Vector3d& h) const {
+  const CameraModel& lens = nominal_.cameras[static_cast<std::size_t>(camera)];
+  const std::optional<Vector2d> px = lens.Project(h);
+  if (!px) return std::nullopt;
+  return Vector2d(
+      *px + ShiftByIntrinsics(lens.intrinsics(), h.head<2>() / h.z(), *px, Deviation(camera)));
+}
+
 // The ray that the pixel has with other intrinsic parameters, to first order.
 Vector2d FrameGeometry::CorrectedXy(const WindowObservation& observation, int camera) const {
   const Matrix2d J_px_xy = observation.sigma_px[camera] * observation.sqrt_info[camera];
-  const Vector2d moved_px =
-      LensShift(camera,
-                IntrinsicsJacobian(nominal_.cameras[static_cast<std::size_t>(camera)],
-                                   observation.xy[camera]));
+  const Vector2d moved_px = IntrinsicsJacobian(nominal_.cameras[static_cast<std::size_t>(camera)],
+                                               observation.xy[camera]) *
+                            Deviation(camera);
   return observation.xy[camera] - J_px_xy.inverse() * moved_px;
 }
 

@@ -42,15 +42,13 @@ class FrameGeometry {
   /// Where the body is when the image of a frame at T_WB is taken.
   SE3 AtImage(const SE3& T_WB, const BodyRates& rates) const;
 
-  /// Where the point h of the camera is seen by the nominal lens, with its derivatives, and what
-  /// the present deviation of the lens adds to the pixel, to first order. Empty outside of the
-  /// field of view.
+  /// Where the point h of the camera is seen by the nominal lens, with its derivatives. Empty
+  /// outside of the field of view.
   std::optional<ProjectionDerivatives> NominalProjection(int camera, const Vector3d& h) const {
     return ProjectWithDerivatives(nominal_.cameras[static_cast<std::size_t>(camera)], h);
   }
-  Vector2d LensShift(int camera, const Matrix<2, kNumIntrinsics>& J_px_k) const {
-    return J_px_k * delta_.segment<kNumIntrinsics>(camera * kNumIntrinsics);
-  }
+  /// Where the present lens sees it, to first order in its deviation. Empty as above.
+  std::optional<Vector2d> PresentProjection(int camera, const Vector3d& h) const;
 
   /// The measured point on the plane z = 1, as the present calibration has it.
   Vector2d MeasuredXy(const WindowObservation& observation, int camera) const {
@@ -63,6 +61,9 @@ class FrameGeometry {
 
  private:
   Vector2d CorrectedXy(const WindowObservation& observation, int camera) const;
+  IntrinsicsVector Deviation(int camera) const {
+    return delta_.segment<kNumIntrinsics>(camera * kNumIntrinsics);
+  }
 
   StereoRig nominal_;
   bool has_calibration_ = false;

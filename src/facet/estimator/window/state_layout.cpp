@@ -3,7 +3,7 @@
 
 namespace facet {
 
-StateLayout MakeLayout(const SlidingWindow& window) {
+StateLayout MakeLayout(const SlidingWindow& window, CalibrationStep calibration_step) {
   const std::vector<WindowFrame>& frames = window.frames;
   StateLayout layout;
   const auto next = [&](Variable::Kind kind) {
@@ -13,7 +13,8 @@ StateLayout MakeLayout(const SlidingWindow& window) {
   };
   for (std::size_t k = 0; k < window.planes.size(); ++k)
     layout.plane_column.push_back(next(Variable::Kind::kPlane));
-  if (window.calibration) layout.calibration_column = next(Variable::Kind::kCalibration);
+  if (window.calibration && calibration_step == CalibrationStep::kFree)
+    layout.calibration_column = next(Variable::Kind::kCalibration);
   for (std::size_t i = 0; i < frames.size(); ++i)
     layout.pose_column.push_back(next(Variable::Kind::kPose));
   layout.motion_column.assign(frames.size(), -1);

@@ -13,7 +13,7 @@ namespace facet {
 /// section 4.3).
 struct StateLayout {
   std::vector<int> plane_column;   ///< by plane index
-  int calibration_column = -1;     ///< -1 if it is not a variable
+  int calibration_column = -1;     ///< -1 if it is not a variable, or held
   std::vector<int> pose_column;    ///< by frame index
   std::vector<int> motion_column;  ///< by frame index, -1 without motion
   int dim = 0;
@@ -34,7 +34,11 @@ struct StateLayout {
   }
 };
 
-StateLayout MakeLayout(const SlidingWindow& window);
+/// Whether a step may move the calibration, if it is a variable at all.
+enum class CalibrationStep { kFree, kHeld };
+
+StateLayout MakeLayout(const SlidingWindow& window,
+                       CalibrationStep calibration_step = CalibrationStep::kFree);
 
 /// A set of variables of one window. Not thread-safe: keeps its storage.
 class VariableSet {

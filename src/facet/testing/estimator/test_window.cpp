@@ -289,10 +289,13 @@ BiasWalk DefaultBiasWalk() {
   return {ImuNoise{}, ImuOptions{}};
 }
 
-void Linearize(const TestWindow& test, const FactorNoise& noise, LinearizedWindow& linear) {
+void Linearize(const TestWindow& test,
+               const FactorNoise& noise,
+               LinearizedWindow& linear,
+               CalibrationStep calibration_step) {
   FrameGeometry geometry(test.rig);
   geometry.Update(test.window);
-  facet::Linearize(test.window, geometry, noise, linear);
+  facet::Linearize(test.window, geometry, noise, calibration_step, linear);
 }
 
 NormalEquations Assemble(const SlidingWindow& window,

@@ -104,7 +104,10 @@ FactorNoise NoiseOfWidth(double reprojection_width);
 BiasWalk DefaultBiasWalk();
 
 /// Linearises the window where it is.
-void Linearize(const TestWindow& test, const FactorNoise& noise, LinearizedWindow& linear);
+void Linearize(const TestWindow& test,
+               const FactorNoise& noise,
+               LinearizedWindow& linear,
+               CalibrationStep calibration_step = CalibrationStep::kFree);
 
 /// Normal equations of everything in the window but the landmarks, which are eliminated exactly as
 /// the solver does it without damping. Full symmetric matrix.
