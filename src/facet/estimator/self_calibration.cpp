@@ -17,6 +17,12 @@ constexpr double kStepShare = 0.03;
 // After the large step.
 constexpr Duration kSettles{5'000'000'000};
 
+CalibrationMatrix BaselineCovariance(const StereoRig& rig, double share) {
+  CalibrationVector change = CalibrationVector::Zero();
+  change.segment<3>(kStereoTranslation) = share * rig.T_C1C0().p;
+  return change * change.transpose();
+}
+
 // What uncalibrated rigs have: a data sheet's focal lengths, cameras that were glued by eye, a
 // driver's stamps. Added to what a careful calibration leaves.
 CalibrationMatrix RoughCovariance(const StereoRig& rig, const CalibrationOptions& options) {
@@ -41,9 +47,7 @@ CalibrationMatrix RoughCovariance(const StereoRig& rig, const CalibrationOptions
     }
     add(both);
     add_each(kStereoRotation, 3, kTurn);
-    CalibrationVector baseline = CalibrationVector::Zero();
-    baseline.segment<3>(kStereoTranslation) = kBaseline * rig.T_C1C0().p;
-    add(baseline);
+    covariance += BaselineCovariance(rig, kBaseline);
   }
   if (options.mount) {
     add_each(kMountRotation, 3, kMountTurn);
@@ -91,6 +95,10 @@ void SelfCalibration::Walk(SlidingWindow& window) {
     TakeRandomStep(RoughCovariance(rig_, options_), window.prior);
     freed_at_ = now;
     gross_deviations_.clear();
+  }
+  if (doubted_share_ != 0 && options_.lens) {
+    TakeRandomStep(BaselineCovariance(rig_, doubted_share_), window.prior);
+    doubted_share_ = 0;
   }
   if (!last_step_) last_step_ = now;
   if (now - *last_step_ < kStepEvery) return;

@@ -32,6 +32,10 @@ class SelfCalibration {
   /// to be wrong by more than was believed possible, it takes a large one.
   void Walk(SlidingWindow& window);
 
+  /// The distance between the cameras may be wrong by this share of it. Counts with the next Walk,
+  /// if lenses and stereo pair are estimated.
+  void DoubtBaseline(double share) { doubted_share_ = share; }
+
   /// What is wrong by more than a careful calibration leaves, as last kept. Empty until the large
   /// step was taken and has settled.
   std::vector<CalibrationDeviation> Gross() const {
@@ -59,6 +63,7 @@ class SelfCalibration {
   ClockCovariance clock_;
   std::optional<Kept> kept_;
   std::optional<Timestamp> last_step_;
+  double doubted_share_ = 0;
   std::optional<Timestamp> freed_at_;  // when it took the large step
   std::vector<CalibrationDeviation> gross_deviations_;
 };

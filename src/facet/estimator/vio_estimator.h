@@ -49,6 +49,8 @@ class VioEstimator {
   std::optional<StereoRig> Calibration() const { return calibration_.Refined(); }
   /// What is wrong with the given one by more than a careful calibration leaves.
   std::vector<CalibrationDeviation> GrossDeviations() const { return calibration_.Gross(); }
+  /// See SelfCalibration::DoubtBaseline.
+  void DoubtBaseline(double share) { calibration_.DoubtBaseline(share); }
 
   /// Latest state, keyframe poses, planes and landmarks.
   MapSnapshot Snapshot() const;

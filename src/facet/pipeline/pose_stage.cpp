@@ -7,7 +7,9 @@
 namespace facet {
 
 PoseStage::PoseStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
-    : time_offset_(rig.time_offset), estimator_(rig, noise, options.estimator) {}
+    : time_offset_(rig.time_offset),
+      estimator_(rig, noise, options.estimator),
+      check_calibration_(options.check_calibration) {}
 
 VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   VioOutput out;
@@ -16,6 +18,7 @@ VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   const ScopedStage stage(out.times, Stage::kOutput);
   out.warning = JudgeCalibration(frame.frontend, result.imu_error_sigma);
   FillPose(frame, std::move(result), out);
+  if (check_calibration_) CheckScale(frame, out);
   HandBack(out);
   return out;
 }
@@ -63,6 +66,23 @@ std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
   evidence.imu_error_sigma = imu_error_sigma;
   evidence.gross_deviations = InWords(estimator_.GrossDeviations());
   return calibration_.Add(evidence);
+}
+
+void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
+  if (!out.has_pose || out.was_reset) return scale_.Break();
+  scale_.AddImu(frame.imu);
+  if (!out.is_keyframe) return;
+  switch (scale_.AddKeyframe(estimator_.window().frames.back().x)) {
+    case ScaleCheck::Finding::kNothing:
+      return;
+    case ScaleCheck::Finding::kDoubt:
+      if (out.warning.empty()) out.warning = InWords(*scale_.scale());
+      estimator_.DoubtBaseline(scale_.scale()->value() - 1);
+      return;
+    case ScaleCheck::Finding::kRefusal:
+      if (out.refusal.empty()) out.refusal = InWords(*scale_.scale());
+      return;
+  }
 }
 
 void PoseStage::HandBack(VioOutput& out) {

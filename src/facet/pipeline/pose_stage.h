@@ -12,6 +12,7 @@
 #include "facet/pipeline/tracked_frame.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/pipeline/vio_output.h"
+#include "facet/plausibility/scale_check.h"
 
 namespace facet {
 
@@ -39,11 +40,14 @@ class PoseStage {
   void FillPose(const TrackedFrame& frame, EstimatorResult result, VioOutput& out) const;
   std::string JudgeCalibration(const FrontendResult& frontend,
                                const std::optional<double>& imu_error_sigma);
+  void CheckScale(const TrackedFrame& frame, VioOutput& out);
   void HandBack(VioOutput& out);
 
   Duration time_offset_;
   VioEstimator estimator_;
   CalibrationWatch calibration_;
+  bool check_calibration_;
+  ScaleCheck scale_;
   std::optional<Feedback> feedback_;
 };
 

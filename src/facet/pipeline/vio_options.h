@@ -23,7 +23,8 @@ const char* ToString(Formulation formulation);
 
 struct VioOptions {
   Formulation pipeline = Formulation::kSPR;
-  /// Off: a calibration that is grossly wrong is not refused (plausibility/calibration_check.h).
+  /// Off: a calibration that is grossly wrong is not refused (plausibility/calibration_check.h),
+  /// and the size of the world not compared with the accelerometer (plausibility/scale_check.h).
   bool check_calibration = true;
   FrontendOptions frontend;
   EstimatorOptions estimator;

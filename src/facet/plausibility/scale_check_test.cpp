@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// States of made-up flights with the errors that keyframes have, in a world of another size.
+#include "facet/plausibility/scale_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "facet/base/random.h"
+#include "facet/geometry/so3.h"
+#include "facet/sim/euroc_rig.h"
+#include "facet/sim/feature_simulator.h"
+
+namespace facet {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kPositionSigma_m = 0.001, kRotationSigma = 0.0005;
+constexpr std::size_t kFramesPerKeyframe = 4;
+// The world of the images is not level with that of the truth.
+const SE3 kTilt(ExpSO3(Vector3d(0.02, -0.03, 0.5)), Vector3d(1, 2, 3));
+
+struct Judgement {
+  bool is_doubted = false, is_refused = false;
+  std::optional<ScaleCheck::Scale> scale;
+};
+
+Judgement Fly(std::uint64_t seed, double size, double duration_s) {
+  FeatureSimulatorOptions options;
+  options.max_tracks = 1;
+  options.duration_s = duration_s;
+  const SimulatedRun run = SimulateFeatures(
+      SplineTrajectory::Fit(MakeFlight(duration_s, seed)), EurocRig(), options, seed);
+  ImuBuffer imu;
+  for (const ImuSample& sample : run.imu)
+    imu.Add(sample);
+  Rng rng(seed);
+  ScaleCheck check;
+  Judgement out;
+  for (std::size_t i = 1; i < run.truth.size(); ++i) {
+    check.AddImu(
+        imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
+    if (i % kFramesPerKeyframe != 0) continue;
+    NavState state = run.truth[i];
+    state.T_WB.p = size * state.T_WB.p + kPositionSigma_m * rng.Normal3();
+    state.T_WB.q = state.T_WB.q * ExpSO3(kRotationSigma * rng.Normal3());
+    state.T_WB = kTilt * state.T_WB;
+    const ScaleCheck::Finding finding = check.AddKeyframe(state);
+    out.is_doubted |= finding == ScaleCheck::Finding::kDoubt;
+    out.is_refused |= finding == ScaleCheck::Finding::kRefusal;
+  }
+  out.scale = check.scale();
+  return out;
+}
+
+TEST(ScaleCheckTest, TheSizeOfTheWorldIsFoundWithinItsSigma) {
+  double sum = 0;
+  constexpr int kRuns = 12;
+  for (int seed = 0; seed < kRuns; ++seed) {
+    const double size = seed % 3 == 0 ? 1.0 : 1.05;
+    const Judgement judgement = Fly(static_cast<std::uint64_t>(seed), size, 30);
+    ASSERT_TRUE(judgement.scale);
+    sum += std::pow((judgement.scale->value() - size) / judgement.scale->sigma, 2);
+    EXPECT_LT(judgement.scale->sigma, 0.01) << seed;
+  }
+  // The sigma allows for errors of neighbours that white ones do not have.
+  EXPECT_GT(sum / kRuns, 0.01);
+  EXPECT_LT(sum / kRuns, 1.5);
+}
+
+TEST(ScaleCheckTest, ARightCalibrationIsNotDoubted) {
+  for (std::uint64_t seed = 20; seed < 40; ++seed) {
+    const Judgement judgement = Fly(seed, 1.003, 60);
+    EXPECT_FALSE(judgement.is_doubted || judgement.is_refused) << seed;
+  }
+}
+
+TEST(ScaleCheckTest, AWrongBaselineIsDoubtedAndADoubledOneRefused) {
+  for (std::uint64_t seed = 40; seed < 50; ++seed) {
+    const Judgement wrong = Fly(seed, 0.94, 40);
+    EXPECT_TRUE(wrong.is_doubted) << seed;
+    EXPECT_FALSE(wrong.is_refused) << seed;
+    EXPECT_TRUE(Fly(seed, 2, 20).is_refused) << seed;
+    EXPECT_TRUE(Fly(seed, 0.5, 20).is_refused) << seed;
+  }
+}
+
+// The estimator then holds the world upside down, and all accelerations are the wrong way round.
+TEST(ScaleCheckTest, AnAccelerometerWithTheWrongSignIsRefused) {
+  for (std::uint64_t seed = 60; seed < 65; ++seed)
+    EXPECT_TRUE(Fly(seed, -1, 20).is_refused) << seed;
+}
+
+TEST(ScaleCheckTest, ABodyAtRestSaysNothing) {
+  ScaleCheck check;
+  Rng rng(5);
+  Timestamp t{1'400'000'000'000'000'000};
+  for (int k = 0; k < 600; ++k) {
+    ImuInterval interval;
+    for (int i = 0; i <= 40; ++i) {
+      interval.samples.push_back({t + Duration{5'000'000 * i},
+                                  0.002 * rng.Normal3(),
+                                  Vector3d(0, 0, kGravity) + 0.03 * rng.Normal3()});
+    }
+    t = interval.samples.back().t;
+    check.AddImu(interval);
+    NavState state;
+    state.t = t;
+    state.T_WB.p = 0.0005 * rng.Normal3();
+    EXPECT_EQ(check.AddKeyframe(state), ScaleCheck::Finding::kNothing) << k;
+  }
+}
+
+TEST(ScaleCheckTest, PosesOnBothSidesOfABreakAreNotCompared) {
+  ScaleCheck check;
+  Timestamp t{1'400'000'000'000'000'000};
+  for (int k = 0; k < 100; ++k) {
+    ImuInterval interval;
+    for (int i = 0; i <= 40; ++i)
+      interval.samples.push_back(
+          {t + Duration{5'000'000 * i}, Vector3d::Zero(), Vector3d(0, 0, kGravity)});
+    t = interval.samples.back().t;
+    check.AddImu(interval);
+    NavState state;
+    state.t = t;
+    state.T_WB.p = Vector3d(k, 0, 0);
+    check.AddKeyframe(state);
+    check.Break();
+  }
+  EXPECT_FALSE(check.scale());
+}
+
+TEST(ScaleCheckTest, SaysWhatToLookAt) {
+  EXPECT_THAT(InWords({1.02, 1.022, 0.004}), HasSubstr("2.1 % (1-sigma 0.4) too large"));
+  EXPECT_THAT(InWords({0.5, 0.5, 0.05}), HasSubstr("50.0 % (1-sigma 5.0) too small"));
+  EXPECT_THAT(InWords({-1.2, -0.9, 0.05}), HasSubstr("+9.8 upwards"));
+}
+
+}  // namespace
+}  // namespace facet
