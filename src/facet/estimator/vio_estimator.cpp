@@ -82,7 +82,12 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
                                            : window_.frames.back().w_B,
                              result);
     result.segment = segments_.id();
-    result.covariance = segments_.InWorld(result.covariance, result.state);
+    result.covariance = segments_.InWorld(result.covariance, result.state) +
+                        contradiction_.CovarianceAt(result.state.t);
+    if (contradiction_.IsRecentAt(result.state.t) && result.status == TrackingStatus::kOk) {
+      result.status = TrackingStatus::kDegraded;
+      result.reason = "IMU and images contradict each other";
+    }
   }
   return result;
 }
@@ -139,18 +144,16 @@ std::vector<PreparedObservation> VioEstimator::Prepare(
 
 // What moves on its own contradicts the IMU, and so does everything if the IMU is wrong: landmarks
 // are left out as a group only where another group agrees with the IMU.
-std::vector<PreparedObservation> VioEstimator::Believable(
-    std::vector<PreparedObservation> observations,
-    const ImuLink& link,
-    const NavState& predicted) const {
-  if (link.is_synthetic) return observations;
-  const InnovationTest test = updater_.TestInnovations(observations, link, predicted);
+VioEstimator::BelievableObservations VioEstimator::Believable(
+    std::vector<PreparedObservation> observations, const ImuLink& link) const {
+  if (link.is_synthetic) return {std::move(observations), false};
+  const InnovationTest test = updater_.TestInnovations(observations, link);
   const int num_agreeing = test.num_tested - test.num_contradicting;
   if (num_agreeing < kMinLandmarksSeen || num_agreeing < kMinAgreeingShare * test.num_tested)
-    return observations;
+    return {std::move(observations), false};
   auto contradicts = test.contradicts.begin();
   std::erase_if(observations, [&](const auto&) { return *contradicts++ != 0; });
-  return observations;
+  return {std::move(observations), true};
 }
 
 EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
@@ -179,7 +182,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   {
     ScopedStage stage(times, Stage::kOptimize);
     const WindowFrame& frame = window_.frames.back();
-    AppendObservations(Believable(Prepare(observations), *frame.imu_link, frame.x), window_);
+    AppendObservations(Believable(Prepare(observations), *frame.imu_link).observations, window_);
     InitializeDepths(optimizer_.UpdateGeometry(window_), window_);
     imu_.Relinearize(window_);
     planes_.TakeEffect(optimizer_.noise(), optimizer_.geometry(), window_);
@@ -188,6 +191,10 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     newest_covariance_ = solver.NewestFrameCovariance();
     calibration_.TakeClock(window_, solver);
     result.imu_error_sigma = NewestImuError(window_);
+    if (result.imu_error_sigma) {
+      const auto end = window_.frames.rbegin();
+      contradiction_.Add(*end->imu_link, std::next(end)->x, end->x, *result.imu_error_sigma);
+    }
     planes_.Judge(
         solver.PlaneInformation(), solver.PlaneCovariances(), optimizer_.noise(), window_);
     RemoveOutliers();
@@ -212,11 +219,12 @@ EstimatorResult VioEstimator::TrackIntermediateFrame(const FrameObservations& ob
                                                      StageTimes& times) {
   ScopedStage stage(times, Stage::kOptimize);
   EstimatorResult result;
-  const FrameUpdateResult update =
-      updater_.Update(Believable(Prepare(observations), intermediate_->link, intermediate_->x),
-                      intermediate_->link,
-                      optimizer_.noise(),
-                      intermediate_->x);
+  const BelievableObservations seen = Believable(Prepare(observations), intermediate_->link);
+  const FrameUpdateResult update = updater_.Update(seen.observations,
+                                                   intermediate_->link,
+                                                   optimizer_.noise(),
+                                                   seen.agree_with_imu,
+                                                   intermediate_->x);
   if (update.ok) newest_covariance_ = update.covariance;
   SetState(intermediate_->x,
            newest_covariance_,

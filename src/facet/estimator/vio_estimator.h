@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "facet/base/stage_timer.h"
+#include "facet/estimator/contradiction.h"
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/estimator_result.h"
 #include "facet/estimator/planes/plane_lifecycle.h"
@@ -60,9 +61,12 @@ class VioEstimator {
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
   std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
 
-  std::vector<PreparedObservation> Believable(std::vector<PreparedObservation> observations,
-                                              const ImuLink& link,
-                                              const NavState& predicted) const;
+  struct BelievableObservations {
+    std::vector<PreparedObservation> observations;
+    bool agree_with_imu = false;
+  };
+  BelievableObservations Believable(std::vector<PreparedObservation> observations,
+                                    const ImuLink& link) const;
 
   EstimatorResult Start(const FrameObservations& observations, StageTimes& times);
   EstimatorResult TrackKeyframe(const FrameObservations& observations, StageTimes& times);
@@ -88,6 +92,7 @@ class VioEstimator {
   ImuIntervals imu_;
   VioStart start_;
   SelfCalibration calibration_;
+  Contradiction contradiction_;
   WindowOptimizer optimizer_;
   WindowValues before_solve_;  ///< where to return to if wrong landmarks on planes bent the window
   PlaneLifecycle planes_;

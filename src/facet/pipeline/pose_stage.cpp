@@ -1,10 +1,25 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/pipeline/pose_stage.h"
 
+#include <cmath>
 #include <memory>
 #include <utility>
 
+#include "facet/estimator/contradiction.h"
+
 namespace facet {
+
+namespace {
+
+std::string ContradictionWarning(double sigma) {
+  const std::string times = sigma < 100 ? std::to_string(std::lround(sigma)) : "more than 100";
+  return "the IMU and the images contradicted each other by " + times +
+         " times the IMU's noise: did something large move in front of the cameras, or did a "
+         "sensor "
+         "fail for a moment? From there on the sigmas contain what they differed by";
+}
+
+}  // namespace
 
 PoseStage::PoseStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
     : time_offset_(rig.time_offset),
@@ -65,7 +80,13 @@ std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
   if (frontend.right_ok) evidence.num_stereo = frontend.num_stereo;
   evidence.imu_error_sigma = imu_error_sigma;
   evidence.gross_deviations = InWords(estimator_.GrossDeviations());
-  return calibration_.Add(evidence);
+  std::string warning = calibration_.Add(evidence);
+  if (warning.empty() && !has_contradicted_ && imu_error_sigma &&
+      *imu_error_sigma > kContradictionSigma) {
+    has_contradicted_ = true;
+    warning = ContradictionWarning(*imu_error_sigma);
+  }
+  return warning;
 }
 
 void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {

@@ -47,6 +47,7 @@ class PoseStage {
   VioEstimator estimator_;
   CalibrationWatch calibration_;
   bool check_calibration_;
+  bool has_contradicted_ = false;
   ScaleCheck scale_;
   std::optional<Feedback> feedback_;
 };

@@ -20,8 +20,9 @@ constexpr int kRowsPerLegs = 3;
 // The least before anything is said, how often it is said anew, and after how many nothing more is
 // to be learnt.
 constexpr int kLeastLegs = 20, kLegsPerFit = 10, kMostLegs = 1000;
-// A run that has gone well for a minute is not refused any more.
-constexpr int kMostLegsForRefusal = 300;
+// Refusals: whoever has the units or axes wrong is told so by the gyroscope, which takes some
+// seconds; and a run that has gone well for a minute is not refused any more.
+constexpr int kLeastLegsForRefusal = 40, kMostLegsForRefusal = 300;
 // Of an accelerometer; more is in the way of nothing but a scale.
 constexpr double kBiasSigma = 0.5;
 // Neighbours share a position, so their errors are not independent.
@@ -144,7 +145,8 @@ ScaleCheck::Finding ScaleCheck::Judge() {
   scale_ = Fit();
   if (!scale_) return Finding::kNothing;
   if (num_legs <= kMostLegsForRefusal && scale_->IsOff(kLeastRefusal, kSureSigmas))
-    return Finding::kRefusal;
+    is_hopeless_ = true;
+  if (is_hopeless_ && num_legs >= kLeastLegsForRefusal) return Finding::kRefusal;
   if (has_doubted_ || !scale_->IsOff(kLeastDoubt, kSureSigmas)) return Finding::kNothing;
   has_doubted_ = true;
   return Finding::kDoubt;

@@ -71,7 +71,7 @@ class ScaleCheck {
   std::optional<Leg> first_, second_;  // between three keyframes; the second one is growing
   std::vector<Row> rows_;
   std::optional<Scale> scale_;
-  bool has_doubted_ = false;
+  bool has_doubted_ = false, is_hopeless_ = false;
 };
 
 /// What is wrong, in words that follow "warning: ".

@@ -229,6 +229,13 @@ bool ReprojectionFactor::MakeCameraRows(const LinearizedPoint& point,
   const CameraView view{geometry_.frozen(observation_.frame), observation_, camera};
   const Vector3d h = view.PointInCamera(point.frozen);
   const bool is_in_front = error && h.z() >= kMinUnitDepth;
+  if (lens == nullptr && is_in_front && geometry_.has_calibration()) {
+    const auto seen = geometry_.NominalProjection(camera, h);
+    if (!seen) return false;
+    const double scale = weight / observation_.sigma_px[camera];
+    MakeRows(point, view, scale * seen->J_px_p, weight * *error, rows);
+    return true;
+  }
   if (lens == nullptr) {
     if (is_in_front)
       MakeRows(point, view, weight * ByPoint(observation_, camera, h), weight * *error, rows);

@@ -42,17 +42,18 @@ class FrameUpdater {
                     const FactorNoise& noise);
 
   /// Which left pixels are further from where the landmarks of the window must be seen than pixel
-  /// noise, landmark and prediction together allow. `predicted`: the frame's state by the IMU
-  /// alone, `imu`: from the reference to it.
+  /// noise, landmark and prediction together allow. The prediction is that of the IMU alone, `imu`,
+  /// from the reference to the frame.
   InnovationTest TestInnovations(const std::vector<PreparedObservation>& observations,
-                                 const ImuLink& imu,
-                                 const NavState& predicted) const;
+                                 const ImuLink& imu) const;
 
   /// `x`: the predicted state of the frame, which is updated. `imu`: from the reference to it.
-  /// `noise`: as for the reference.
+  /// `noise`: as for the reference. `is_prediction_good`: what is used agrees with the IMU, so that
+  /// what is far off is an outlier and not a sign of a poor prediction.
   FrameUpdateResult Update(const std::vector<PreparedObservation>& observations,
                            const ImuLink& imu,
                            const FactorNoise& noise,
+                           bool is_prediction_good,
                            NavState& x);
 
  private:

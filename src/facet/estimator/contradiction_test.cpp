@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/estimator/contradiction.h"
+
+#include <gtest/gtest.h>
+
+#include "facet/geometry/so3.h"
+
+namespace facet {
+namespace {
+
+struct Leg {
+  ImuLink link;
+  NavState begin, end;  // as the IMU has it
+};
+
+Leg MakeLeg() {
+  Leg leg;
+  leg.begin.t = Timestamp{1'400'000'000'000'000'000};
+  leg.begin.v_WB = Vector3d(1, 0, 0);
+  std::vector<ImuSample> samples;
+  for (int i = 0; i <= 40; ++i) {
+    samples.push_back(
+        {leg.begin.t + Duration{5'000'000 * i}, Vector3d(0, 0, 0.5), Vector3d(0.2, 0, kGravity)});
+  }
+  leg.link.measured = ImuPreintegration({}, {});
+  leg.link.measured.Integrate(samples);
+  leg.end = leg.link.measured.Predict(leg.begin);
+  return leg;
+}
+
+TEST(ContradictionTest, WhatAgreesLeavesNoTrace) {
+  const Leg leg = MakeLeg();
+  Contradiction contradiction;
+  contradiction.Add(leg.link, leg.begin, leg.end, 1.6);
+  EXPECT_EQ(contradiction.CovarianceAt(leg.end.t).norm(), 0);
+  EXPECT_FALSE(contradiction.IsRecentAt(leg.end.t));
+}
+
+TEST(ContradictionTest, TheStateIsUncertainByWhatTheyDifferIn) {
+  const Leg leg = MakeLeg();
+  NavState seen = leg.end;
+  seen.T_WB.q = seen.T_WB.q * ExpSO3(Vector3d(0, 0, 0.05));
+  seen.T_WB.p += Vector3d(0.1, 0, 0);
+  seen.v_WB += Vector3d(0, 0.6, 0);
+  Contradiction contradiction;
+  contradiction.Add(leg.link, leg.begin, seen, 30);
+  const auto sigma_at = [&](double s) {
+    return Vector<15>(
+        contradiction.CovarianceAt(leg.end.t + FromSeconds(s)).diagonal().cwiseSqrt());
+  };
+  EXPECT_NEAR(sigma_at(0)(2), 0.05, 1e-9);
+  EXPECT_NEAR(sigma_at(0)(3), 0.1, 1e-9);
+  EXPECT_NEAR(sigma_at(0)(7), 0.6, 1e-9);
+  // The velocity moves on, for a while.
+  EXPECT_NEAR(sigma_at(0.5)(4), 0.3, 0.03);
+  EXPECT_NEAR(sigma_at(60)(4), 3, 0.01);
+  EXPECT_LT(sigma_at(60)(7), 1e-4);
+  EXPECT_TRUE(contradiction.IsRecentAt(leg.end.t + FromSeconds(0.9)));
+  EXPECT_FALSE(contradiction.IsRecentAt(leg.end.t + FromSeconds(1.1)));
+}
+
+TEST(ContradictionTest, NeighboursAddUp) {
+  const Leg leg = MakeLeg();
+  NavState seen = leg.end;
+  seen.T_WB.p += Vector3d(0.1, 0, 0);
+  Contradiction contradiction;
+  for (int k = 0; k < 3; ++k)
+    contradiction.Add(leg.link, leg.begin, seen, 10);
+  EXPECT_NEAR(std::sqrt(contradiction.CovarianceAt(leg.end.t)(3, 3)), 0.3, 1e-9);
+}
+
+TEST(ContradictionTest, WhatIsNotFiniteIsLeftOut) {
+  const Leg leg = MakeLeg();
+  NavState broken = leg.end;
+  broken.v_WB.x() = std::numeric_limits<double>::quiet_NaN();
+  Contradiction contradiction;
+  contradiction.Add(leg.link, leg.begin, broken, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(contradiction.CovarianceAt(leg.end.t).norm(), 0);
+}
+
+}  // namespace
+}  // namespace facet
