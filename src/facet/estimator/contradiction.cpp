@@ -10,6 +10,8 @@ namespace {
 
 constexpr Duration kRecent{1'000'000'000};
 constexpr double kForgets_s = 5;
+// More than this is as unknown as can be.
+constexpr double kMostTurn = M_PI, kMostShift_m = 1e4, kMostSpeed = 100;
 
 }  // namespace
 
@@ -30,9 +32,9 @@ void Contradiction::Add(const ImuLink& link,
     v_ *= std::exp(-dt_s / kForgets_s);
   }
   t_ = end.t;
-  theta_ += turn;
-  p_ += shift;
-  v_ += speed;
+  theta_ = (theta_ + turn).cwiseMin(kMostTurn);
+  p_ = (p_ + shift).cwiseMin(kMostShift_m);
+  v_ = (v_ + speed).cwiseMin(kMostSpeed);
 }
 
 Vector3d Contradiction::PositionAt(double seconds_later) const {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/contradiction.h"
 
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "facet/geometry/so3.h"
@@ -76,6 +79,17 @@ TEST(ContradictionTest, WhatIsNotFiniteIsLeftOut) {
   Contradiction contradiction;
   contradiction.Add(leg.link, leg.begin, broken, std::numeric_limits<double>::infinity());
   EXPECT_EQ(contradiction.CovarianceAt(leg.end.t).norm(), 0);
+}
+
+TEST(ContradictionTest, StaysFinite) {
+  const Leg leg = MakeLeg();
+  NavState seen = leg.end;
+  seen.T_WB.p.x() = 1e200;
+  seen.v_WB.y() = -1e200;
+  Contradiction contradiction;
+  contradiction.Add(leg.link, leg.begin, seen, 1e100);
+  EXPECT_TRUE(contradiction.CovarianceAt(leg.end.t).allFinite());
+  EXPECT_NEAR(std::sqrt(contradiction.CovarianceAt(leg.end.t)(3, 3)), 1e4, 1e-3);
 }
 
 }  // namespace

@@ -144,16 +144,16 @@ std::vector<PreparedObservation> VioEstimator::Prepare(
 
 // What moves on its own contradicts the IMU, and so does everything if the IMU is wrong: landmarks
 // are left out as a group only where another group agrees with the IMU.
-VioEstimator::BelievableObservations VioEstimator::Believable(
+std::vector<PreparedObservation> VioEstimator::Believable(
     std::vector<PreparedObservation> observations, const ImuLink& link) const {
-  if (link.is_synthetic) return {std::move(observations), false};
+  if (link.is_synthetic) return observations;
   const InnovationTest test = updater_.TestInnovations(observations, link);
   const int num_agreeing = test.num_tested - test.num_contradicting;
   if (num_agreeing < kMinLandmarksSeen || num_agreeing < kMinAgreeingShare * test.num_tested)
-    return {std::move(observations), false};
+    return observations;
   auto contradicts = test.contradicts.begin();
   std::erase_if(observations, [&](const auto&) { return *contradicts++ != 0; });
-  return {std::move(observations), true};
+  return observations;
 }
 
 EstimatorResult VioEstimator::Start(const FrameObservations& observations, StageTimes& times) {
@@ -182,7 +182,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   {
     ScopedStage stage(times, Stage::kOptimize);
     const WindowFrame& frame = window_.frames.back();
-    AppendObservations(Believable(Prepare(observations), *frame.imu_link).observations, window_);
+    AppendObservations(Believable(Prepare(observations), *frame.imu_link), window_);
     InitializeDepths(optimizer_.UpdateGeometry(window_), window_);
     imu_.Relinearize(window_);
     planes_.TakeEffect(optimizer_.noise(), optimizer_.geometry(), window_);
@@ -219,12 +219,11 @@ EstimatorResult VioEstimator::TrackIntermediateFrame(const FrameObservations& ob
                                                      StageTimes& times) {
   ScopedStage stage(times, Stage::kOptimize);
   EstimatorResult result;
-  const BelievableObservations seen = Believable(Prepare(observations), intermediate_->link);
-  const FrameUpdateResult update = updater_.Update(seen.observations,
-                                                   intermediate_->link,
-                                                   optimizer_.noise(),
-                                                   seen.agree_with_imu,
-                                                   intermediate_->x);
+  const FrameUpdateResult update =
+      updater_.Update(Believable(Prepare(observations), intermediate_->link),
+                      intermediate_->link,
+                      optimizer_.noise(),
+                      intermediate_->x);
   if (update.ok) newest_covariance_ = update.covariance;
   SetState(intermediate_->x,
            newest_covariance_,

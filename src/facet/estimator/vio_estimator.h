@@ -61,12 +61,8 @@ class VioEstimator {
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
   std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
 
-  struct BelievableObservations {
-    std::vector<PreparedObservation> observations;
-    bool agree_with_imu = false;
-  };
-  BelievableObservations Believable(std::vector<PreparedObservation> observations,
-                                    const ImuLink& link) const;
+  std::vector<PreparedObservation> Believable(std::vector<PreparedObservation> observations,
+                                              const ImuLink& link) const;
 
   EstimatorResult Start(const FrameObservations& observations, StageTimes& times);
   EstimatorResult TrackKeyframe(const FrameObservations& observations, StageTimes& times);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -23,9 +22,6 @@ namespace {
 constexpr double kConverged = 1e-6;  // rad, m, m/s
 // Sigmas. On clean recordings 0.1 to 0.2 % of the observations are beyond, most of them mismatches.
 constexpr double kMaxInnovation = 8;
-// Of the loss, where most of what is seen agrees with the IMU: what moves on its own would gain
-// from more, until the frame goes with it against gyroscope and accelerometer.
-constexpr double kMostWidening = 3;
 
 // Columns: 0..14 the reference, 15..29 the frame.
 constexpr int kFrame = 15;
@@ -244,7 +240,6 @@ void FrameUpdater::AddImu(const ImuLink& imu,
 FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& observations,
                                        const ImuLink& imu,
                                        const FactorNoise& noise,
-                                       bool is_prediction_good,
                                        NavState& x) {
   FrameUpdateResult result;
   const std::vector<Match> matches = FindMatches(observations);
@@ -264,10 +259,8 @@ FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& o
     // After a poor prediction everything would look like an outlier.
     FactorNoise now = noise;
     const View view = ViewOf(reference, x, RateAtEnd(imu, x.bias));
-    const double most = is_prediction_good ? kMostWidening * noise.reprojection_width
-                                           : std::numeric_limits<double>::infinity();
-    now.reprojection_width = std::clamp(
-        options_.loss_width * MedianError(matches, view), noise.reprojection_width, most);
+    now.reprojection_width =
+        std::max(noise.reprojection_width, options_.loss_width * MedianError(matches, view));
     AddVision(matches, reference, x, view, now, system);
     factor.compute(H);
     if (factor.info() != Eigen::Success) return result;

@@ -48,12 +48,10 @@ class FrameUpdater {
                                  const ImuLink& imu) const;
 
   /// `x`: the predicted state of the frame, which is updated. `imu`: from the reference to it.
-  /// `noise`: as for the reference. `is_prediction_good`: what is used agrees with the IMU, so that
-  /// what is far off is an outlier and not a sign of a poor prediction.
+  /// `noise`: as for the reference.
   FrameUpdateResult Update(const std::vector<PreparedObservation>& observations,
                            const ImuLink& imu,
                            const FactorNoise& noise,
-                           bool is_prediction_good,
                            NavState& x);
 
  private:

@@ -109,7 +109,7 @@ TEST(FrameUpdateTest, AgreesWithTheJointSolution) {
     sum_before += deviation(x);
     FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
     updater.SetReference(c.window, c.covariance, Noise());
-    const FrameUpdateResult result = updater.Update(c.observations, c.imu, Noise(), false, x);
+    const FrameUpdateResult result = updater.Update(c.observations, c.imu, Noise(), x);
     ASSERT_TRUE(result.ok);
     EXPECT_GT(result.num_used, 20);
     sum_after += deviation(x);
@@ -139,7 +139,7 @@ TEST(FrameUpdateTest, CovarianceIsConsistent) {
     NavState x = c.predicted;
     FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
     updater.SetReference(c.window, c.covariance, Noise());
-    const FrameUpdateResult result = updater.Update(c.observations, c.imu, Noise(), false, x);
+    const FrameUpdateResult result = updater.Update(c.observations, c.imu, Noise(), x);
     ASSERT_TRUE(result.ok);
     EXPECT_EQ(Eigen::LLT<MatrixXd>(result.covariance).info(), Eigen::Success);
     const NavState& joint = c.joint.frames.back().x;
@@ -165,7 +165,7 @@ TEST(FrameUpdateTest, WithoutObservationsTheFrameFollowsTheImu) {
   NavState x = c.predicted;
   FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
   updater.SetReference(c.window, c.covariance, Noise());
-  const FrameUpdateResult result = updater.Update({}, c.imu, Noise(), false, x);
+  const FrameUpdateResult result = updater.Update({}, c.imu, Noise(), x);
   ASSERT_TRUE(result.ok);
   EXPECT_EQ(result.num_used, 0);
   EXPECT_LT(testing::Difference(c.predicted, x).norm(), 1e-6);
@@ -221,10 +221,10 @@ TEST(FrameUpdateTest, OutliersDoNotPull) {
   FrameUpdater updater(c.rig, options.solver, testing::DefaultBiasWalk());
   updater.SetReference(c.window, c.covariance, noise);
   NavState clean = c.predicted, spoilt = c.predicted;
-  updater.Update(c.observations, c.imu, noise, false, clean);
+  updater.Update(c.observations, c.imu, noise, clean);
   for (std::size_t k = 0; k < c.observations.size(); k += 5)
     c.observations[k].observation.xy[0].x() += 0.2;
-  updater.Update(c.observations, c.imu, noise, false, spoilt);
+  updater.Update(c.observations, c.imu, noise, spoilt);
   const Vector<15> sigma = c.joint_covariance.diagonal().cwiseSqrt();
   EXPECT_LT(testing::Difference(clean, spoilt).cwiseQuotient(sigma).head<9>().norm() / 3, 1.0);
 }
