@@ -10,9 +10,8 @@
 
 namespace facet {
 
-/// IMU and images contradict each other beyond this (ImuErrorSigma of a keyframe). Clean
-/// recordings, simulated flights and drawn calibrations stay below 1.7; a board that moves past, a
-/// gyroscope that is off by half or a torn image have 4 to 100.
+/// IMU and images contradict each other beyond this (ImuErrorSigma of a keyframe). What it finds
+/// and where it is wrong: docs/notebook/faults.md, "A blind set of ten faults".
 inline constexpr double kContradictionSigma = 3;
 
 /// Not thread-safe.

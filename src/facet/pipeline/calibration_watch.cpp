@@ -26,10 +26,13 @@ std::string StereoWarning(double share) {
          "right camera covered or out of step?";
 }
 
+// Nobody needs to know more than that it is far too much.
+std::string Times(double sigma) {
+  return sigma < 100 ? std::to_string(std::lround(sigma)) : "more than 100";
+}
+
 std::string ImuWarning(double sigma) {
-  // Nobody needs to know more than that it is far too much.
-  const std::string times = sigma < 100 ? std::to_string(std::lround(sigma)) : "more than 100";
-  return "for 3 s the IMU contradicted the images by " + times +
+  return "for 3 s the IMU contradicted the images by " + Times(sigma) +
          " times its noise: is the time offset wrong (timeshift_cam_imu: t_imu - t_camera in "
          "seconds), is a T_BS inverted (it takes points from the camera to the IMU), or are the "
          "IMU's units or axes not as expected (rad/s, m/s^2; at rest it measures +9.8 upwards)?";
@@ -84,6 +87,13 @@ std::string CalibrationWatch::FromStretch(const CalibrationEvidence& evidence) {
   }
   has_warned_ = !warning.empty();
   return warning;
+}
+
+std::string ContradictionWarning(double sigma) {
+  return "the IMU and the images contradicted each other by " + Times(sigma) +
+         " times the IMU's noise: did something large move in front of the cameras, or did a "
+         "sensor "
+         "fail for a moment? From there on the sigmas contain what they differed by";
 }
 
 }  // namespace facet

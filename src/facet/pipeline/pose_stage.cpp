@@ -1,25 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/pipeline/pose_stage.h"
 
-#include <cmath>
 #include <memory>
 #include <utility>
 
 #include "facet/estimator/contradiction.h"
 
 namespace facet {
-
-namespace {
-
-std::string ContradictionWarning(double sigma) {
-  const std::string times = sigma < 100 ? std::to_string(std::lround(sigma)) : "more than 100";
-  return "the IMU and the images contradicted each other by " + times +
-         " times the IMU's noise: did something large move in front of the cameras, or did a "
-         "sensor "
-         "fail for a moment? From there on the sigmas contain what they differed by";
-}
-
-}  // namespace
 
 PoseStage::PoseStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
     : time_offset_(rig.time_offset),

@@ -23,11 +23,12 @@ constexpr int kLeastLegs = 20, kLegsPerFit = 10, kMostLegs = 1000;
 // Refusals: whoever has the units or axes wrong is told so by the gyroscope, which takes some
 // seconds; and a run that has gone well for a minute is not refused any more.
 constexpr int kLeastLegsForRefusal = 40, kMostLegsForRefusal = 300;
-// Of an accelerometer; more is in the way of nothing but a scale.
+// Of the accelerometer [m/s^2].
 constexpr double kBiasSigma = 0.5;
 // Neighbours share a position, so their errors are not independent.
 constexpr double kCorrelated = 1.5;
-// Accelerometers that nobody has calibrated are off by half of this.
+// The least that is worth telling (a calibrated accelerometer's own scale is off by some 0.3 %),
+// and that makes a run useless.
 constexpr double kLeastDoubt = 0.01, kLeastRefusal = 0.15, kSureSigmas = 2.8;
 constexpr double kHuberWidth = 2, kSigmaPerMedian = 1.4826;
 constexpr int kReweightings = 5;

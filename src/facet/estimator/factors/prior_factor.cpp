@@ -46,10 +46,9 @@ double PriorFactor::AddTo(NormalEquations& equations) const {
     equations.b.segment(row, rows) +=
         prior.b.segment(r.offset, rows) + H_delta.segment(r.offset, rows);
     for (const MarginalPrior::Block& c : prior.blocks) {
-      if (column(c) < 0) continue;
-      const int cols = c.size();
-      equations.H.block(row, column(c), rows, cols) +=
-          prior.H.block(r.offset, c.offset, rows, cols);
+      const int col = column(c), cols = c.size();
+      if (col < 0) continue;
+      equations.H.block(row, col, rows, cols) += prior.H.block(r.offset, c.offset, rows, cols);
     }
   }
   return delta.dot(0.5 * H_delta + prior.b);

@@ -219,7 +219,8 @@ double ReprojectionFactor::Cost(const HostedPoint& point) const {
 }
 
 // One camera's rows, with all of its columns; false where it does not see the point: then they stay
-// zero.
+// zero. With a calibration that is estimated derivatives are those of the image, also where it is
+// held.
 bool ReprojectionFactor::MakeCameraRows(const LinearizedPoint& point,
                                         int camera,
                                         double weight,
@@ -229,27 +230,19 @@ bool ReprojectionFactor::MakeCameraRows(const LinearizedPoint& point,
   const CameraView view{geometry_.frozen(observation_.frame), observation_, camera};
   const Vector3d h = view.PointInCamera(point.frozen);
   const bool is_in_front = error && h.z() >= kMinUnitDepth;
-  if (lens == nullptr && is_in_front && geometry_.has_calibration()) {
-    const auto seen = geometry_.NominalProjection(camera, h);
-    if (!seen) return false;
-    const double scale = weight / observation_.sigma_px[camera];
-    MakeRows(point, view, scale * seen->J_px_p, weight * *error, rows);
+  if (is_in_front && !geometry_.has_calibration()) {
+    MakeRows(point, view, weight * ByPoint(observation_, camera, h), weight * *error, rows);
     return true;
-  }
-  if (lens == nullptr) {
-    if (is_in_front)
-      MakeRows(point, view, weight * ByPoint(observation_, camera, h), weight * *error, rows);
-    return is_in_front;
   }
   const auto seen = is_in_front ? geometry_.NominalProjection(camera, h) : std::nullopt;
   if (!seen) {
-    std::fill_n(lens, 2, LensRow{});
+    if (lens != nullptr) std::fill_n(lens, 2, LensRow{});
     return false;
   }
   const double scale = weight / observation_.sigma_px[camera];
   const Matrix<2, 3> by_h = scale * seen->J_px_p;
   MakeRows(point, view, by_h, weight * *error, rows);
-  MakeLensRows(point, view, by_h, scale * seen->J_px_k, lens);
+  if (lens != nullptr) MakeLensRows(point, view, by_h, scale * seen->J_px_k, lens);
   return true;
 }
 
