@@ -12,7 +12,7 @@ namespace facet {
 
 /// IMU and images contradict each other beyond this (ImuErrorSigma of a keyframe). What it finds
 /// and where it is wrong: docs/notebook/faults.md, "A blind set of ten faults".
-inline constexpr double kContradictionSigma = 3;
+inline constexpr double kContradictionSigma = 4;
 
 /// Not thread-safe.
 class Contradiction {

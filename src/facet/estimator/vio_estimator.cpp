@@ -18,7 +18,6 @@ namespace {
 constexpr int kRepairIterations = 4;
 // Landmarks that tie a keyframe to what was seen before.
 constexpr int kMinLandmarksSeen = 8;
-constexpr double kMinAgreeingShare = 0.25;
 
 // Landmarks that constrain the window and are seen in its newest frame.
 int NumSeenInNewest(const SlidingWindow& window) {
@@ -142,17 +141,14 @@ std::vector<PreparedObservation> VioEstimator::Prepare(
   return PrepareObservations(observations, rig_, options_.solver.pixel_sigma_scale);
 }
 
-// What moves on its own contradicts the IMU, and so does everything if the IMU is wrong: landmarks
-// are left out as a group only where another group agrees with the IMU.
 std::vector<PreparedObservation> VioEstimator::Believable(
-    std::vector<PreparedObservation> observations, const ImuLink& link) const {
+    std::vector<PreparedObservation> observations, const ImuLink& link) {
   if (link.is_synthetic) return observations;
   const InnovationTest test = updater_.TestInnovations(observations, link);
-  const int num_agreeing = test.num_tested - test.num_contradicting;
-  if (num_agreeing < kMinLandmarksSeen || num_agreeing < kMinAgreeingShare * test.num_tested)
-    return observations;
-  auto contradicts = test.contradicts.begin();
-  std::erase_if(observations, [&](const auto&) { return *contradicts++ != 0; });
+  const Timestamp t = (intermediate_ ? intermediate_->x : window_.frames.back().x).t;
+  if (!innovation_judge_.LeavesOut(test, t)) return observations;
+  if (!intermediate_) Remember(test, observations, window_);
+  LeaveOutMoving(test, window_, observations);
   return observations;
 }
 
@@ -285,6 +281,7 @@ void VioEstimator::Forget() {
   start_ = VioStart(rig_, options_);
   optimizer_ = WindowOptimizer(rig_, options_);
   planes_ = PlaneLifecycle(options_);
+  innovation_judge_ = {};
 }
 
 MapSnapshot VioEstimator::Snapshot() const {

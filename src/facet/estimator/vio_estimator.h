@@ -10,6 +10,7 @@
 #include "facet/estimator/contradiction.h"
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/estimator_result.h"
+#include "facet/estimator/innovation_judge.h"
 #include "facet/estimator/planes/plane_lifecycle.h"
 #include "facet/estimator/self_calibration.h"
 #include "facet/estimator/solver/frame_update.h"
@@ -61,8 +62,9 @@ class VioEstimator {
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
   std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
 
+  /// Without what moves on its own. `link`: the IMU from the newest keyframe to the frame.
   std::vector<PreparedObservation> Believable(std::vector<PreparedObservation> observations,
-                                              const ImuLink& link) const;
+                                              const ImuLink& link);
 
   EstimatorResult Start(const FrameObservations& observations, StageTimes& times);
   EstimatorResult TrackKeyframe(const FrameObservations& observations, StageTimes& times);
@@ -88,6 +90,7 @@ class VioEstimator {
   ImuIntervals imu_;
   VioStart start_;
   SelfCalibration calibration_;
+  InnovationJudge innovation_judge_;
   Contradiction contradiction_;
   WindowOptimizer optimizer_;
   WindowValues before_solve_;  ///< where to return to if wrong landmarks on planes bent the window

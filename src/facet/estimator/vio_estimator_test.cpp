@@ -2,6 +2,7 @@
 #include "facet/estimator/vio_estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 
@@ -66,6 +67,76 @@ TEST(VioEstimatorTest, ASlowCameraStartsNearlyAsSoon) {
     EXPECT_NEAR(SecondsToStart(is_at_rest, 10), 0.3, 1e-6);
     EXPECT_NEAR(SecondsToStart(is_at_rest, 5), 0.6, 1e-6);
   }
+}
+
+// A wall of many points, 1.3 m wide, that passes 1.2 m in front of the cameras.
+class PassingWall {
+ public:
+  static constexpr std::size_t kBegin = 60;
+
+  PassingWall() {
+    for (int k = 0; k < kNumPoints; ++k)
+      points_.push_back({rng_.Uniform(-2.5, -1.2), rng_.Uniform(-0.8, 0.8), 1.2});
+  }
+
+  // It hides what is behind it.
+  void Cover(std::size_t i, FrameObservations& observations) {
+    if (i < kBegin) return;
+    const SimulatedRun& run = testing::SpoiltRun();
+    const SE3 T_WC = run.truth[kBegin].T_WB * run.rig.T_BC[0];
+    const SE3 T_BW = run.truth[i].T_WB.Inverse();
+    const Vector3d moved(kSpeed * ToSeconds(run.frames[i].t - run.frames[kBegin].t), 0, 0);
+    std::vector<FeatureObservation> seen;
+    double begin_px = 1e9, end_px = -1e9;
+    for (int k = 0; k < kNumPoints; ++k) {
+      const auto px = Pixels(run.rig, T_BW * (T_WC * (points_[k] + moved)));
+      if (!px[0]) continue;
+      begin_px = std::min(begin_px, px[0]->x());
+      end_px = std::max(end_px, px[0]->x());
+      FeatureObservation feature{LandmarkId{1'000'000 + k}, *px[0], std::nullopt};
+      if (observations.is_keyframe) feature.px_right = px[1];
+      seen.push_back(feature);
+    }
+    std::erase_if(observations.features, [&](const FeatureObservation& o) {
+      return o.px_left.x() > begin_px && o.px_left.x() < end_px;
+    });
+    observations.features.insert(observations.features.end(), seen.begin(), seen.end());
+    most_share_ = std::max(
+        most_share_,
+        static_cast<double>(seen.size()) / static_cast<double>(observations.features.size()));
+  }
+
+  double most_share() const { return most_share_; }
+
+ private:
+  static constexpr int kNumPoints = 200;
+  static constexpr double kSpeed = 0.8;
+
+  std::array<std::optional<Vector2d>, 2> Pixels(const StereoRig& rig, const Vector3d& p_B) {
+    std::array<std::optional<Vector2d>, 2> px;
+    for (int c = 0; c < 2; ++c) {
+      const CameraModel& camera = rig.cameras[c];
+      px[c] = camera.Project(rig.T_BC[c].Inverse() * p_B);
+      if (!px[c]) continue;
+      *px[c] += 0.3 * rng_.Normal3().head<2>();
+      if (!camera.IsInside(*px[c], 0)) px[c].reset();
+    }
+    return px;
+  }
+
+  Rng rng_{7};
+  std::vector<Vector3d> points_;
+  double most_share_ = 0;
+};
+
+TEST(VioEstimatorTest, AWallThatPassesIsNotTheWorld) {
+  PassingWall wall;
+  const Outcome outcome =
+      Estimate([&](std::size_t i, EstimatorInput& input) { wall.Cover(i, input.observations); });
+  EXPECT_GT(wall.most_share(), 0.85);
+  ExpectRecovers(outcome, 0.02);
+  EXPECT_EQ(outcome.num_resets, 0);
+  EXPECT_LT(MotionError(outcome, PassingWall::kBegin, outcome.results.size() - 1), 0.1);
 }
 
 TEST(VioEstimatorTest, TheSameInputGivesTheSameBits) {

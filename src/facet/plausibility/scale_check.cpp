@@ -30,6 +30,8 @@ constexpr double kCorrelated = 1.5;
 // The least that is worth telling (a calibrated accelerometer's own scale is off by some 0.3 %),
 // and that makes a run useless.
 constexpr double kLeastDoubt = 0.01, kLeastRefusal = 0.15, kSureSigmas = 2.8;
+// Early fits have poses in them that were not settled: a doubt has to last.
+constexpr int kDoubtsInARow = 3;
 constexpr double kHuberWidth = 2, kSigmaPerMedian = 1.4826;
 constexpr int kReweightings = 5;
 
@@ -148,7 +150,8 @@ ScaleCheck::Finding ScaleCheck::Judge() {
   if (num_legs <= kMostLegsForRefusal && scale_->IsOff(kLeastRefusal, kSureSigmas))
     is_hopeless_ = true;
   if (is_hopeless_ && num_legs >= kLeastLegsForRefusal) return Finding::kRefusal;
-  if (has_doubted_ || !scale_->IsOff(kLeastDoubt, kSureSigmas)) return Finding::kNothing;
+  num_doubts_ = scale_->IsOff(kLeastDoubt, kSureSigmas) ? num_doubts_ + 1 : 0;
+  if (has_doubted_ || num_doubts_ < kDoubtsInARow) return Finding::kNothing;
   has_doubted_ = true;
   return Finding::kDoubt;
 }

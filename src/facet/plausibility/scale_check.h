@@ -71,6 +71,7 @@ class ScaleCheck {
   std::optional<Leg> first_, second_;  // between three keyframes; the second one is growing
   std::vector<Row> rows_;
   std::optional<Scale> scale_;
+  int num_doubts_ = 0;  // in a row
   bool has_doubted_ = false, is_hopeless_ = false;
 };
 

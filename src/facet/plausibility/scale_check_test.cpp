@@ -25,7 +25,9 @@ struct Judgement {
   std::optional<ScaleCheck::Scale> scale;
 };
 
-Judgement Fly(std::uint64_t seed, double size, double duration_s) {
+// `early_size`: of the first `early_s` seconds.
+Judgement Fly(
+    std::uint64_t seed, double size, double duration_s, double early_size = 1, double early_s = 0) {
   FeatureSimulatorOptions options;
   options.max_tracks = 1;
   options.duration_s = duration_s;
@@ -37,12 +39,16 @@ Judgement Fly(std::uint64_t seed, double size, double duration_s) {
   Rng rng(seed);
   ScaleCheck check;
   Judgement out;
+  bool was_early = false;
   for (std::size_t i = 1; i < run.truth.size(); ++i) {
     check.AddImu(
         imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
     if (i % kFramesPerKeyframe != 0) continue;
     NavState state = run.truth[i];
-    state.T_WB.p = size * state.T_WB.p + kPositionSigma_m * rng.Normal3();
+    const bool is_early = state.t - run.truth[0].t < FromSeconds(early_s);
+    if (was_early && !is_early) check.Break();
+    was_early = is_early;
+    state.T_WB.p = (is_early ? early_size : size) * state.T_WB.p + kPositionSigma_m * rng.Normal3();
     state.T_WB.q = state.T_WB.q * ExpSO3(kRotationSigma * rng.Normal3());
     state.T_WB = kTilt * state.T_WB;
     const ScaleCheck::Finding finding = check.AddKeyframe(state);
@@ -73,6 +79,17 @@ TEST(ScaleCheckTest, ARightCalibrationIsNotDoubted) {
     const Judgement judgement = Fly(seed, 1.003, 60);
     EXPECT_FALSE(judgement.is_doubted || judgement.is_refused) << seed;
   }
+}
+
+// The first seconds of a run are less settled than what follows.
+TEST(ScaleCheckTest, ADoubtHasToLast) {
+  int num_short = 0, num_long = 0;
+  for (std::uint64_t seed = 20; seed < 30; ++seed) {
+    num_short += Fly(seed, 1.003, 60, 1.04, 4.5).is_doubted ? 1 : 0;
+    num_long += Fly(seed, 1.003, 60, 1.04, 25).is_doubted ? 1 : 0;
+  }
+  EXPECT_EQ(num_short, 0);
+  EXPECT_GE(num_long, 9);
 }
 
 TEST(ScaleCheckTest, AWrongBaselineIsDoubtedAndADoubledOneRefused) {

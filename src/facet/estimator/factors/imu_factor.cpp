@@ -69,8 +69,27 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, c
   return out;
 }
 
+namespace {
+
+// Scale factors and misalignment, which the model does not have, of a consumer's sensor.
+constexpr double kUnknownScale = 0.003;
+
+// What is left of an error that the scale of the sensor can explain.
+Vector3d Beyond(const Vector3d& error, const Vector3d& measured) {
+  const double size = error.norm(), explained = kUnknownScale * measured.norm();
+  // Also what is not a number is left.
+  return size <= explained ? Vector3d(Vector3d::Zero()) : Vector3d((1 - explained / size) * error);
+}
+
+}  // namespace
+
 double ImuErrorSigma(const ImuLink& link, const NavState& i, const NavState& j) {
-  const Vector<15> r = link.sqrt_info * ImuError(link.measured, i, j);
+  const ImuPreintegration& imu = link.measured;
+  Vector<15> error = ImuError(imu, i, j);
+  error.segment<3>(0) = Beyond(error.segment<3>(0), LogSO3(imu.dR()));
+  error.segment<3>(3) = Beyond(error.segment<3>(3), imu.dp());
+  error.segment<3>(6) = Beyond(error.segment<3>(6), imu.dv());
+  const Vector<15> r = link.sqrt_info * error;
   const double sigma =
       std::sqrt(std::max(r.segment<3>(0).squaredNorm() / 3, r.segment<6>(3).squaredNorm() / 6));
   return std::isfinite(r.sum()) ? sigma : std::numeric_limits<double>::infinity();

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
 #include "facet/testing/estimator/test_window.h"
 #include "facet/testing/numeric_jacobian.h"
 
@@ -51,7 +52,8 @@ TEST(ImuFactorTest, JacobiansMatchNumericDerivatives) {
   }
 }
 
-TEST(ImuFactorTest, ErrorSigmaOfOneIsOneSigma) {
+// In errors that are large beside what a scale factor of the sensor explains.
+TEST(ImuFactorTest, ErrorSigmaOfManyIsManySigmas) {
   Rng rng(3);
   const ImuPreintegration imu = RandomInterval(0.2, rng);
   const ImuLink link{imu, ImuSqrtInfo(imu, testing::DefaultBiasWalk())};
@@ -59,18 +61,37 @@ TEST(ImuFactorTest, ErrorSigmaOfOneIsOneSigma) {
   EXPECT_LT(ImuErrorSigma(link, i, imu.Predict(i)), 1e-6);
   double sum = 0;
   constexpr int kRuns = 200;
+  constexpr double kSigmas = 100;
   for (int run = 0; run < kRuns; ++run) {
     Vector<15> noise;
     for (int k = 0; k < 15; ++k)
       noise[k] = rng.Normal();
-    const Vector<15> step = link.sqrt_info.inverse() * noise;
+    const Vector<15> step = kSigmas * (link.sqrt_info.inverse() * noise);
     sum += ImuErrorSigma(link, i, testing::Retract(imu.Predict(i), step));
   }
   // The larger one of two RMS of few values is somewhat above 1.
-  EXPECT_NEAR(sum / kRuns, 1.1, 0.15);
+  EXPECT_NEAR(sum / kRuns / kSigmas, 1.1, 0.15);
   NavState broken = imu.Predict(i);
   broken.v_WB.x() = std::nan("");
   EXPECT_TRUE(std::isinf(ImuErrorSigma(link, i, broken)));
+}
+
+TEST(ImuFactorTest, AScaleFactorOfTheSensorIsNoError) {
+  Rng rng(4);
+  for (int run = 0; run < 20; ++run) {
+    const ImuPreintegration imu = RandomInterval(0.2, rng);
+    const ImuLink link{imu, ImuSqrtInfo(imu, testing::DefaultBiasWalk())};
+    const NavState i = RandomState(rng);
+    const auto turned_by = [&](double share) {
+      NavState j = imu.Predict(i);
+      j.T_WB.q = j.T_WB.q * ExpSO3(share * LogSO3(imu.dR()));
+      j.v_WB += share * (i.T_WB.q * imu.dv());
+      j.T_WB.p += share * (i.T_WB.q * imu.dp());
+      return j;
+    };
+    EXPECT_LT(ImuErrorSigma(link, i, turned_by(0.0029)), 1e-3);
+    EXPECT_GT(ImuErrorSigma(link, i, turned_by(0.05)), 4);
+  }
 }
 
 TEST(ImuFactorTest, ResidualVanishesAtThePrediction) {

@@ -23,6 +23,8 @@ constexpr double kConverged = 1e-6;  // rad, m, m/s
 // Sigmas. On clean recordings 0.1 to 0.2 % of the observations are beyond, most of them mismatches.
 constexpr double kMaxInnovation = 8;
 
+constexpr int kWitnessAfter = 3;  // keyframes
+
 // Columns: 0..14 the reference, 15..29 the frame.
 constexpr int kFrame = 15;
 
@@ -89,6 +91,7 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
     held.rho = landmark.inverse_distance;
     held.p_WH = host.p_WC0;
     held.is_projection = landmark.is_projection;
+    held.is_witness = landmark.num_confirmed >= kWitnessAfter;
     held.is_seen = landmark.observations.back().frame == window.newest_frame();
     // The ridge stands for a distance known to 1/m at best.
     held.covariance = (block.V + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal())).inverse();
@@ -176,6 +179,7 @@ void FrameUpdater::AddVision(const std::vector<Match>& matches,
 InnovationTest FrameUpdater::TestInnovations(const std::vector<PreparedObservation>& observations,
                                              const ImuLink& imu) const {
   InnovationTest test;
+  test.agrees.assign(observations.size(), 0);
   test.contradicts.assign(observations.size(), 0);
   const Matrix<6, 6> P = Reckon({reference_, reference_motion_covariance_}, imu.measured, walk_)
                              .covariance.topLeftCorner<6, 6>();
@@ -191,9 +195,13 @@ InnovationTest FrameUpdater::TestInnovations(const std::vector<PreparedObservati
                        rows.J_landmark * landmark.covariance * rows.J_landmark.transpose() +
                        rows.J_pose * P * rows.J_pose.transpose();
     const double d = std::sqrt(rows.r.dot(S.inverse() * rows.r));
+    const bool contradicts = d > kMaxInnovation;
+    (contradicts ? test.contradicts : test.agrees)[i] = 1;
     ++test.num_tested;
-    test.contradicts[i] = d > kMaxInnovation ? 1 : 0;
-    test.num_contradicting += test.contradicts[i];
+    test.num_contradicting += contradicts ? 1 : 0;
+    if (!landmark.is_witness) continue;
+    ++test.num_witnesses;
+    test.num_contradicting_witnesses += contradicts ? 1 : 0;
   }
   return test;
 }

@@ -19,6 +19,11 @@ namespace facet {
 struct InnovationTest {
   int num_tested = 0;         ///< observations of landmarks whose place is known
   int num_contradicting = 0;  ///< of them
+  /// Of those tested, landmarks that have agreed with the IMU at several keyframes before.
+  int num_witnesses = 0;
+  int num_contradicting_witnesses = 0;
+  /// By observation: it was tested, and its landmark is where it should be.
+  std::vector<char> agrees;
   /// By observation: its landmark has moved, or is mistaken for another one.
   std::vector<char> contradicts;
 };
@@ -63,6 +68,7 @@ class FrameUpdater {
     Vector3d p_WH;
     Matrix3d covariance;  // of the two bearing directions and rho
     bool is_projection;
+    bool is_witness;
     bool is_seen;  // in the reference
   };
   struct Match {

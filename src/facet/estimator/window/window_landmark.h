@@ -30,7 +30,11 @@ struct WindowLandmark {
   double inverse_distance = 0;                  ///< 1/m, >= 0
   std::vector<WindowObservation> observations;  ///< in order of time; at most one per frame
   PlaneLinks planes;
+  /// Keyframes at which it was where the motion by the IMU puts it; below 0 it has moved.
+  int num_confirmed = 0;
   bool is_projection = false;  ///< pipeline SP: the paper's projection noise and loss
+
+  bool IsOnProbation() const { return num_confirmed < 0; }
 
   /// A point this far away is not tied to planes: its distance means nothing.
   static constexpr double kMinPlaneInverseDistance = 0.02;
