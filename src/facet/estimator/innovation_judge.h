@@ -13,8 +13,8 @@ namespace facet {
 
 /// What moves on its own contradicts the IMU, and so does everything if the IMU is wrong. Landmarks
 /// that have agreed with the IMU before are the witnesses: things that come into view while moving
-/// never become any, however much of the image they fill, whereas an IMU that fails contradicts all
-/// witnesses at once. Not thread-safe.
+/// do not become any, however much of the image they fill, unless they are so slow that they agree;
+/// an IMU that fails contradicts all witnesses at once. docs/math.md, section 4.5. Not thread-safe.
 class InnovationJudge {
  public:
   /// Whether what contradicts the IMU is to be left out of the frame at `t`; otherwise all of it is

@@ -92,8 +92,7 @@ std::string CalibrationWatch::FromStretch(const CalibrationEvidence& evidence) {
 std::string ContradictionWarning(double sigma) {
   return "the IMU and the images contradicted each other by " + Times(sigma) +
          " times the IMU's noise: did something large move in front of the cameras, or did a "
-         "sensor "
-         "fail for a moment? From there on the sigmas contain what they differed by";
+         "sensor fail for a moment? From there on the sigmas contain what they differed by";
 }
 
 }  // namespace facet
