@@ -16,6 +16,7 @@ constexpr double kGross = 5, kCertain = 4;
 
 // A linear function of the deviations.
 struct Quantity {
+  CalibrationPart part;
   std::string what, unit;
   CalibrationVector gradient = CalibrationVector::Zero();
 };
@@ -24,24 +25,26 @@ void AddLens(const StereoRig& rig, int camera, std::vector<Quantity>& out) {
   const CameraIntrinsics& k = rig.cameras[static_cast<std::size_t>(camera)].intrinsics();
   const std::string of = camera == 0 ? " of the left camera" : " of the right camera";
   const int first = camera * kNumIntrinsics;
-  Quantity focal{"focal length" + of, "%"};
+  Quantity focal{CalibrationPart::kLenses, "focal length" + of, "%"};
   focal.gradient(first) = 50 / k.fx;
   focal.gradient(first + 1) = 50 / k.fy;
   out.push_back(std::move(focal));
   for (int axis = 0; axis < 2; ++axis) {
-    Quantity point{std::string("principal point") + of + " in " + "xy"[axis], "px"};
+    Quantity point{
+        CalibrationPart::kLenses, std::string("principal point") + of + " in " + "xy"[axis], "px"};
     point.gradient(first + 2 + axis) = 1;
     out.push_back(std::move(point));
   }
 }
 
-void AddAxes(const std::string& what,
+void AddAxes(CalibrationPart part,
+             const std::string& what,
              const std::string& unit,
              int first,
              double scale,
              std::vector<Quantity>& out) {
   for (int axis = 0; axis < 3; ++axis) {
-    Quantity quantity{what + ' ' + "xyz"[axis], unit};
+    Quantity quantity{part, what + ' ' + "xyz"[axis], unit};
     quantity.gradient(first + axis) = scale;
     out.push_back(std::move(quantity));
   }
@@ -51,14 +54,20 @@ std::vector<Quantity> QuantitiesOf(const StereoRig& rig) {
   std::vector<Quantity> out;
   AddLens(rig, 0, out);
   AddLens(rig, 1, out);
-  AddAxes("right camera against the left one about", "deg", kStereoRotation, 1 / kDegree, out);
+  AddAxes(CalibrationPart::kLenses,
+          "right camera against the left one about",
+          "deg",
+          kStereoRotation,
+          1 / kDegree,
+          out);
   const Vector3d t = rig.T_C1C0().p;
-  Quantity baseline{"baseline", "%"};
+  Quantity baseline{CalibrationPart::kBaseline, "baseline", "%"};
   baseline.gradient.segment<3>(kStereoTranslation) = 100 * t / t.squaredNorm();
   out.push_back(std::move(baseline));
-  AddAxes("cameras on the IMU about", "deg", kMountRotation, 1 / kDegree, out);
-  AddAxes("cameras on the IMU along", "mm", kMountTranslation, 1e3, out);
-  Quantity clock{"time offset", "ms"};
+  AddAxes(
+      CalibrationPart::kMount, "cameras on the IMU about", "deg", kMountRotation, 1 / kDegree, out);
+  AddAxes(CalibrationPart::kMount, "cameras on the IMU along", "mm", kMountTranslation, 1e3, out);
+  Quantity clock{CalibrationPart::kClock, "time offset", "ms"};
   clock.gradient(kTimeOffset) = 1e3;
   out.push_back(std::move(clock));
   return out;
@@ -76,7 +85,8 @@ std::vector<CalibrationDeviation> CalibrationDeviations(const StereoRig& nominal
                                                         const CalibrationMatrix& prior) {
   std::vector<CalibrationDeviation> out;
   for (Quantity& q : QuantitiesOf(nominal)) {
-    out.push_back({std::move(q.what),
+    out.push_back({q.part,
+                   std::move(q.what),
                    std::move(q.unit),
                    q.gradient.dot(delta),
                    SigmaOf(q.gradient, covariance),

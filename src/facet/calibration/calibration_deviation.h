@@ -9,8 +9,19 @@
 
 namespace facet {
 
+/// What is measured together, and wrong together, when a rig was not calibrated with care.
+enum class CalibrationPart {
+  kLenses,    ///< lenses, and the turn of the cameras against each other
+  kBaseline,  ///< the distance between the cameras
+  kMount,     ///< the cameras on the IMU
+  kClock,     ///< time offset of the cameras
+};
+
+inline constexpr int kNumCalibrationParts = 4;
+
 /// One thing that a calibration says.
 struct CalibrationDeviation {
+  CalibrationPart part = CalibrationPart::kLenses;
   std::string what;        ///< "focal length of the left camera"
   std::string unit;        ///< "%", "px", "deg", "mm", "ms"
   double value = 0;        ///< the true one less that of the calibration

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/self_calibration.h"
 
+#include <cmath>
+
 #include "facet/estimator/solver/calibration_walk.h"
 #include "facet/estimator/start/start_calibration.h"
 #include "facet/geometry/angles.h"
@@ -14,8 +16,11 @@ constexpr Duration kStepEvery{10'000'000'000};
 // Share of the first uncertainty, 1-sigma, that a random step has. More than a tenth makes long
 // runs worse; with this it has added up to half of the first uncertainty after an hour.
 constexpr double kStepShare = 0.03;
-// After the large step.
+// After a large step.
 constexpr Duration kSettles{5'000'000'000};
+// Of each part. Landmarks and velocities of the time before a step still fit the wrong calibration,
+// and what is learnt with them is too certain; they are gone before the last one.
+constexpr int kMaxLargeSteps = 3;
 
 CalibrationMatrix BaselineCovariance(const StereoRig& rig, double share) {
   CalibrationVector change = CalibrationVector::Zero();
@@ -24,8 +29,9 @@ CalibrationMatrix BaselineCovariance(const StereoRig& rig, double share) {
 }
 
 // What uncalibrated rigs have: a data sheet's focal lengths, cameras that were glued by eye, a
-// driver's stamps. Added to what a careful calibration leaves.
-CalibrationMatrix RoughCovariance(const StereoRig& rig, const CalibrationOptions& options) {
+// driver's stamps. Added to what a careful calibration leaves, in the part that is wrong only: with
+// the baseline free, the size of the world would rest on the accelerometer alone.
+CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
   constexpr double kFocal = 0.01, kCentre_px = 5, kTurn = 0.3 * kDegree, kBaseline = 0.02;
   constexpr double kMountTurn = 0.5 * kDegree, kMount_m = 0.01, kTime_s = 0.01;
   CalibrationMatrix covariance = CalibrationMatrix::Zero();
@@ -35,25 +41,32 @@ CalibrationMatrix RoughCovariance(const StereoRig& rig, const CalibrationOptions
   const auto add_each = [&](int first, int count, double sigma) {
     covariance.diagonal().segment(first, count).array() += sigma * sigma;
   };
-  if (options.lens) {
-    CalibrationVector both = CalibrationVector::Zero();
-    for (int c = 0; c < 2; ++c) {
-      const CameraIntrinsics& k = rig.cameras[static_cast<std::size_t>(c)].intrinsics();
-      CalibrationVector one = CalibrationVector::Zero();
-      one.segment<2>(c * kNumIntrinsics) = kFocal * Vector2d(k.fx, k.fy);
-      both += one;
-      add(one);
-      add_each(c * kNumIntrinsics + 2, 2, kCentre_px);
+  switch (part) {
+    case CalibrationPart::kLenses: {
+      CalibrationVector both = CalibrationVector::Zero();
+      for (int c = 0; c < 2; ++c) {
+        const CameraIntrinsics& k = rig.cameras[static_cast<std::size_t>(c)].intrinsics();
+        CalibrationVector one = CalibrationVector::Zero();
+        one.segment<2>(c * kNumIntrinsics) = kFocal * Vector2d(k.fx, k.fy);
+        both += one;
+        add(one);
+        add_each(c * kNumIntrinsics + 2, 2, kCentre_px);
+      }
+      add(both);
+      add_each(kStereoRotation, 3, kTurn);
+      break;
     }
-    add(both);
-    add_each(kStereoRotation, 3, kTurn);
-    covariance += BaselineCovariance(rig, kBaseline);
+    case CalibrationPart::kBaseline:
+      covariance = BaselineCovariance(rig, kBaseline);
+      break;
+    case CalibrationPart::kMount:
+      add_each(kMountRotation, 3, kMountTurn);
+      add_each(kMountTranslation, 3, kMount_m);
+      break;
+    case CalibrationPart::kClock:
+      add_each(kTimeOffset, 1, kTime_s);
+      break;
   }
-  if (options.mount) {
-    add_each(kMountRotation, 3, kMountTurn);
-    add_each(kMountTranslation, 3, kMount_m);
-  }
-  if (options.time) add_each(kTimeOffset, 1, kTime_s);
   return covariance;
 }
 
@@ -88,13 +101,29 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
   gross_deviations_ = GrossDeviations(rig_, kept_->delta, kept_->covariance, *start_covariance_);
 }
 
+// The part that is most wrong is freed first: what looks wrong beside it may be its doing.
+std::optional<CalibrationMatrix> SelfCalibration::LargeStep() {
+  std::optional<CalibrationMatrix> step;
+  std::array<bool, kNumCalibrationParts> is_due{};
+  for (const CalibrationDeviation& d : gross_deviations_) {
+    bool& due = is_due[static_cast<std::size_t>(d.part)];
+    if (due || NumLargeSteps(d.part) >= kMaxLargeSteps) continue;
+    due = true;
+    ++NumLargeSteps(d.part);
+    if (!step) step = CalibrationMatrix::Zero();
+    *step += RoughCovariance(d.part, rig_);
+  }
+  return step;
+}
+
 void SelfCalibration::Walk(SlidingWindow& window) {
   if (!window.calibration) return;
   const Timestamp now = window.frames.back().x.t;
-  if (!freed_at_ && !gross_deviations_.empty()) {
-    TakeRandomStep(RoughCovariance(rig_, options_), window.prior);
+  const bool is_settled = !freed_at_ || now - *freed_at_ >= kSettles;
+  if (const auto step = is_settled ? LargeStep() : std::nullopt) {
+    TakeRandomStep(*step, window.prior);
+    if (!freed_at_) gross_deviations_.clear();
     freed_at_ = now;
-    gross_deviations_.clear();
   }
   if (doubted_share_ != 0 && options_.lens) {
     TakeRandomStep(BaselineCovariance(rig_, doubted_share_), window.prior);
@@ -107,17 +136,19 @@ void SelfCalibration::Walk(SlidingWindow& window) {
 }
 
 void SelfCalibration::MoveToImage(const SlidingWindow& window,
-                                  const Vector3d& w_B,
+                                  const ImageMotion& motion,
                                   EstimatorResult& result) const {
   if (!window.calibration) return;
   NavState& x = result.state;
-  const BodyRates rates{w_B, x.T_WB.q.conjugate() * x.v_WB};
+  const BodyRates rates{motion.w_B, x.T_WB.q.conjugate() * x.v_WB + motion.dv_B};
+  const Vector3d dv_W = x.T_WB.q * motion.dv_B;
   x.T_WB = window.calibration->AtImage(x.T_WB, rates);
   Vector<15> moved = Vector<15>::Zero();
   moved.head<3>() = rates.w_B;
-  moved.segment<3>(3) = x.v_WB;
+  moved.segment<3>(3) = x.v_WB + dv_W;
   const Matrix<15, 15> cross = moved * clock_.with_newest.transpose();
   result.covariance += cross + cross.transpose() + clock_.variance * moved * moved.transpose();
+  x.v_WB += 2 * dv_W;  // dv_W is the mean on the way
 }
 
 std::optional<StereoRig> SelfCalibration::Refined() const {

@@ -3,6 +3,7 @@
 // how it is forgotten a little as time goes by.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -28,23 +29,33 @@ class SelfCalibration {
   /// And if its state is good; looks again after a second.
   void Keep(const SlidingWindow& window, const WindowSolver& solver);
 
-  /// After marginalisation: from time to time it takes a random step. Once, when it has turned out
-  /// to be wrong by more than was believed possible, it takes a large one.
+  /// After marginalisation: from time to time it takes a random step. A part of it that has turned
+  /// out to be wrong by more than was believed possible takes a large one, up to three times.
   void Walk(SlidingWindow& window);
 
   /// The distance between the cameras may be wrong by this share of it. Counts with the next Walk,
   /// if lenses and stereo pair are estimated.
   void DoubtBaseline(double share) { doubted_share_ = share; }
 
-  /// What is wrong by more than a careful calibration leaves, as last kept. Empty until the large
+  /// What is wrong by more than a careful calibration leaves, as last kept. Empty until a large
   /// step was taken and has settled.
   std::vector<CalibrationDeviation> Gross() const {
     return freed_at_ ? gross_deviations_ : std::vector<CalibrationDeviation>();
   }
 
+  /// When a part took a large step last.
+  const std::optional<Timestamp>& freed_at() const { return freed_at_; }
+
   /// Moves a state and its covariance from the nominal stamp, for which they are estimated, to when
   /// the image was taken.
-  void MoveToImage(const SlidingWindow& window, const Vector3d& w_B, EstimatorResult& result) const;
+  void MoveToImage(const SlidingWindow& window,
+                   const ImageMotion& motion,
+                   EstimatorResult& result) const;
+
+  /// How much later images are taken than their stamps and the nominal calibration say [s].
+  static double TimeOffset(const SlidingWindow& window) {
+    return window.calibration ? window.calibration->delta()(kTimeOffset) : 0.0;
+  }
 
   /// As it was last kept, with its covariance; empty before, and if all of it is held.
   std::optional<StereoRig> Refined() const;
@@ -57,6 +68,12 @@ class SelfCalibration {
     StereoRig rig;
   };
 
+  /// Of the large step that is due now; empty if none is.
+  std::optional<CalibrationMatrix> LargeStep();
+  int& NumLargeSteps(CalibrationPart part) {
+    return num_large_steps_[static_cast<std::size_t>(part)];
+  }
+
   StereoRig rig_;
   CalibrationOptions options_;
   std::optional<CalibrationMatrix> start_covariance_;
@@ -64,7 +81,8 @@ class SelfCalibration {
   std::optional<Kept> kept_;
   std::optional<Timestamp> last_step_;
   double doubted_share_ = 0;
-  std::optional<Timestamp> freed_at_;  // when it took the large step
+  std::array<int, kNumCalibrationParts> num_large_steps_{};
+  std::optional<Timestamp> freed_at_;  // when it took the last one
   std::vector<CalibrationDeviation> gross_deviations_;
 };
 

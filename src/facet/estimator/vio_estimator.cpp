@@ -76,10 +76,8 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
   }
   EstimatorResult result = Estimate(observations, times);
   if (result.has_state) {
-    calibration_.MoveToImage(window_,
-                             intermediate_ ? RateAtEnd(intermediate_->link, intermediate_->x.bias)
-                                           : window_.frames.back().w_B,
-                             result);
+    calibration_.MoveToImage(
+        window_, intermediate_ ? ToImage(*intermediate_) : window_.frames.back().to_image, result);
     result.segment = segments_.id();
     result.covariance = segments_.InWorld(result.covariance, result.state) +
                         contradiction_.CovarianceAt(result.state.t);
@@ -116,7 +114,7 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
     } else {
       imu_.Begin(observations.t);
     }
-    if (!imu.samples.empty()) frame.w_B = imu.samples.back().gyro;
+    if (!imu.samples.empty()) frame.to_image.w_B = imu.samples.back().gyro;
     VioStart::AppendFirstFrame(std::move(frame), imu, options_.start, window_);
     return;
   }
@@ -131,9 +129,13 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
     return;
   }
   frame.x = frame.lin = predicted.x;
-  frame.w_B = RateAtEnd(predicted.link, predicted.x.bias);
+  frame.to_image = ToImage(predicted);
   frame.imu_link = std::move(predicted.link);
   window_.frames.push_back(std::move(frame));
+}
+
+ImageMotion VioEstimator::ToImage(const PredictedFrame& frame) const {
+  return MotionToImage(frame.link, frame.x, SelfCalibration::TimeOffset(window_));
 }
 
 std::vector<PreparedObservation> VioEstimator::Prepare(

@@ -51,6 +51,9 @@ class VioEstimator {
   std::optional<StereoRig> Calibration() const { return calibration_.Refined(); }
   /// What is wrong with the given one by more than a careful calibration leaves.
   std::vector<CalibrationDeviation> GrossDeviations() const { return calibration_.Gross(); }
+  /// When it was found so wrong last that the estimate of it began anew; poses of before have
+  /// errors of another kind.
+  const std::optional<Timestamp>& calibration_freed_at() const { return calibration_.freed_at(); }
   /// See SelfCalibration::DoubtBaseline.
   void DoubtBaseline(double share) { calibration_.DoubtBaseline(share); }
 
@@ -60,6 +63,7 @@ class VioEstimator {
  private:
   bool IsAfterNewest(Timestamp t) const;
   void AppendFrame(const FrameObservations& observations, const ImuInterval& imu);
+  ImageMotion ToImage(const PredictedFrame& frame) const;
   std::vector<PreparedObservation> Prepare(const FrameObservations& observations) const;
 
   /// Without what moves on its own. `link`: the IMU from the newest keyframe to the frame.

@@ -78,6 +78,10 @@ std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
 
 void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
   if (!out.has_pose || out.was_reset) return scale_.Break();
+  if (estimator_.calibration_freed_at() != scale_since_) {
+    scale_since_ = estimator_.calibration_freed_at();
+    scale_ = {};
+  }
   scale_.AddImu(frame.imu);
   if (!out.is_keyframe) return;
   switch (scale_.AddKeyframe(estimator_.window().frames.back().x)) {

@@ -49,6 +49,7 @@ class PoseStage {
   bool check_calibration_;
   bool has_contradicted_ = false;
   ScaleCheck scale_;
+  std::optional<Timestamp> scale_since_;  // its poses are all of after this change of calibration
   std::optional<Feedback> feedback_;
 };
 

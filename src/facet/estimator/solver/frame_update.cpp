@@ -128,8 +128,10 @@ double FrameUpdater::MedianError(const std::vector<Match>& matches, const View& 
 // The landmarks are held to the reference: they see the frame from where it was first estimated.
 FrameUpdater::View FrameUpdater::ViewOf(const NavState& reference,
                                         const NavState& frame,
-                                        const Vector3d& w_B) const {
-  const SE3 T_WB = geometry_.AtImage(frame.T_WB, {w_B, frame.T_WB.q.conjugate() * frame.v_WB});
+                                        const ImuLink& imu) const {
+  const ImageMotion motion = MotionToImage(imu, frame, geometry_.time_offset());
+  const SE3 T_WB = geometry_.AtImage(
+      frame.T_WB, {motion.w_B, frame.T_WB.q.conjugate() * frame.v_WB + motion.dv_B});
   View view;
   view.T_HB = reference_.T_WB * (reference.T_WB.Inverse() * T_WB);
   view.R_BH = view.T_HB.R().transpose();
@@ -184,7 +186,7 @@ InnovationTest FrameUpdater::TestInnovations(const std::vector<PreparedObservati
   const Matrix<6, 6> P = Reckon({reference_, reference_motion_covariance_}, imu.measured, walk_)
                              .covariance.topLeftCorner<6, 6>();
   const NavState predicted = imu.measured.Predict(reference_);
-  const View view = ViewOf(reference_, predicted, RateAtEnd(imu, predicted.bias));
+  const View view = ViewOf(reference_, predicted, imu);
   Rows rows;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const auto it = landmarks_.find(observations[i].landmark);
@@ -266,7 +268,7 @@ FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& o
     AddImu(imu, reference, x, system);
     // After a poor prediction everything would look like an outlier.
     FactorNoise now = noise;
-    const View view = ViewOf(reference, x, RateAtEnd(imu, x.bias));
+    const View view = ViewOf(reference, x, imu);
     now.reprojection_width =
         std::max(noise.reprojection_width, options_.loss_width * MedianError(matches, view));
     AddVision(matches, reference, x, view, now, system);

@@ -97,7 +97,7 @@ class FrameUpdater {
     Vector<30> b;
   };
 
-  View ViewOf(const NavState& reference, const NavState& frame, const Vector3d& w_B) const;
+  View ViewOf(const NavState& reference, const NavState& frame, const ImuLink& imu) const;
   /// False if the point is behind the camera.
   bool Linearize(const Match& match, int camera, const View& view, double scale, Rows& rows) const;
   std::vector<Match> FindMatches(const std::vector<PreparedObservation>& observations) const;

@@ -39,6 +39,9 @@ class FrameGeometry {
   /// By the last update: whether the calibration is a variable.
   bool has_calibration() const { return has_calibration_; }
 
+  /// How much later images are taken than their nominal stamps say [s].
+  double time_offset() const { return has_calibration_ ? delta_(kTimeOffset) : 0.0; }
+
   /// Where the body is when the image of a frame at T_WB is taken.
   SE3 AtImage(const SE3& T_WB, const BodyRates& rates) const;
 

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "facet/estimator/window/image_motion.h"
 #include "facet/estimator/window/imu_link.h"
 #include "facet/estimator/window/window_calibration.h"
 
@@ -23,12 +24,13 @@ struct WindowFrame {
   NavState lin;
   Vector<15> delta = Vector<15>::Zero();  ///< theta p v b_g b_a; only the frozen parts are used
   std::optional<ImuLink> imu_link;        ///< to the previous frame
-  Vector3d w_B = Vector3d::Zero();        ///< angular rate at its stamp [rad/s]
+  ImageMotion to_image;                   ///< by the time offset of when it was made
   Vector3d last_v_B = Vector3d::Zero();   ///< velocity in B when it was still a variable
 
-  /// How the body moves at the stamp of the frame.
+  /// How the body moves on the way to its image.
   BodyRates Rates() const {
-    return {w_B, has_motion ? Vector3d(x.T_WB.q.conjugate() * x.v_WB) : last_v_B};
+    const Vector3d v_B = has_motion ? Vector3d(x.T_WB.q.conjugate() * x.v_WB) : last_v_B;
+    return {to_image.w_B, v_B + to_image.dv_B};
   }
 
   /// Applies a step in the tangent space of the pose and, if the frame has motion, of the rest.

@@ -211,7 +211,7 @@ void AddCalibration(TestWindow& test, Rng& rng) {
   }
   test.window.calibration.emplace(test.rig, covariance);
   for (WindowFrame& frame : test.window.frames) {
-    frame.w_B = 0.5 * rng.Normal3();
+    frame.to_image.w_B = 0.5 * rng.Normal3();
     frame.last_v_B = 0.5 * rng.Normal3();
   }
 }
