@@ -43,9 +43,20 @@ CLI::Validator NonNegativeNumber() {
   return NumberCheck(true);
 }
 
+void AddTopics(CLI::App& command, std::vector<std::string>& topics) {
+  command.add_option("--topics",
+                     topics,
+                     "left=NAME right=NAME imu=NAME (or gyro=NAME accel=NAME) of a bag, where its "
+                     "types and names leave a choice");
+}
+
 void AddOptions(CLI::App& command, RunArguments& a) {
-  command.add_option("SEQUENCE", a.sequence, "folder that holds mav0/, or mav0/ itself")
+  command
+      .add_option("RECORDING",
+                  a.sequence,
+                  "folder that holds mav0/, ROS 1 bag, ROS 2 bag (.db3, .mcap, folder), ...")
       ->required();
+  AddTopics(command, a.topics);
   command.add_option("--out", a.out, "result folder (default: runs/<sequence>-<pipeline>)");
   command.add_option("--pipeline", a.pipeline, "S, SP or SPR (default: SPR)")
       ->check(CLI::IsMember({"S", "SP", "SPR"}));
