@@ -9,6 +9,7 @@
 #include "compare.h"
 #include "config.h"
 #include "evaluate.h"
+#include "info.h"
 #include "run.h"
 #include <CLI/CLI.hpp>
 
@@ -167,6 +168,17 @@ void AddRun(CLI::App& app) {
   command->callback([arguments] { RunCommand(*arguments); });
 }
 
+void AddInfo(CLI::App& app) {
+  auto* command = app.add_subcommand(
+      "info", "What is in a recording: topics, rates, gaps, resolution, calibration");
+  auto arguments = std::make_shared<InfoArguments>();
+  command->add_option("RECORDING", arguments->recording, "as for facet run")->required();
+  AddTopics(*command, arguments->topics);
+  command->add_option("--calibration", arguments->calibration, "as for facet run");
+  command->add_option("--imu-calibration", arguments->imu_calibration, "as for facet run");
+  command->callback([arguments] { InfoCommand(*arguments); });
+}
+
 void AddEvaluate(CLI::App& app) {
   auto* command =
       app.add_subcommand("evaluate", "Judge a trajectory, meshes and planes against ground truth");
@@ -307,6 +319,7 @@ void RunCommandLine(int argc, char** argv) {
   app.set_version_flag("--version", "facet " FACET_VERSION);
   app.require_subcommand(1);
   AddRun(app);
+  AddInfo(app);
   AddEvaluate(app);
   AddCompare(app);
   AddConfig(app);
