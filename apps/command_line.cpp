@@ -8,6 +8,7 @@
 
 #include "compare.h"
 #include "config.h"
+#include "convert.h"
 #include "evaluate.h"
 #include "info.h"
 #include "run.h"
@@ -179,6 +180,20 @@ void AddInfo(CLI::App& app) {
   command->callback([arguments] { InfoCommand(*arguments); });
 }
 
+void AddConvert(CLI::App& app) {
+  auto* command =
+      app.add_subcommand("convert", "Write a recording as a folder in the ASL/EuRoC layout");
+  auto arguments = std::make_shared<ConvertArguments>();
+  command->add_option("RECORDING", arguments->recording, "as for facet run")->required();
+  command->add_option("OUT", arguments->out, "folder; an interrupted conversion goes on")
+      ->required();
+  AddTopics(*command, arguments->topics);
+  command->add_option("--calibration", arguments->calibration, "as for facet run");
+  command->add_option("--imu-calibration", arguments->imu_calibration, "as for facet run");
+  command->add_flag("--quiet", arguments->quiet, "no progress bar");
+  command->callback([arguments] { ConvertCommand(*arguments); });
+}
+
 void AddEvaluate(CLI::App& app) {
   auto* command =
       app.add_subcommand("evaluate", "Judge a trajectory, meshes and planes against ground truth");
@@ -320,6 +335,7 @@ void RunCommandLine(int argc, char** argv) {
   app.require_subcommand(1);
   AddRun(app);
   AddInfo(app);
+  AddConvert(app);
   AddEvaluate(app);
   AddCompare(app);
   AddConfig(app);
