@@ -2,11 +2,14 @@
 #include "align_stereo.h"
 
 #include <cstdio>
+#include <optional>
+#include <variant>
 #include <vector>
 
 #include "facet/geometry/angles.h"
 #include "facet/io/errors.h"
 #include "facet/plausibility/stereo_turn.h"
+#include "facet/recording/frame_decoder.h"
 
 namespace facet {
 namespace {
@@ -15,21 +18,38 @@ namespace {
 constexpr int kNumPairs = 4;
 constexpr double kBetweenPairs_s = 0.5, kLongest_s = 5;
 
-std::vector<StereoRays> MatchPairs(AslDataset& dataset, double start_s) {
+/// Empty at the end, or where the recording is damaged.
+std::optional<RecordedFrame> NextFrame(Recording& recording) {
+  try {
+    while (auto event = recording.Next()) {
+      if (const auto* frame = std::get_if<RecordedFrame>(&*event)) return *frame;
+    }
+  } catch (const InputError&) {
+    return std::nullopt;  // the run itself will report it
+  }
+  return std::nullopt;
+}
+
+std::vector<StereoRays> MatchPairs(Recording& recording, double start_s) {
+  const StereoRig& rig = recording.calibration()->rig;
   std::vector<StereoRays> matches;
-  const std::vector<FrameEntry>& frames = dataset.frames();
+  FrameDecoder decoder(rig);
+  std::optional<Timestamp> first;
   double next_s = start_s;
   int num_pairs = 0;
-  for (std::size_t i = 0; i < frames.size() && num_pairs < kNumPairs; ++i) {
-    const double t_s = ToSeconds(frames[i].t - frames.front().t);
-    if (t_s < next_s || !frames[i].HasRight()) continue;
+  while (num_pairs < kNumPairs) {
+    const std::optional<RecordedFrame> frame = NextFrame(recording);
+    if (!frame) break;
+    if (!first) first = frame->t;
+    const double t_s = ToSeconds(frame->t - *first);
+    if (t_s < next_s || !frame->HasRight()) continue;
     if (t_s > start_s + kLongest_s) break;
     next_s = t_s + kBetweenPairs_s;
     try {
       cv::Mat left, right;
-      dataset.ReadPair(i, left, right);
+      decoder.Decode(*frame, left, right);
       if (right.empty()) continue;
-      const std::vector<StereoRays> found = MatchWidely(dataset.rig(), left, right);
+      const std::vector<StereoRays> found = MatchWidely(rig, left, right);
       matches.insert(matches.end(), found.begin(), found.end());
       ++num_pairs;
     } catch (const InputError&) {
@@ -41,11 +61,13 @@ std::vector<StereoRays> MatchPairs(AslDataset& dataset, double start_s) {
 
 }  // namespace
 
-AlignedRig AlignStereo(AslDataset& dataset, double start_s) {
-  AlignedRig aligned{dataset.rig(), {}};
-  const StereoTurn turn = EstimateStereoTurn(dataset.rig(), MatchPairs(dataset, start_s));
+AlignedRig AlignStereo(Recording& recording, double start_s) {
+  const StereoRig& rig = recording.calibration()->rig;
+  AlignedRig aligned{rig, {}};
+  const StereoTurn turn = EstimateStereoTurn(rig, MatchPairs(recording, start_s));
+  recording.Rewind();
   if (!turn.IsClear()) return aligned;
-  aligned.rig = TurnedRig(dataset.rig(), turn.omega);
+  aligned.rig = TurnedRig(rig, turn.omega);
   const Vector3d degrees = turn.omega / kDegree;
   char text[320];
   std::snprintf(text,

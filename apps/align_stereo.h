@@ -6,18 +6,18 @@
 #include <string>
 
 #include "facet/camera/stereo_rig.h"
-#include "facet/io/asl_dataset.h"
+#include "facet/recording/recording.h"
 
 namespace facet {
 
 /// The rig that a run begins with.
 struct AlignedRig {
-  StereoRig rig;        ///< the dataset's, unless there is a warning
+  StereoRig rig;        ///< the recording's, unless there is a warning
   std::string warning;  ///< how far the right camera is turned; empty: it is not
 };
 
 /// From four pairs of the first seconds after `start_s`. Images that cannot be used are passed
-/// over.
-AlignedRig AlignStereo(AslDataset& dataset, double start_s);
+/// over. The recording is at its beginning before and after.
+AlignedRig AlignStereo(Recording& recording, double start_s);
 
 }  // namespace facet

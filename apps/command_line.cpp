@@ -8,7 +8,9 @@
 
 #include "compare.h"
 #include "config.h"
+#include "convert.h"
 #include "evaluate.h"
+#include "info.h"
 #include "run.h"
 #include <CLI/CLI.hpp>
 
@@ -43,9 +45,20 @@ CLI::Validator NonNegativeNumber() {
   return NumberCheck(true);
 }
 
+void AddTopics(CLI::App& command, std::vector<std::string>& topics) {
+  command.add_option("--topics",
+                     topics,
+                     "left=NAME right=NAME imu=NAME (or gyro=NAME accel=NAME) of a bag, where its "
+                     "types and names leave a choice");
+}
+
 void AddOptions(CLI::App& command, RunArguments& a) {
-  command.add_option("SEQUENCE", a.sequence, "folder that holds mav0/, or mav0/ itself")
+  command
+      .add_option("RECORDING",
+                  a.sequence,
+                  "folder that holds mav0/, ROS 1 bag, ROS 2 bag (.db3, .mcap, folder), ...")
       ->required();
+  AddTopics(command, a.topics);
   command.add_option("--out", a.out, "result folder (default: runs/<sequence>-<pipeline>)");
   command.add_option("--pipeline", a.pipeline, "S, SP or SPR (default: SPR)")
       ->check(CLI::IsMember({"S", "SP", "SPR"}));
@@ -154,6 +167,31 @@ void AddRun(CLI::App& app) {
   auto arguments = std::make_shared<RunArguments>();
   AddOptions(*command, *arguments);
   command->callback([arguments] { RunCommand(*arguments); });
+}
+
+void AddInfo(CLI::App& app) {
+  auto* command = app.add_subcommand(
+      "info", "What is in a recording: topics, rates, gaps, resolution, calibration");
+  auto arguments = std::make_shared<InfoArguments>();
+  command->add_option("RECORDING", arguments->recording, "as for facet run")->required();
+  AddTopics(*command, arguments->topics);
+  command->add_option("--calibration", arguments->calibration, "as for facet run");
+  command->add_option("--imu-calibration", arguments->imu_calibration, "as for facet run");
+  command->callback([arguments] { InfoCommand(*arguments); });
+}
+
+void AddConvert(CLI::App& app) {
+  auto* command =
+      app.add_subcommand("convert", "Write a recording as a folder in the ASL/EuRoC layout");
+  auto arguments = std::make_shared<ConvertArguments>();
+  command->add_option("RECORDING", arguments->recording, "as for facet run")->required();
+  command->add_option("OUT", arguments->out, "folder; an interrupted conversion goes on")
+      ->required();
+  AddTopics(*command, arguments->topics);
+  command->add_option("--calibration", arguments->calibration, "as for facet run");
+  command->add_option("--imu-calibration", arguments->imu_calibration, "as for facet run");
+  command->add_flag("--quiet", arguments->quiet, "no progress bar");
+  command->callback([arguments] { ConvertCommand(*arguments); });
 }
 
 void AddEvaluate(CLI::App& app) {
@@ -296,6 +334,8 @@ void RunCommandLine(int argc, char** argv) {
   app.set_version_flag("--version", "facet " FACET_VERSION);
   app.require_subcommand(1);
   AddRun(app);
+  AddInfo(app);
+  AddConvert(app);
   AddEvaluate(app);
   AddCompare(app);
   AddConfig(app);

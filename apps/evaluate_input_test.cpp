@@ -86,6 +86,23 @@ TEST_F(EvaluateInputTest, GoodInputIsJudged) {
   EXPECT_TRUE(fs::exists(folder_ / "report" / "report.html"));
 }
 
+TEST_F(EvaluateInputTest, TruthOfAMotionCaptureSystemIsFound) {
+  // As in TUM-VI: poses only.
+  EditLines(Truth(), [](std::vector<std::string>& lines) {
+    for (std::string& line : lines) {
+      std::size_t end = 0;
+      for (int i = 0; i < 8; ++i)
+        end = line.find(',', end) + 1;
+      line.resize(end - 1);
+    }
+  });
+  fs::rename(Truth().parent_path(), Sequence() / "mav0" / "mocap0");
+  const ProgramRun run = Evaluate("--parts trajectory");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto evaluation = nlohmann::json::parse(ReadText(Result() / "evaluation.json"));
+  EXPECT_LT(evaluation["ate"]["rmse_m"].get<double>(), 1e-5);
+}
+
 TEST_F(EvaluateInputTest, NoOverlapInTime) {
   EditLines(Trajectory(), [](std::vector<std::string>& lines) {
     for (std::size_t i = 1; i < lines.size(); ++i)

@@ -16,7 +16,6 @@
 #include "progress_bar.h"
 #include "run_sequence.h"
 
-#include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
 #include "facet/io/glb_writer.h"
 #include "facet/io/ply_writer.h"
@@ -24,6 +23,7 @@
 #include "facet/io/result_writer.h"
 #include "facet/pipeline/threaded_vio.h"
 #include "facet/pipeline/vio_pipeline.h"
+#include "facet/recording/open_recording.h"
 
 namespace facet {
 namespace {
@@ -46,6 +46,13 @@ VioOptions ChooseOptions(const RunArguments& arguments) {
   for (const std::string& notice : loaded.notices)
     std::fprintf(stderr, "facet: note: %s\n", notice.c_str());
   return loaded.options;
+}
+
+std::unique_ptr<Recording> OpenForRun(const RunArguments& arguments) {
+  RecordingOptions options;
+  options.calibration = {arguments.calibration, arguments.imu_calibration};
+  options.topics = ParseTopics(arguments.topics);
+  return OpenRecording(arguments.sequence, options);
 }
 
 void LogFrame(const VioOutput& output) {
@@ -112,7 +119,7 @@ void WarnOfMissingMesh(const VioOptions& options, RunRecord& record) {
 template <class Vio>
 SequenceRun RunWith(Vio& vio,
                     VioFunctions functions,
-                    AslDataset& dataset,
+                    Recording& recording,
                     const VioOptions& options,
                     const RunArguments& arguments,
                     MeshFiles& mesh_files) {
@@ -126,28 +133,28 @@ SequenceRun RunWith(Vio& vio,
     bar.Update(done, total, ToString(output.status));
     return interrupted == 0;
   };
-  SequenceRun run = RunSequence(dataset, functions, arguments.range, observer);
+  SequenceRun run = RunSequence(recording, functions, arguments.range, observer);
   WarnOfFullMap(options.mesh.map.max_memory_mb, run.record);
   WarnOfMissingMesh(options, run.record);
   return run;
 }
 
-SequenceRun RunPipeline(AslDataset& dataset,
+SequenceRun RunPipeline(Recording& recording,
                         const StereoRig& rig,
                         const VioOptions& options,
                         const RunArguments& arguments,
                         MeshFiles& mesh_files) {
   VioFunctions functions;
   if (arguments.threads == 1) {
-    VioPipeline vio(rig, dataset.imu_noise(), options);
+    VioPipeline vio(rig, recording.calibration()->imu_noise, options);
     functions.add_stereo = [&](const StereoFrame& f) { return std::vector{vio.AddStereo(f)}; };
     functions.finish = [] { return std::vector<VioOutput>(); };
-    return RunWith(vio, functions, dataset, options, arguments, mesh_files);
+    return RunWith(vio, functions, recording, options, arguments, mesh_files);
   }
-  ThreadedVio vio(rig, dataset.imu_noise(), options);
+  ThreadedVio vio(rig, recording.calibration()->imu_noise, options);
   functions.add_stereo = [&](const StereoFrame& f) { return vio.AddStereo(f); };
   functions.finish = [&] { return vio.Finish(); };
-  return RunWith(vio, functions, dataset, options, arguments, mesh_files);
+  return RunWith(vio, functions, recording, options, arguments, mesh_files);
 }
 
 void PrintOutcome(const RunRecord& record, const std::string& folder) {
@@ -166,7 +173,7 @@ void PrintOutcome(const RunRecord& record, const std::string& folder) {
 
 int ExitCode(RunEnd end) {
   constexpr int kInput = 3, kEstimator = 4, kInterrupted = 128 + SIGINT;
-  if (end == RunEnd::kRefused) return kInput;
+  if (end == RunEnd::kRefused || end == RunEnd::kDamaged) return kInput;
   return end == RunEnd::kStopped ? kInterrupted : kEstimator;
 }
 
@@ -174,18 +181,19 @@ int ExitCode(RunEnd end) {
 
 void RunCommand(const RunArguments& arguments) {
   const VioOptions options = ChooseOptions(arguments);
-  AslDataset dataset(arguments.sequence, {arguments.calibration, arguments.imu_calibration});
+  const std::unique_ptr<Recording> opened = OpenForRun(arguments);
+  Recording& recording = *opened;
   if (arguments.verbose)
-    std::fprintf(stderr, "calibration: %s\n", dataset.calibration_source().c_str());
+    std::fprintf(stderr, "calibration: %s\n", recording.calibration()->source.c_str());
   ResultFolder folder(arguments.out.empty()
-                          ? "runs/" + dataset.name() + "-" + ToString(options.pipeline)
+                          ? "runs/" + recording.name() + "-" + ToString(options.pipeline)
                           : arguments.out);
 
   MeshFiles mesh_files(
       folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
-  AlignedRig aligned{dataset.rig(), {}};
-  if (options.check_calibration) aligned = AlignStereo(dataset, arguments.range.start_s);
-  SequenceRun run = RunPipeline(dataset, aligned.rig, options, arguments, mesh_files);
+  AlignedRig aligned{recording.calibration()->rig, {}};
+  if (options.check_calibration) aligned = AlignStereo(recording, arguments.range.start_s);
+  SequenceRun run = RunPipeline(recording, aligned.rig, options, arguments, mesh_files);
   if (!aligned.warning.empty()) run.record.warnings.push_back(aligned.warning);
   run.record.version = FACET_VERSION;
   run.record.pipeline = ToString(options.pipeline);

@@ -25,6 +25,7 @@ struct RunArguments {
   std::string sequence, out, config, calibration, imu_calibration;
   std::string pipeline;  // empty: what the configuration says
   std::vector<std::string> overrides;
+  std::vector<std::string> topics;  // role=name
   RunRange range;
   int threads = 1;
   int mesh_every = 0;

@@ -5,7 +5,11 @@
 #include <chrono>
 #include <cstdio>
 #include <deque>
+#include <iterator>
+#include <optional>
 #include <thread>
+#include <utility>
+#include <variant>
 
 #include "run_recorder.h"
 #include "start_trouble.h"
@@ -13,6 +17,7 @@
 
 #include "facet/base/check.h"
 #include "facet/io/errors.h"
+#include "facet/recording/frame_decoder.h"
 
 namespace facet {
 namespace {
@@ -42,36 +47,6 @@ double PeakRssMb() {
   return static_cast<double>(usage.ru_maxrss) * 1024e-6;  // from KiB
 }
 
-/// Indices of the frames in the range; the first one is a stereo pair.
-struct FrameInterval {
-  std::size_t begin = 0, end = 0;
-};
-
-FrameInterval SelectFrames(const std::vector<FrameEntry>& frames, const RunRange& range) {
-  const auto seconds = [&](const FrameEntry& f) { return ToSeconds(f.t - frames.front().t); };
-  const double start_s = range.start_s - kStampJitterS;
-  const double end_s = range.start_s + range.duration_s + kStampJitterS;
-  FrameInterval part;
-  while (part.begin < frames.size() &&
-         (seconds(frames[part.begin]) < start_s || !frames[part.begin].HasRight())) {
-    ++part.begin;
-  }
-  part.end = part.begin;
-  while (part.end < frames.size() && seconds(frames[part.end]) <= end_s)
-    ++part.end;
-  if (part.begin == part.end) {
-    char text[120];
-    std::snprintf(text,
-                  sizeof(text),
-                  "--start %g --duration %g: no stereo pair there, the sequence lasts %.1f s",
-                  range.start_s,
-                  range.duration_s,
-                  seconds(frames.back()));
-    throw ConfigError(text);
-  }
-  return part;
-}
-
 /// Images of one camera that cannot be read.
 struct UnusableImages {
   int num = 0;
@@ -89,42 +64,143 @@ struct InputProblems {
   ImuScreenCounts imu_screen;
 };
 
+/// A frame and the IMU samples that come before it.
+struct RunStep {
+  std::vector<ImuSample> imu;
+  RecordedFrame frame;
+};
+
+/// The frames of the chosen part of a recording, one after the other.
+class StepReader {
+ public:
+  StepReader(Recording& recording, const RunRange& range) : recording_(recording), range_(range) {}
+
+  /// Steps over what comes before the part; false when no stereo pair is in it. Of the samples from
+  /// before the first frame (or from before the wanted history of it), the last one stays.
+  bool FindFirst(RunStep& step) {
+    std::deque<ImuSample> imu;
+    while (const auto event = NextEvent()) {
+      if (const auto* sample = std::get_if<ImuSample>(&*event)) {
+        imu.push_back(*sample);
+        continue;
+      }
+      const auto& frame = std::get<RecordedFrame>(*event);
+      if (!origin_) origin_ = frame.t;
+      last_ = frame.t;
+      DropEarly(imu, frame.t);
+      if (SecondsOf(frame.t) < range_.start_s - kStampJitterS || !frame.HasRight()) continue;
+      if (IsBehind(frame.t)) break;
+      step.frame = frame;
+      step.imu.assign(imu.begin(), imu.end());
+      return true;
+    }
+    return false;
+  }
+
+  /// False at the end of the part.
+  bool Next(RunStep& step) {
+    step.imu.clear();
+    while (const auto event = NextEvent()) {
+      if (const auto* sample = std::get_if<ImuSample>(&*event)) {
+        step.imu.push_back(*sample);
+        continue;
+      }
+      step.frame = std::get<RecordedFrame>(*event);
+      return !IsBehind(step.frame.t);
+    }
+    return false;
+  }
+
+  /// Reads on to see how long the recording is.
+  double LengthSeconds() {
+    while (const auto event = NextEvent()) {
+      if (const auto* frame = std::get_if<RecordedFrame>(&*event)) last_ = frame->t;
+    }
+    return origin_ ? SecondsOf(last_) : 0;
+  }
+
+  int NumFramesFrom(Timestamp first) const {
+    const double end_s = range_.start_s + range_.duration_s + kStampJitterS;
+    return recording_.NumFrames(first, *origin_ + FromSeconds(end_s));
+  }
+
+  const std::string& damage() const { return damage_; }  ///< where reading ended; empty: nowhere
+
+ private:
+  double SecondsOf(Timestamp t) const { return ToSeconds(t - *origin_); }
+  bool IsBehind(Timestamp t) const {
+    return SecondsOf(t) > range_.start_s + range_.duration_s + kStampJitterS;
+  }
+
+  std::optional<RecordingEvent> NextEvent() {
+    if (!damage_.empty()) return std::nullopt;
+    try {
+      return recording_.Next();
+    } catch (const InputError& error) {
+      damage_ = error.what();
+      return std::nullopt;
+    }
+  }
+
+  void DropEarly(std::deque<ImuSample>& imu, Timestamp frame) const {
+    const Timestamp first =
+        frame + recording_.calibration()->rig.time_offset - FromSeconds(range_.imu_history_s);
+    while (imu.size() > 1 && imu[1].t <= first)
+      imu.pop_front();
+  }
+
+  Recording& recording_;
+  const RunRange range_;
+  std::optional<Timestamp> origin_;  // the first stereo pair of the recording
+  Timestamp last_;
+  std::string damage_;
+};
+
 class SequenceRunner {
  public:
-  SequenceRunner(AslDataset& dataset,
+  SequenceRunner(Recording& recording,
                  const VioFunctions& vio,
                  const RunRange& range,
                  const RunObserver& observer)
-      : dataset_(dataset),
+      : recording_(recording),
         vio_(vio),
         observer_(observer),
         range_(range),
-        part_(SelectFrames(dataset.frames(), range)),
+        steps_(recording, range),
+        decoder_(recording.calibration()->rig),
         start_(Clock::now()) {
+    if (!steps_.FindFirst(step_)) ThrowNoPair();
     RunRecord& record = run_.record;
-    record.sequence = dataset.name();
-    record.calibration = dataset.calibration_source();
-    record.warnings = dataset.warnings();
-    record.first_pair = Stamp(part_.begin);
-    record.num_frames = static_cast<int>(part_.end - part_.begin);
-    record.duration_s = ToSeconds(Stamp(part_.end - 1) - Stamp(part_.begin));
+    record.sequence = recording.name();
+    record.calibration = recording.calibration()->source;
+    record.first_pair = step_.frame.t;
+    num_expected_ = steps_.NumFramesFrom(step_.frame.t);
   }
 
   SequenceRun Run() {
     const double cpu_start_s = ProcessCpuSeconds();
-    SkipEarlyImu();
-    for (std::size_t i = part_.begin; i < part_.end && run_.end == RunEnd::kComplete; ++i) {
-      if (range_.realtime) i = DropLateFrames(i);
-      if (!ProcessFrame(i)) StopAt(i);
+    bool has_step = true;
+    while (has_step && run_.end == RunEnd::kComplete) {
+      if (range_.realtime) DropLateFrames();
+      TakeStep();
+      const bool goes_on = ProcessFrame();
+      if (!goes_on) Stop();
+      has_step = next_ || (goes_on && steps_.Next(step_));
+      if (next_) step_ = std::move(*std::exchange(next_, std::nullopt));
     }
-    Deliver(vio_.finish(), run_.record.num_frames);
-    if (!refusal_.empty() && run_.end == RunEnd::kComplete) StopAt(part_.end - 1);
+    Deliver(vio_.finish());
+    if (!refusal_.empty() && run_.end == RunEnd::kComplete) Stop();
     RequireImages();
+    run_.record.num_frames = num_frames_;
+    run_.record.duration_s = ToSeconds(frame_.t - run_.record.first_pair);
     run_.record.wall_s = 1e-3 * MsSince(start_);
     run_.record.cpu_s = ProcessCpuSeconds() - cpu_start_s;
     TakeResult(vio_.result());
     run_.record.peak_rss_mb = PeakRssMb();
+    run_.record.warnings = recording_.Warnings();
+    std::ranges::move(vio_warnings_, std::back_inserter(run_.record.warnings));
     SummarizeProblems();
+    if (run_.end == RunEnd::kComplete) JudgeDamage();
     if (run_.end == RunEnd::kComplete) JudgeTracking();
     if (!run_.message.empty()) run_.record.warnings.push_back(run_.message);
     recorder_.MoveInto(run_.record);
@@ -132,63 +208,77 @@ class SequenceRunner {
   }
 
  private:
-  Timestamp Stamp(std::size_t i) const { return dataset_.frames()[i].t; }
+  [[noreturn]] void ThrowNoPair() {
+    const double length_s = steps_.LengthSeconds();
+    if (!steps_.damage().empty()) throw InputError(steps_.damage());
+    char text[120];
+    std::snprintf(text,
+                  sizeof(text),
+                  "--start %g --duration %g: no stereo pair there, the sequence lasts %.1f s",
+                  range_.start_s,
+                  range_.duration_s,
+                  length_s);
+    throw ConfigError(text);
+  }
 
   /// When the frame arrives in a run at recorded speed.
-  Clock::time_point ArrivalOf(std::size_t i) const {
-    return start_ + std::chrono::nanoseconds((Stamp(i) - Stamp(part_.begin)).ns);
+  Clock::time_point ArrivalOf(Timestamp t) const {
+    return start_ + std::chrono::nanoseconds((t - run_.record.first_pair).ns);
   }
 
-  /// Steps over the samples from before the run; the last one at or before its first frame stays.
-  void SkipEarlyImu() {
-    const auto& imu = dataset_.imu();
-    const Timestamp first =
-        Stamp(part_.begin) + dataset_.rig().time_offset - FromSeconds(range_.imu_history_s);
-    while (next_imu_ + 1 < imu.size() && imu[next_imu_ + 1].t <= first)
-      ++next_imu_;
-  }
-
-  void FeedImu(Timestamp image_stamp) {
-    const auto& imu = dataset_.imu();
-    const Timestamp until = image_stamp + dataset_.rig().time_offset;
-    while (next_imu_ < imu.size() && (next_imu_ == 0 || imu[next_imu_ - 1].t <= until)) {
-      vio_.add_imu(imu[next_imu_++]);
+  /// Passes over frames that have a newer one that has arrived, too; counts them as dropped.
+  void DropLateFrames() {
+    const auto now = Clock::now();
+    RunStep next;
+    while (steps_.Next(next)) {
+      if (ArrivalOf(next.frame.t) > now) {
+        next_ = std::move(next);
+        return;
+      }
+      ++run_.record.num_dropped;
+      TakeStep();
+      step_ = std::move(next);
     }
   }
 
-  /// The newest frame that has arrived, or `i` itself; counts the ones before it as dropped.
-  std::size_t DropLateFrames(std::size_t i) {
-    const auto now = Clock::now();
-    for (; i + 1 < part_.end && ArrivalOf(i + 1) <= now; ++i)
-      ++run_.record.num_dropped;
-    return i;
+  /// Its frame is the one to process, its IMU samples wait until a frame is fed.
+  void TakeStep() {
+    ++num_frames_;
+    std::ranges::copy(step_.imu, std::back_inserter(unfed_imu_));
+    frame_ = std::move(step_.frame);
+  }
+
+  void FeedImu() {
+    for (const ImuSample& sample : unfed_imu_)
+      vio_.add_imu(sample);
+    unfed_imu_.clear();
   }
 
   /// False when the observer wants to stop. A frame with an unusable left image is passed over.
-  bool ProcessFrame(std::size_t i) {
+  bool ProcessFrame() {
     const auto wall_start = Clock::now();
     const double decode_start_ms = ThreadCpuMs();
-    if (!Decode(i)) return true;
+    if (!Decode()) return true;
     PendingFrame frame{wall_start, {}};
     frame.cost.decode_ms = ThreadCpuMs() - decode_start_ms;
     const double decode_wall_ms = MsSince(wall_start);
     if (range_.realtime) {
-      frame.arrival = ArrivalOf(i);
+      frame.arrival = ArrivalOf(frame_.t);
       std::this_thread::sleep_until(frame.arrival);
     }
 
     const auto vio_start = Clock::now();
-    FeedImu(Stamp(i));
-    images_.t = Stamp(i);
+    FeedImu();
+    images_.t = frame_.t;
     start_trouble_.AddImages(images_);
     const std::vector<VioOutput> outputs = vio_.add_stereo(images_);
     frame.cost.wall_ms = decode_wall_ms + MsSince(vio_start);
     pending_.push_back(frame);
-    return Deliver(outputs, static_cast<int>(i + 1 - part_.begin));
+    return Deliver(outputs);
   }
 
   /// Records the outputs of the longest pending frames; false when the observer wants to stop.
-  bool Deliver(const std::vector<VioOutput>& outputs, int num_fed) {
+  bool Deliver(const std::vector<VioOutput>& outputs) {
     bool goes_on = true;
     for (const VioOutput& output : outputs) {
       FACET_CHECK(!pending_.empty()) << "more outputs than frames";
@@ -197,17 +287,18 @@ class SequenceRunner {
       frame.cost.latency_ms = MsSince(frame.arrival);
       recorder_.Add(output, frame.cost);
       start_trouble_.AddOutput(output);
-      if (!output.warning.empty()) run_.record.warnings.push_back(output.warning);
+      if (!output.warning.empty()) vio_warnings_.push_back(output.warning);
       if (refusal_.empty()) refusal_ = output.refusal;
-      goes_on = observer_(num_fed, run_.record.num_frames, output) && goes_on && refusal_.empty();
+      goes_on = observer_(num_frames_, std::max(num_expected_, num_frames_), output) && goes_on &&
+                refusal_.empty();
     }
     return goes_on;
   }
 
   /// False when the left image is unusable.
-  bool Decode(std::size_t i) {
+  bool Decode() {
     try {
-      const std::string problem = dataset_.ReadPair(i, images_.left, images_.right);
+      const std::string problem = decoder_.Decode(frame_, images_.left, images_.right);
       if (!problem.empty()) problems_.right.Add(problem);
       return true;
     } catch (const InputError& error) {
@@ -228,17 +319,15 @@ class SequenceRunner {
     problems_.imu_screen = result.imu_screen;
   }
 
-  void StopAt(std::size_t i) {
+  void Stop() {
     run_.end = refusal_.empty() ? RunEnd::kStopped : RunEnd::kRefused;
-    const std::string after = std::to_string(i + 1 - part_.begin) + " of " +
-                              std::to_string(run_.record.num_frames) + " frames";
+    const std::string after = std::to_string(num_frames_) + " of " +
+                              std::to_string(std::max(num_expected_, num_frames_)) + " frames";
     run_.message = refusal_.empty()
                        ? "stopped after " + after
                        : run_.record.calibration +
                              ": the calibration cannot be right: " + refusal_ + " (stopped after " +
                              after + "; check_calibration=false goes on with it)";
-    run_.record.num_frames = static_cast<int>(i + 1 - part_.begin);
-    run_.record.duration_s = ToSeconds(Stamp(i) - Stamp(part_.begin));
   }
 
   /// Unusable images are like missing ones, unless there is nothing else.
@@ -307,6 +396,12 @@ class SequenceRunner {
     }
   }
 
+  void JudgeDamage() {
+    if (steps_.damage().empty()) return;
+    run_.end = RunEnd::kDamaged;
+    run_.message = steps_.damage() + "; the results up to there were written";
+  }
+
   void JudgeTracking() {
     const std::vector<FrameRecord>& frames = recorder_.frames();
     const std::string reason = frames.back().reason;
@@ -326,29 +421,35 @@ class SequenceRunner {
     FrameCost cost;
   };
 
-  AslDataset& dataset_;
+  Recording& recording_;
   const VioFunctions& vio_;
   const RunObserver& observer_;
   const RunRange range_;
-  const FrameInterval part_;
+  StepReader steps_;
+  FrameDecoder decoder_;
   const Clock::time_point start_;
   SequenceRun run_;
   RunRecorder recorder_;
   StartTrouble start_trouble_;
+  RunStep step_;                 // the newest one that was read, until it is taken
+  std::optional<RunStep> next_;  // the one behind it, at recorded speed
+  RecordedFrame frame_;          // the one in work
   StereoFrame images_;
+  std::vector<ImuSample> unfed_imu_;
   std::deque<PendingFrame> pending_;
-  std::size_t next_imu_ = 0;
+  int num_frames_ = 0, num_expected_ = 0;
+  std::vector<std::string> vio_warnings_;
   InputProblems problems_;
   std::string refusal_;  // of the calibration
 };
 
 }  // namespace
 
-SequenceRun RunSequence(AslDataset& dataset,
+SequenceRun RunSequence(Recording& recording,
                         const VioFunctions& vio,
                         const RunRange& range,
                         const RunObserver& observer) {
-  return SequenceRunner(dataset, vio, range, observer).Run();
+  return SequenceRunner(recording, vio, range, observer).Run();
 }
 
 }  // namespace facet

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "facet/frontend/stereo_frontend.h"
-#include "facet/io/asl_dataset.h"
 #include "facet/io/result_writer.h"
 #include "facet/pipeline/run_result.h"
 #include "facet/pipeline/vio_output.h"
+#include "facet/recording/recording.h"
 
 namespace facet {
 
@@ -37,6 +37,7 @@ enum class RunEnd {
   kStopped,     ///< by the observer
   kRefused,     ///< the calibration cannot be right
   kNotStarted,  ///< no frame got a pose
+  kDamaged,     ///< the recording cannot be read to its end
   kLost         ///< the last second or more has no pose
 };
 
@@ -46,8 +47,8 @@ struct SequenceRun {
   std::string message;  ///< what happened and what to do; empty when complete
 };
 
-/// Called after each processed frame with the number of frames so far and of all; false stops the
-/// run.
+/// Called after each processed frame with the number of frames so far and of all (about, as
+/// Recording::NumFrames); false stops the run.
 using RunObserver = std::function<bool(int done, int total, const VioOutput& output)>;
 
 /// Runs one part of a recording. Before each frame the IMU samples up to its stamp (plus the rig's
@@ -55,10 +56,11 @@ using RunObserver = std::function<bool(int done, int total, const VioOutput& out
 /// missing one, however many there are in a row; one with an unusable right image becomes a mono
 /// frame. Both are counted, and one warning for each camera names the first.
 ///
-/// Throws ConfigError when the part is empty, InputError when none of its left images can be read.
-/// The caller fills in version, pipeline, threads and
-/// config.
-SequenceRun RunSequence(AslDataset& dataset,
+/// Reads on from where the recording stands, which must be its beginning; it must have a
+/// calibration. Throws ConfigError when the part is empty, InputError when none of its left images
+/// can be read or the recording is damaged before the part. The caller fills in version, pipeline,
+/// threads and config.
+SequenceRun RunSequence(Recording& recording,
                         const VioFunctions& vio,
                         const RunRange& range,
                         const RunObserver& observer);

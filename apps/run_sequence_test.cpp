@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/io/errors.h"
+#include "facet/recording/asl_recording.h"
 #include "facet/testing/io/test_sequence.h"
 
 namespace facet {
@@ -78,9 +79,9 @@ struct FakeVio {
 class RunSequenceTest : public testing::Test {
  protected:
   SequenceRun Run(const RunRange& range = {}) {
-    AslDataset dataset(Sequence());
+    AslRecording recording(Sequence());
     return RunSequence(
-        dataset, vio_.Functions(), range, [&](int done, int total, const VioOutput&) {
+        recording, vio_.Functions(), range, [&](int done, int total, const VioOutput&) {
           EXPECT_LE(done, total);
           return done < stop_after_;
         });

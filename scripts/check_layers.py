@@ -28,6 +28,7 @@ RANK = {
     "sim": 6,
     "eval": 6,
     "pipeline": 6,
+    "recording": 7,
     "facade": 7,
     "report": 7,
     "render": 7,

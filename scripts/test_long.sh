@@ -5,7 +5,7 @@
 #   headers   every header and source compiles alone, without precompiled headers          about 15 minutes on two cores
 #   asan      every test under the address and undefined-behaviour sanitizers              about 90
 #   tsan      what runs on two threads under the thread sanitizer                          about 20
-#   fuzz      readers of files, IMU streams and the estimator under libFuzzer, a fifth of
+#   fuzz      readers of files, bags, IMU streams and the estimator under libFuzzer, a sixth of
 #             FUZZ_SECONDS each (default 600)                                              about 25
 #   soak      flights of minutes: nothing lost, memory and time per frame stay level       about 15
 set -u
@@ -72,15 +72,16 @@ fuzz_target() {
 # The estimator is fifty times as slow under the sanitizers: the fuzzer looks for ways through it without them, then
 # every way that it found is taken once with them.
 fuzz() {
-  share=$((${FUZZ_SECONDS:-600} / 5))
+  share=$((${FUZZ_SECONDS:-600} / 6))
   text="config,camera,kalibr,image list,imu,trajectory,states,truth,planes,true planes,json"
   fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \
-    reader_fuzzer imu_fuzzer estimator_fuzzer &&
+    reader_fuzzer recording_fuzzer imu_fuzzer estimator_fuzzer &&
     fuzz_build build-fuzz-fast Release fuzzer-no-link,signed-integer-overflow,float-cast-overflow,bounds,shift \
       estimator_fuzzer &&
     fuzz_target text "$share" build-fuzz/reader_fuzzer -max_len=20000 "--only=$text" &&
     fuzz_target ply "$share" build-fuzz/reader_fuzzer -max_len=4000 --only=ply &&
     fuzz_target image "$share" build-fuzz/reader_fuzzer -max_len=4000 --only=image &&
+    fuzz_target recording "$share" build-fuzz/recording_fuzzer -max_len=20000 &&
     fuzz_target imu "$share" build-fuzz/imu_fuzzer -max_len=200 &&
     fuzz_target estimator "$share" build-fuzz-fast/estimator_fuzzer -max_len=80 &&
     build-fuzz/estimator_fuzzer "$out/found/estimator" "$out/seeds/estimator" -runs=0 -timeout=60

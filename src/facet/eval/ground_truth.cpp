@@ -53,9 +53,14 @@ GroundTruth LoadGroundTruth(const std::filesystem::path& sequence_or_file) {
   }
   const fs::path inside = sequence_or_file / "mav0";
   truth.mav0 = fs::is_directory(inside) ? inside : sequence_or_file;
-  const fs::path file = truth.mav0 / "state_groundtruth_estimate0" / "data.csv";
-  if (!fs::exists(file)) {
-    throw InputError(file.string() + ": there is no such file; the sequence has no ground truth");
+  const fs::path usual = truth.mav0 / "state_groundtruth_estimate0" / "data.csv";
+  const fs::path file = FirstThatExists(
+      {usual, truth.mav0 / "mocap0" / "data.csv", truth.mav0 / "vicon0" / "data.csv"});
+  if (file.empty()) {
+    throw InputError(
+        usual.string() +
+        ": there is no such file (and no mocap0 or vicon0); the sequence has no ground "
+        "truth");
   }
   LoadPoses(file, truth);
   truth.frames = ReadFrameStamps(truth.mav0 / "cam0" / "data.csv");

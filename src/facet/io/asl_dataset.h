@@ -37,6 +37,7 @@ class AslDataset {
                       const CalibrationFiles& calibration = {});
 
   const std::string& name() const { return name_; }  ///< of the folder, for example MH_01_easy
+  const Calibration& calibration() const { return calibration_; }
   const StereoRig& rig() const { return calibration_.rig; }
   const ImuNoise& imu_noise() const { return calibration_.imu_noise; }
   const std::string& calibration_source() const { return calibration_.source; }
@@ -48,6 +49,11 @@ class AslDataset {
   /// left image is unusable. An unusable or absent right image leaves `right` empty; the returned
   /// text says what is wrong with it and is empty when it is fine or not in the recording.
   std::string ReadPair(std::size_t i, cv::Mat& left, cv::Mat& right);
+
+  /// Where an image of camera 0 or 1 lies.
+  std::filesystem::path ImagePath(int camera, const std::string& file) const {
+    return DataFolder(camera) / file;
+  }
 
  private:
   void PairImages();

@@ -197,4 +197,13 @@ Calibration FindCalibration(const fs::path& mav0, const CalibrationFiles& files)
   return result;
 }
 
+std::optional<Calibration> FindCalibrationBeside(const fs::path& folder,
+                                                 const CalibrationFiles& files) {
+  if (!files.cameras.empty()) return FindCalibration(folder, files);
+  const fs::path camchain = FindCamchain({folder});
+  if (camchain.empty()) return std::nullopt;
+  const fs::path imu = files.imu.empty() ? FindImuFile({folder}, folder) : files.imu;
+  return ReadKalibrCalibration(camchain, imu);
+}
+
 }  // namespace facet

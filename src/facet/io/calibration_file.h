@@ -9,6 +9,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,9 +42,14 @@ Calibration ReadKalibrCalibration(const std::filesystem::path& camchain,
 /// Uses `files` where given; otherwise the sensor.yaml files of `mav0`, or else camchain*.yaml and
 /// imu*.yaml in `mav0`, its parent or the parent's `dso` folder (TUM-VI).
 ///
-/// All three throw InputError with file and line for missing files and keys, unknown models,
+/// All of these throw InputError with file and line for missing files and keys, unknown models,
 /// matrices that are not rigid motions, numbers that are not finite, impossible intrinsics or
 /// noise, and a baseline of nothing or above 10 m.
 Calibration FindCalibration(const std::filesystem::path& mav0, const CalibrationFiles& files);
+
+/// For recordings of other kinds: uses `files` where given, otherwise camchain*.yaml and imu*.yaml
+/// in `folder`; empty if there are none. Throws InputError as FindCalibration does.
+std::optional<Calibration> FindCalibrationBeside(const std::filesystem::path& folder,
+                                                 const CalibrationFiles& files);
 
 }  // namespace facet

@@ -79,4 +79,10 @@ cv::Size ImageReader::ReadOfSize(const std::filesystem::path& file,
   return target.found;
 }
 
+cv::Size ImageReader::DecodeOfSize(Bytes file, const cv::Size& size, cv::Mat& image) {
+  GreyTarget target{image, size};
+  Decode(file, colour_, target);
+  return target.found;
+}
+
 }  // namespace facet

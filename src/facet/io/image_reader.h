@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -25,6 +26,9 @@ class ImageReader {
   /// The same for an image that must have a certain size. Returns the size that the file's header
   /// says. If that is another one, nothing is decoded and `image` stays as it is.
   cv::Size ReadOfSize(const std::filesystem::path& file, const cv::Size& size, cv::Mat& image);
+
+  /// The same for the content of such a file; the messages do not name it.
+  cv::Size DecodeOfSize(std::span<const std::uint8_t> file, const cv::Size& size, cv::Mat& image);
 
  private:
   std::vector<std::uint8_t> bytes_;

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// `facet convert`: what is read back is what was there, and an interrupted conversion goes on.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "facet/recording/open_recording.h"
+#include "facet/testing/io/program_run.h"
+#include "facet/testing/recording/test_bags.h"
+
+namespace facet {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class ConvertTest : public ::testing::Test {
+ protected:
+  ConvertTest() {
+    WriteTestSequence(Sequence());
+    std::vector<TestMessage> messages =
+        CalibrationMessagesOfSequence(Sequence(), MessageEncoding::kCdr);
+    for (TestMessage& message : MessagesOfSequence(Sequence(), MessageEncoding::kCdr))
+      messages.push_back(std::move(message));
+    bytes_ = McapBytes(messages);
+    WriteText(folder_ / "a.mcap", bytes_);
+  }
+  std::filesystem::path Sequence() const { return folder_ / "seq"; }
+  std::filesystem::path Out() const { return folder_ / "out"; }
+  ProgramRun Convert() const {
+    return RunFacet("convert " + (folder_ / "a.mcap").string() + " " + Out().string());
+  }
+
+  TempFolder folder_;
+  std::string bytes_;
+};
+
+TEST_F(ConvertTest, TheFolderHoldsWhatTheBagHolds) {
+  const ProgramRun run = Convert();
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto original = OpenRecording(Sequence()), converted = OpenRecording(Out());
+  ImageReader reader;
+  cv::Mat a, b;
+  int num_frames = 0, num_samples = 0;
+  while (const auto expected = original->Next()) {
+    const auto event = converted->Next();
+    ASSERT_TRUE(event);
+    ASSERT_EQ(event->index(), expected->index());
+    if (const auto* sample = std::get_if<ImuSample>(&*expected)) {
+      const auto& other = std::get<ImuSample>(*event);
+      EXPECT_EQ(other.t, sample->t);
+      EXPECT_EQ(other.gyro, sample->gyro);
+      EXPECT_EQ(other.accel, sample->accel);
+      ++num_samples;
+      continue;
+    }
+    const auto& frame = std::get<RecordedFrame>(*expected);
+    const auto& other = std::get<RecordedFrame>(*event);
+    EXPECT_EQ(other.t, frame.t);
+    ASSERT_TRUE(other.HasRight());
+    frame.right->Decode({}, reader, a);
+    other.right->Decode({}, reader, b);
+    ASSERT_EQ(a.size(), b.size());
+    EXPECT_TRUE(std::equal(a.begin<char>(), a.end<char>(), b.begin<char>()));
+    ++num_frames;
+  }
+  EXPECT_FALSE(converted->Next());
+  EXPECT_EQ(num_frames, 12);
+  EXPECT_GT(num_samples, 100);
+  const StereoRig& rig = converted->calibration()->rig;
+  EXPECT_NEAR(rig.baseline_m(), original->calibration()->rig.baseline_m(), 1e-9);
+}
+
+TEST_F(ConvertTest, AnInterruptedConversionGoesOn) {
+  ASSERT_EQ(Convert().exit_code, 0);
+  EXPECT_EQ(Convert().exit_code, 2) << "it is complete";
+  std::filesystem::remove(Out() / "mav0/imu0/data.csv");
+  std::filesystem::remove(Out() / "mav0/cam0/data" /
+                          (std::to_string(FrameStamp(TestSequenceOptions(), 3)) + ".png"));
+  const ProgramRun again = Convert();
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("12 frames (23 images were there already"));
+  EXPECT_EQ(RunFacet("info " + Out().string()).exit_code, 0);
+}
+
+TEST_F(ConvertTest, OtherFoldersAreLeftAlone) {
+  WriteText(Out() / "letter.txt", "dear");
+  EXPECT_EQ(Convert().exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(Out() / "mav0"));
+}
+
+TEST_F(ConvertTest, OfADamagedBagThePartBeforeIsKept) {
+  WriteText(folder_ / "a.mcap", bytes_.substr(0, bytes_.size() * 2 / 3));
+  const ProgramRun run = Convert();
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("at byte"), HasSubstr("what came before was converted")));
+  EXPECT_THAT(RunFacet("info " + Out().string()).out, HasSubstr("stereo pairs"));
+}
+
+}  // namespace
+}  // namespace facet

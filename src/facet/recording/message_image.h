@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Images of ROS messages to 8-bit grey.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "facet/recording/encoded_image.h"
+#include "facet/recording/sensor_messages.h"
+
+namespace facet {
+
+/// Keeps a copy of the pixels.
+class MessageImage : public EncodedImage {
+ public:
+  /// `bits` is how many of 16-bit samples are used; `place` is for messages.
+  MessageImage(const ImageMessage& message, int bits, std::string place);
+
+  /// Understands files (PNG, JPEG, WebP, PGM) and the encodings mono8, mono16, 8UC1, 16UC1, rgb8,
+  /// bgr8, rgba8, bgra8, 8UC3, 8UC4 (as bgr8, bgra8), yuv422 (uyvy), yuv422_yuy2 (yuyv), and
+  /// bayer_rggb8 and its kin with 8 or 16 bits, which become grey by bilinear interpolation.
+  cv::Size Decode(const cv::Size& wanted, ImageReader& reader, cv::Mat& grey) const override;
+  std::string Place() const override { return place_; }
+  std::size_t num_bytes() const { return data_.size(); }
+
+ private:
+  ImageMessage message_;
+  std::vector<std::uint8_t> data_;
+  int bits_;
+  std::string place_;
+};
+
+/// The largest value of an image with 16-bit samples, 0 for any other one. `message` may be
+/// damaged.
+std::uint16_t LargestSample(const ImageMessage& message);
+
+}  // namespace facet

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/recording/ros_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "facet/io/calibration_yaml.h"
+#include "facet/io/errors.h"
+
+namespace facet {
+namespace {
+
+/// A problem instead of intrinsics where the model is none of ours.
+std::pair<CameraIntrinsics, std::string> IntrinsicsOf(const CameraInfoMessage& info) {
+  constexpr std::uint32_t kMaxSide = 1 << 15;
+  CameraIntrinsics k;
+  k.width = static_cast<int>(std::min(info.width, kMaxSide));
+  k.height = static_cast<int>(std::min(info.height, kMaxSide));
+  k.fx = info.K[0];
+  k.cx = info.K[2];
+  k.fy = info.K[4];
+  k.cy = info.K[5];
+  const auto is_zero = [](double d) { return d == 0; };
+  const std::size_t num_used = std::min<std::size_t>(4, info.D.size());
+  std::copy_n(info.D.begin(), num_used, k.coefficients.begin());
+  const bool has_more =
+      !std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(num_used), info.D.end(), is_zero);
+  const std::string& model = info.distortion_model;
+  const bool is_radtan = model == "plumb_bob" || model == "rational_polynomial" ||
+                         model == "radtan" || model == "radial-tangential";
+  const bool is_fisheye = model == "equidistant" || model == "fisheye";
+  if (std::ranges::all_of(info.D, is_zero)) {
+    k.distortion = DistortionModel::kNone;
+  } else if (is_radtan && !has_more) {
+    k.distortion = DistortionModel::kRadialTangential;
+  } else if (is_fisheye && !has_more) {
+    k.distortion = DistortionModel::kEquidistant;
+  } else {
+    return {k,
+            "the lens model '" + model + "' with " + std::to_string(info.D.size()) +
+                " coefficients is not known"};
+  }
+  return {k, CameraModel::WhatIsWrong(k)};
+}
+
+}  // namespace
+
+std::optional<SE3> FindTransform(const std::vector<FrameTransform>& transforms,
+                                 const std::string& a,
+                                 const std::string& b) {
+  std::map<std::string, SE3> T_a_frame = {{a, SE3()}};
+  std::vector<std::string> reached = {a};
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const std::string frame = reached[i];
+    const SE3 T = T_a_frame.at(frame);
+    for (const FrameTransform& transform : transforms) {
+      const bool is_down = transform.parent == frame;
+      if (!is_down && transform.child != frame) continue;
+      const std::string& other = is_down ? transform.child : transform.parent;
+      if (T_a_frame.contains(other)) continue;
+      T_a_frame[other] =
+          T * (is_down ? transform.T_parent_child : transform.T_parent_child.Inverse());
+      reached.push_back(other);
+    }
+  }
+  const auto found = T_a_frame.find(b);
+  if (found == T_a_frame.end()) return std::nullopt;
+  return found->second;
+}
+
+RosCalibration CalibrationFromMessages(const RosCalibrationMessages& messages,
+                                       const std::filesystem::path& imu_file) {
+  RosCalibration result;
+  Calibration calibration;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string side = i == 0 ? "left" : "right";
+    if (!messages.cameras[i]) {
+      result.problem = "no camera_info beside the " + side + " images";
+      return result;
+    }
+    const CameraInfoMessage& info = *messages.cameras[i];
+    const auto [intrinsics, wrong] = IntrinsicsOf(info);
+    if (!wrong.empty()) {
+      result.problem = "camera_info of the " + side + " camera: " + wrong;
+      return result;
+    }
+    const std::string& frame =
+        info.header.frame.empty() ? messages.camera_frames[i] : info.header.frame;
+    const auto T_BC = FindTransform(messages.transforms, messages.imu_frame, frame);
+    if (!T_BC || frame.empty() || messages.imu_frame.empty()) {
+      result.problem = "no static transform between the " + side + " camera (frame '" + frame +
+                       "') and the IMU (frame '" + messages.imu_frame + "')";
+      return result;
+    }
+    calibration.rig.cameras[i] = CameraModel(intrinsics);
+    calibration.rig.T_BC[i] = *T_BC;
+  }
+  const double baseline_m = calibration.rig.baseline_m();
+  if (!(baseline_m > 1e-3 && baseline_m < 10)) {
+    result.problem =
+        "the static transforms put the cameras " + std::to_string(baseline_m) + " m apart";
+    return result;
+  }
+  calibration.source = "camera_info and tf_static of the recording, t_imu = t_cam +0.000000 s";
+  if (imu_file.empty()) {
+    calibration.warnings.emplace_back(
+        "a bag has no noise densities of its IMU, those of an ADIS16448 are used; give the real "
+        "ones with --imu-calibration");
+  } else {
+    calibration.imu_noise = ReadImuNoise(YamlFile(imu_file), calibration.warnings);
+    calibration.source += ", IMU noise from " + imu_file.string();
+  }
+  result.calibration = calibration;
+  return result;
+}
+
+}  // namespace facet

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The calibration that a bag carries: CameraInfo of both cameras and static transforms.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "facet/io/calibration_file.h"
+#include "facet/recording/sensor_messages.h"
+
+namespace facet {
+
+/// What was found in the bag.
+struct RosCalibrationMessages {
+  std::array<std::optional<CameraInfoMessage>, 2> cameras;  ///< left, right
+  std::array<std::string, 2> camera_frames;                 ///< of the images; CameraInfo's wins
+  std::string imu_frame;
+  std::vector<FrameTransform> transforms;
+};
+
+/// The calibration, or else what is missing or cannot be used, in `problem`. Noise densities of the
+/// IMU are not in a bag: those of `imu_file` or built-in ones, with a warning.
+struct RosCalibration {
+  std::optional<Calibration> calibration;
+  std::string problem;
+};
+RosCalibration CalibrationFromMessages(const RosCalibrationMessages& messages,
+                                       const std::filesystem::path& imu_file);
+
+/// T_ab of two frames of a tree of transforms, empty if they are not connected.
+std::optional<SE3> FindTransform(const std::vector<FrameTransform>& transforms,
+                                 const std::string& a,
+                                 const std::string& b);
+
+}  // namespace facet

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The few ROS messages that a stereo-inertial recording is made of, from the bytes of ROS 1 or CDR.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "facet/geometry/se3.h"
+#include "facet/imu/imu_types.h"
+#include "facet/recording/message_source.h"
+
+namespace facet {
+
+struct MessageHeader {
+  Timestamp t;
+  std::string frame;
+};
+
+/// sensor_msgs/Image, or CompressedImage: then `encoding` is empty and the data are a file.
+struct ImageMessage {
+  MessageHeader header;
+  std::uint32_t width = 0, height = 0;  ///< 0 if compressed
+  std::string encoding;                 ///< mono8, bgr8, ...
+  bool is_big_endian = false;
+  std::uint32_t step = 0;              ///< bytes per row
+  std::span<const std::uint8_t> data;  ///< lies in the bytes of the message
+};
+
+/// sensor_msgs/CameraInfo without its regions and binning.
+struct CameraInfoMessage {
+  MessageHeader header;
+  std::uint32_t width = 0, height = 0;
+  std::string distortion_model;  ///< plumb_bob, equidistant, ...
+  std::vector<double> D;
+  std::array<double, 9> K{};
+};
+
+/// One transform of tf2_msgs/TFMessage: maps points from the child frame to the parent frame.
+struct FrameTransform {
+  std::string parent, child;
+  SE3 T_parent_child;
+};
+
+inline constexpr const char* kImageType = "sensor_msgs/Image";
+inline constexpr const char* kCompressedImageType = "sensor_msgs/CompressedImage";
+inline constexpr const char* kImuType = "sensor_msgs/Imu";
+inline constexpr const char* kCameraInfoType = "sensor_msgs/CameraInfo";
+inline constexpr const char* kTransformsType = "tf2_msgs/TFMessage";
+
+/// All of these throw InputError, without a place, when the bytes are too short or cannot be of the
+/// type. They allocate no more than the bytes hold.
+ImageMessage ReadImageMessage(std::span<const std::uint8_t> bytes, MessageEncoding encoding);
+ImageMessage ReadCompressedImageMessage(std::span<const std::uint8_t> bytes,
+                                        MessageEncoding encoding);
+/// Angular velocity [rad/s], linear acceleration [m/s^2], in the sensor's frame; numbers may be
+/// anything, also not finite.
+struct ImuMessage {
+  MessageHeader header;
+  ImuSample sample;
+};
+ImuMessage ReadImuMessage(std::span<const std::uint8_t> bytes, MessageEncoding encoding);
+CameraInfoMessage ReadCameraInfoMessage(std::span<const std::uint8_t> bytes,
+                                        MessageEncoding encoding);
+/// Rotations are normalised; throws for those that cannot be.
+std::vector<FrameTransform> ReadTransformsMessage(std::span<const std::uint8_t> bytes,
+                                                  MessageEncoding encoding);
+
+/// The stamp of a message that begins with a header.
+Timestamp ReadStamp(std::span<const std::uint8_t> bytes, MessageEncoding encoding);
+
+}  // namespace facet
