@@ -20,6 +20,7 @@
 
 #include "bench/program.h"
 #include "ladder_report.h"
+#include "scaled_run.h"
 #include <CLI/CLI.hpp>
 
 #include "facet/base/stage_timer.h"
@@ -32,6 +33,7 @@ struct LadderOptions {
   ConsistencyOptions consistency;
   std::vector<std::string> flights;  ///< empty: all
   double duration_s = 40;
+  double scale = 1;     ///< of all lengths, the accelerometer's errors included
   double budget_s = 0;  ///< no realisation of a flight begins later than this; 0: no limit
   int jobs = 1;
 };
@@ -65,10 +67,13 @@ std::vector<Realisation> RunFlight(const Scenario& scenario,
         }
         if (!run) {
           const double begin_ms = ThreadCpuMs();
-          run = Simulate(scenario, options.consistency, realisation.seed);
+          run = ScaledRun(Simulate(scenario, options.consistency, realisation.seed),
+                          scenario.trajectory,
+                          options.scale);
           realisation.simulation_s = (ThreadCpuMs() - begin_ms) / 1000;
         }
-        realisation.outcomes.push_back(RunRung(*run, options.consistency, rung));
+        realisation.outcomes.push_back(
+            RunRung(*run, ScaledOptions(options.consistency, options.scale), rung));
         const std::lock_guard lock(mutex);
         if (file != nullptr)
           file->Add(scenario.name, realisation.seed, rung.key, realisation.outcomes.back());
@@ -124,6 +129,8 @@ int Main(int argc, char** argv) {
   app.add_option("--first-seed", consistency.first_seed, "the first of them");
   app.add_option("--duration", options.duration_s, "length of a run [s]")
       ->check(CLI::Range(5, 120));
+  app.add_option("--scale", options.scale, "all lengths times this")
+      ->check(CLI::Range(0.01, 100.0));
   app.add_option("--only", options.flights, "names of flights, with commas")->delimiter(',');
   app.add_option("--rungs", rung_keys, "keys of rungs besides S, with commas")->delimiter(',');
   app.add_option("--jobs", options.jobs, "runs at the same time")->check(CLI::Range(1, 256));
@@ -140,6 +147,7 @@ int Main(int argc, char** argv) {
   std::optional<OutcomeFile> file;
   if (!csv_path.empty()) {
     std::string settings = "duration " + std::to_string(options.duration_s);
+    if (options.scale != 1) settings += " scale " + std::to_string(options.scale);
     for (const std::vector<std::string>* texts : {&overrides, &search_overrides}) {
       for (const std::string& text : *texts)
         settings += " " + text;

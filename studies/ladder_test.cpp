@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "ladder_report.h"
+#include "scaled_run.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,9 +14,10 @@ namespace {
 
 class LadderTest : public ::testing::Test {
  protected:
+  static constexpr double kDuration_s = 34;
+
   // Once around the corridor with panels 10 cm before the walls, and a bit farther.
   static void SetUpTestSuite() {
-    constexpr double kDuration_s = 34;
     run_ = std::make_unique<SimulatedRun>(
         Simulate(CorridorScenarios(kDuration_s).back(), ConsistencyOptions(), 1));
     s_ = std::make_unique<Outcome>(Run("S"));
@@ -53,6 +55,20 @@ TEST_F(LadderTest, AWrongReturnHappensOnceAndIsRecovered) {
   EXPECT_EQ(wrong.quality.num_events, 1);
   EXPECT_NE(wrong.ate_m, right.ate_m);
   EXPECT_LT(wrong.ate_m, 1.5 * right.ate_m);
+}
+
+TEST_F(LadderTest, AWorldOfAnotherSizeHasTheSameImagesInTheSameGravity) {
+  constexpr double kScale = 0.1;
+  const Scenario scenario = CorridorScenarios(kDuration_s).back();
+  const SimulatedRun small = ScaledRun(*run_, scenario.trajectory, kScale);
+  EXPECT_EQ(small.frames[9].features[3].px_left, run_->frames[9].features[3].px_left);
+  EXPECT_NEAR(small.rig.baseline_m(), kScale * run_->rig.baseline_m(), 1e-9);
+  EXPECT_NEAR(small.truth[9].T_WB.p.norm(), kScale * run_->truth[9].T_WB.p.norm(), 1e-9);
+  for (const std::size_t i : {10u, 1000u}) {
+    const Vector3d not_scaled = small.imu[i].accel - kScale * run_->imu[i].accel;
+    EXPECT_NEAR(not_scaled.norm(), (1 - kScale) * kGravity, 1e-9);
+    EXPECT_EQ(small.imu[i].gyro, run_->imu[i].gyro);
+  }
 }
 
 TEST(LadderRungsTest, SIsAlwaysThereAndUnknownKeysAreNamed) {
