@@ -19,6 +19,8 @@ namespace facet {
 namespace {
 
 using Motion = std::function<void(std::vector<NavState>&)>;
+// Changes what was written of the rig.
+using Mistake = std::function<void(StereoRig&)>;
 
 void AsFlown(std::vector<NavState>&) {}
 
@@ -32,7 +34,11 @@ struct Calibrated {
   CalibrationVector error_before, sigma_before;
 };
 
-Calibrated Fly(const Motion& motion, std::uint64_t seed, double duration_s) {
+Calibrated Fly(
+    const Motion& motion,
+    std::uint64_t seed,
+    double duration_s,
+    const Mistake& mistake = [](StereoRig&) {}) {
   FeatureSimulatorOptions options;
   options.max_tracks = 70;
   options.duration_s = duration_s;
@@ -40,7 +46,8 @@ Calibrated Fly(const Motion& motion, std::uint64_t seed, double duration_s) {
   motion(poses);
   const SimulatedRun run =
       SimulateFeatures(SplineTrajectory::Fit(poses), EurocRig(), options, seed);
-  const StereoRig written = *DrawCalibration(run.rig, seed);
+  StereoRig written = *DrawCalibration(run.rig, seed);
+  mistake(written);
   const ImuBuffer imu = testing::ImuOf(run);
   VioEstimator estimator(written, ImuNoise{}, {});
   StageTimes times;
@@ -91,6 +98,18 @@ TEST(SelfCalibrationTest, AtRestNothingIsLearntThatCannotBeSeen) {
     EXPECT_LT(std::abs(flown.error(0) - flown.error_before(0)), 2.5 * flown.sigma_before(0));
   }
   EXPECT_LT(nees, 1.8);
+}
+
+TEST(SelfCalibrationTest, AClockThatIsFarOffIsFoundAndTheLensesAreLeftAlone) {
+  for (const double offset : {-0.01, 0.01}) {
+    const Calibrated flown = Fly(AsFlown, 1, 25, [&](StereoRig& written) {
+      written.time_offset = written.time_offset + FromSeconds(offset);
+    });
+    EXPECT_LT(std::abs(flown.error(kTimeOffset)), 3e-4) << offset;
+    // In which 1 % of the focal length would be freed.
+    EXPECT_LT(flown.sigma(0), 1.2 * flown.sigma_before(0)) << offset;
+    EXPECT_LT(std::abs(flown.error(0)), 3 * flown.sigma_before(0)) << offset;
+  }
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ class DecompressionTest : public testing::TestWithParam<Compression> {
 
 TEST_P(DecompressionTest, GivesWhatWasCompressed) {
   std::string text;
-  for (int i = 0; i < 60000; ++i)
+  for (long i = 0; i < 60000; ++i)
     text += std::to_string(i * i);
   for (const std::size_t size : {std::size_t{0}, std::size_t{1}, text.size()}) {
     EXPECT_EQ(Run(Compressed(GetParam(), text.substr(0, size)), size), text.substr(0, size));
