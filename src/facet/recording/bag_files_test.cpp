@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "facet/io/errors.h"
 #include "facet/recording/open_recording.h"
@@ -130,10 +131,10 @@ TEST_P(BagFilesTest, AbsurdSizesAreNoticedBeforeMemoryIsTaken) {
   EXPECT_THAT(Complaint(bytes), HasSubstr("at byte "));
 }
 
-TEST_P(BagFilesTest, FlippedBitsInCompressedChunksAreNoticed) {
-  if (GetParam().options.compression == Compression::kNone) {
-    GTEST_SKIP() << "raw data of a ROS 1 bag have no checksum, those of MCAP are tested below";
-  }
+// Raw data of a ROS 1 bag have no checksum; those of MCAP are tested below.
+class CompressedBagFilesTest : public BagFilesTest {};
+
+TEST_P(CompressedBagFilesTest, FlippedBitsAreNoticed) {
   std::string bytes = Bytes();
   bytes[bytes.size() / 3] = static_cast<char>(bytes[bytes.size() / 3] ^ 0x10);
   EXPECT_THAT(Complaint(bytes), AllOf(HasSubstr("at byte "), HasSubstr("damaged")));
@@ -152,6 +153,15 @@ INSTANTIATE_TEST_SUITE_P(
                     BagCase{"mcap_zstd", true, {.compression = Compression::kZstd}},
                     BagCase{"mcap_without_summary", true, {.has_index = false}},
                     BagCase{"mcap_unchunked", true, {.messages_per_chunk = 0}}),
+    [](const testing::TestParamInfo<BagCase>& one) { return one.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds,
+    CompressedBagFilesTest,
+    testing::Values(BagCase{"ros1_lz4", false, {.compression = Compression::kLz4}},
+                    BagCase{"ros1_bz2", false, {.compression = Compression::kBz2}},
+                    BagCase{"mcap_lz4", true, {.compression = Compression::kLz4}},
+                    BagCase{"mcap_zstd", true, {.compression = Compression::kZstd}}),
     [](const testing::TestParamInfo<BagCase>& one) { return one.param.name; });
 
 TEST(McapFileTest, FlippedBitsInRawChunksAreNoticedByTheChecksum) {
@@ -241,6 +251,8 @@ TEST(OpenMessagesTest, SaysWhatIsWrongWithOtherFiles) {
   EXPECT_THAT(complaint("text.txt"), HasSubstr("unknown kind"));
   WriteText(folder / "a.mcap.zstd", "hello");
   EXPECT_THAT(complaint("a.mcap.zstd"), HasSubstr("zstd -d"));
+  ASSERT_EQ(mkfifo((folder / "pipe.mcap").c_str(), 0600), 0);
+  EXPECT_THAT(complaint("pipe.mcap"), HasSubstr("neither a file nor a folder"));
   WriteText(folder / "old.bag", "#ROSBAG V1.2\n and more");
   EXPECT_THAT(complaint("old.bag"), HasSubstr("rosbag fix"));
   WriteText(folder / "bag/metadata.yaml", "rosbag2_bagfile_information: {version: 4}\n");

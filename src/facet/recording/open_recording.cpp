@@ -30,6 +30,9 @@ constexpr const char* kExpected =
 enum class BagKind { kNone, kRos1, kMcap, kDb3 };
 
 BagKind KindOfFile(const fs::path& file) {
+  // A pipe would wait for somebody to write into it.
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return BagKind::kNone;
   std::array<char, 16> begin{};
   std::ifstream stream(file, std::ios::binary);
   stream.read(begin.data(), begin.size());
@@ -46,7 +49,10 @@ bool HasBagName(const fs::path& file) {
 
 [[noreturn]] void FailUnknown(const fs::path& file) {
   std::error_code error;
-  if (fs::is_regular_file(file, error) && fs::file_size(file, error) == 0) {
+  if (!fs::is_regular_file(file, error)) {
+    throw InputError(file.string() + ": neither a file nor a folder; " + kExpected);
+  }
+  if (fs::file_size(file, error) == 0) {
     throw InputError(file.string() + ": the file is empty; copy it again");
   }
   const std::string extension = file.extension().string();
