@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/self_calibration.h"
 
-#include <cmath>
-
 #include "facet/estimator/solver/calibration_walk.h"
 #include "facet/estimator/start/start_calibration.h"
 #include "facet/geometry/angles.h"
@@ -101,7 +99,7 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
   gross_deviations_ = GrossDeviations(rig_, kept_->delta, kept_->covariance, *start_covariance_);
 }
 
-// The part that is most wrong is freed first: what looks wrong beside it may be its doing.
+// Each part once, however many things in it are wrong.
 std::optional<CalibrationMatrix> SelfCalibration::LargeStep() {
   std::optional<CalibrationMatrix> step;
   std::array<bool, kNumCalibrationParts> is_due{};

@@ -78,6 +78,7 @@ std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
 
 void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
   if (!out.has_pose || out.was_reset) return scale_.Break();
+  // Poses of before had another calibration, and so another size of the world.
   if (estimator_.calibration_freed_at() != scale_since_) {
     scale_since_ = estimator_.calibration_freed_at();
     scale_ = {};

@@ -123,7 +123,7 @@ void SlidingWindow::RemoveMotion(int index) {
   WindowFrame& frame = frames[index];
   FACET_CHECK(!IsInPrior(prior, Variable::Kind::kMotion, frame.id))
       << "motion is still in the prior";
-  frame.last_v_B = frame.Rates().v_B - frame.to_image.dv_B;
+  frame.last_v_B = frame.VelocityInBody();
   frame.has_motion = frame.motion_frozen = false;
   CutImuLinks(index);
 }

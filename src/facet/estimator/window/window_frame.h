@@ -27,11 +27,12 @@ struct WindowFrame {
   ImageMotion to_image;                   ///< by the time offset of when it was made
   Vector3d last_v_B = Vector3d::Zero();   ///< velocity in B when it was still a variable
 
-  /// How the body moves on the way to its image.
-  BodyRates Rates() const {
-    const Vector3d v_B = has_motion ? Vector3d(x.T_WB.q.conjugate() * x.v_WB) : last_v_B;
-    return {to_image.w_B, v_B + to_image.dv_B};
+  /// Velocity in B at its stamp [m/s].
+  Vector3d VelocityInBody() const {
+    return has_motion ? Vector3d(x.T_WB.q.conjugate() * x.v_WB) : last_v_B;
   }
+  /// How the body moves on the way to its image.
+  BodyRates Rates() const { return {to_image.w_B, VelocityInBody() + to_image.dv_B}; }
 
   /// Applies a step in the tangent space of the pose and, if the frame has motion, of the rest.
   void ApplyStep(const Vector<15>& step);

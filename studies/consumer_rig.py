@@ -1,0 +1,64 @@
+#!/usr/bin/python3
+"""Question: what does a rig cost that nobody calibrated with care? Focal lengths are 1 % and the IMU's clock 10 ms off,
+  both ways, in scenes of the suite; the errors are those from 20 s on, when the calibration should be found.
+Command: studies/consumer_rig.py [--program build/facet] [--suite runs/suite] [--faults focal,imu_early]
+  The suite is what `scripts/suite.py make --variant a` wrote (--out); several --program compare versions.
+Answer: 1.7 times the ATE with the exact calibration in the median, 3.4 at worst (docs/notebook/calibration_online.md).
+Date: 2026-11-25.
+"""
+
+import argparse
+import json
+import statistics
+import subprocess
+import tempfile
+from pathlib import Path
+
+SCENES = ["room_recorded", "office_slow", "corridor_walk", "clutter_aggressive", "hall_recorded"]
+SIZES = {"focal": "focal:percent={}", "imu_early": "imu_early:ms={}"}
+LARGE = {"focal": 1, "imu_early": 10}
+FOUND_AFTER_S = 20
+
+
+def damaged(program, sequence, faults, sign, folder):
+    words = [w for name in faults for w in ("--fault", SIZES[name].format(sign * LARGE[name]))]
+    subprocess.run([program, "simulate", "--quiet", "--of", sequence, *words, "--out", folder], check=True)
+    return folder
+
+
+def late_ate_mm(program, sequence, folder):
+    """ATE of the poses from FOUND_AFTER_S on."""
+    subprocess.run([program, "run", sequence, "--start", "0.05", "--set", "mesh.map.enabled=false", "--quiet", "--out",
+                    folder], check=True, capture_output=True)
+    lines = [line for line in open(folder / "trajectory.tum", encoding="utf-8") if not line.startswith("#")]
+    begin = float(lines[0].split()[0]) + FOUND_AFTER_S
+    late = folder / "late.tum"
+    late.write_text("".join(line for line in lines if float(line.split()[0]) >= begin), encoding="utf-8")
+    subprocess.run([program, "evaluate", late, "--truth", sequence, "--parts", "trajectory"], check=True,
+                   capture_output=True)
+    return 1e3 * json.loads((folder / "late.tum.evaluation.json").read_text(encoding="utf-8"))["ate"]["rmse_m"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", action="append", help="repeatable; build/facet")
+    parser.add_argument("--suite", type=Path, default=Path("runs/suite"))
+    parser.add_argument("--faults", default="focal,imu_early", type=lambda text: text.split(","))
+    arguments = parser.parse_args()
+    for program in arguments.program or ["build/facet"]:
+        print(f"{program}: ATE from {FOUND_AFTER_S} s on [mm]: exact, {' and '.join(arguments.faults)} +, -")
+        ratios = []
+        for scene in SCENES:
+            sequence = arguments.suite / "sequences" / scene
+            with tempfile.TemporaryDirectory() as name:
+                folder = Path(name)
+                exact = late_ate_mm(program, sequence, folder / "exact")
+                both = [late_ate_mm(program, damaged(program, sequence, arguments.faults, sign, folder / f"data{sign}"),
+                                    folder / f"run{sign}") for sign in (1, -1)]
+            ratios += [error / exact for error in both]
+            print(f"{scene:20} {exact:6.1f} " + " ".join(f"{error:6.1f}" for error in both), flush=True)
+        print(f"median ratio {statistics.median(ratios):.2f}, worst {max(ratios):.2f}")
+
+
+if __name__ == "__main__":
+    main()
