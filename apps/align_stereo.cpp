@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "align_stereo.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <variant>
@@ -17,6 +18,15 @@ namespace {
 // What stands too near or has no texture in one pair may be gone in the next.
 constexpr int kNumPairs = 4;
 constexpr double kBetweenPairs_s = 0.5, kLongest_s = 5;
+// Of a pair; a hundred and more are usual.
+constexpr std::size_t kFewMatches = 20;
+// Cameras are swapped: so many matches of all pairs the other way round, and so much more often.
+constexpr std::size_t kManySwapped = 80, kTimesMore = 5;
+
+struct PairMatches {
+  std::vector<StereoRays> rays;
+  std::size_t num_swapped = 0;  ///< matches with the images exchanged, of pairs with few otherwise
+};
 
 /// Empty at the end, or where the recording is damaged.
 std::optional<RecordedFrame> NextFrame(Recording& recording) {
@@ -30,9 +40,9 @@ std::optional<RecordedFrame> NextFrame(Recording& recording) {
   return std::nullopt;
 }
 
-std::vector<StereoRays> MatchPairs(Recording& recording, double start_s) {
+PairMatches MatchPairs(Recording& recording, double start_s) {
   const StereoRig& rig = recording.calibration()->rig;
-  std::vector<StereoRays> matches;
+  PairMatches matches;
   FrameDecoder decoder(rig);
   std::optional<Timestamp> first;
   double next_s = start_s;
@@ -50,7 +60,8 @@ std::vector<StereoRays> MatchPairs(Recording& recording, double start_s) {
       decoder.Decode(*frame, left, right);
       if (right.empty()) continue;
       const std::vector<StereoRays> found = MatchWidely(rig, left, right);
-      matches.insert(matches.end(), found.begin(), found.end());
+      matches.rays.insert(matches.rays.end(), found.begin(), found.end());
+      if (found.size() < kFewMatches) matches.num_swapped += MatchWidely(rig, right, left).size();
       ++num_pairs;
     } catch (const InputError&) {
       continue;  // the run itself will report it
@@ -59,13 +70,23 @@ std::vector<StereoRays> MatchPairs(Recording& recording, double start_s) {
   return matches;
 }
 
+std::string RefusalOf(const PairMatches& matches) {
+  if (matches.num_swapped < std::max(kManySwapped, kTimesMore * matches.rays.size())) return {};
+  return "the cameras are swapped: of the first pairs " + std::to_string(matches.num_swapped) +
+         " corners match when left and right images are exchanged, otherwise " +
+         std::to_string(matches.rays.size()) +
+         "; exchange cam0 and cam1, or the topics, or the calibrations";
+}
+
 }  // namespace
 
 AlignedRig AlignStereo(Recording& recording, double start_s) {
   const StereoRig& rig = recording.calibration()->rig;
-  AlignedRig aligned{rig, {}};
-  const StereoTurn turn = EstimateStereoTurn(rig, MatchPairs(recording, start_s));
+  AlignedRig aligned{rig, {}, {}};
+  const PairMatches matches = MatchPairs(recording, start_s);
   recording.Rewind();
+  aligned.refusal = RefusalOf(matches);
+  const StereoTurn turn = EstimateStereoTurn(rig, matches.rays);
   if (!turn.IsClear()) return aligned;
   aligned.rig = TurnedRig(rig, turn.omega);
   const Vector3d degrees = turn.omega / kDegree;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Looks at a few pairs of a recording before it is run: is the right camera turned against its
-// calibration?
+// Looks at a few pairs of a recording before it is run: are the cameras swapped, is the right one
+// turned against its calibration?
 #pragma once
 
 #include <string>
@@ -14,6 +14,7 @@ namespace facet {
 struct AlignedRig {
   StereoRig rig;        ///< the recording's, unless there is a warning
   std::string warning;  ///< how far the right camera is turned; empty: it is not
+  std::string refusal;  ///< why nothing good can come of a run; mostly empty
 };
 
 /// From four pairs of the first seconds after `start_s`. Images that cannot be used are passed

@@ -191,8 +191,12 @@ void RunCommand(const RunArguments& arguments) {
 
   MeshFiles mesh_files(
       folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
-  AlignedRig aligned{recording.calibration()->rig, {}};
+  AlignedRig aligned{recording.calibration()->rig, {}, {}};
   if (options.check_calibration) aligned = AlignStereo(recording, arguments.range.start_s);
+  if (!aligned.refusal.empty()) {
+    throw InputError(recording.calibration()->source + ": the calibration cannot be right: " +
+                     aligned.refusal + " (check_calibration=false goes on with it)");
+  }
   SequenceRun run = RunPipeline(recording, aligned.rig, options, arguments, mesh_files);
   if (!aligned.warning.empty()) run.record.warnings.push_back(aligned.warning);
   run.record.version = FACET_VERSION;

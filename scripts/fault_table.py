@@ -4,6 +4,7 @@
   fault_table.py                               every sequence of $FACET_DATA_DIR or ../shared/data that has images
   fault_table.py SEQUENCE ... --only 'frozen|object' --starts 3
   fault_table.py --program other/facet         another program, on the same damaged sequences
+  fault_table.py --truth NAME=FILE             another ground truth of a sequence (studies/truth_lag.py makes one)
 
 A row is a fault, a column group a sequence: the ATE in mm (median over the starts; with segments, the largest of
 them), the ratio to the clean run's, the position NEES, the exit code, and what the run says of it: d for degraded
@@ -33,7 +34,9 @@ FAULTS = [
     "object:share=0.2", "object:share=0.3", "object:share=0.3,depth=0.7,crossing=1.5",
     "right_turned:axis=0", "right_turned:axis=1", "right_turned:axis=2", "focal:percent=1", "focal:percent=-1",
     "baseline:percent=2", "baseline:percent=100", "imu_early:ms=10", "imu_early:ms=20",
-    "imu_degrees", "imu_negated:axis=0", "imu_negated:axis=1", "imu_negated:axis=2", "inverted_T_BS", "swapped",
+    "imu_degrees", "imu_negated:axis=0", "imu_negated:axis=1", "imu_negated:axis=2",
+    "imu_negated:axis=0,accel_only=1", "imu_negated:axis=1,accel_only=1", "imu_negated:axis=2,accel_only=1",
+    "inverted_T_BS", "swapped",
 ]
 
 
@@ -44,7 +47,7 @@ def sequences_of(arguments):
     return sorted(p.parents[2] for p in data.glob("*/mav0/cam0/data.csv"))
 
 
-def run(program, sequence, start, out):
+def run(program, sequence, truth, start, out):
     """Figures of one run; None where there are none."""
     done = subprocess.run([program, "run", sequence, "--out", out, "--start", str(start), "--quiet"],
                           capture_output=True, text=True, check=False)
@@ -60,7 +63,7 @@ def run(program, sequence, start, out):
     summary = json.loads((Path(out) / "summary.json").read_text())
     row["signs"] = ("d" if "degraded" in statuses else "") + ("l" if "lost" in statuses else "") + \
         (f"s{len(segments)}" if len(segments) > 1 else "") + ("w" if summary.get("warnings") else "")
-    subprocess.run([program, "evaluate", out, "--truth", sequence, "--parts", "consistency"], capture_output=True,
+    subprocess.run([program, "evaluate", out, "--truth", truth, "--parts", "consistency"], capture_output=True,
                    check=False)
     evaluation = Path(out) / "evaluation.json"
     if evaluation.exists():
@@ -88,10 +91,12 @@ def main():
     parser.add_argument("--planter", default=str(ROOT / "build" / "facet"), help="program that knows the faults")
     parser.add_argument("--only", default="", metavar="REGEX", help="faults that match")
     parser.add_argument("--starts", type=int, default=3)
+    parser.add_argument("--truth", action="append", default=[], metavar="NAME=FILE", type=lambda text: text.split("=", 1))
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     arguments = parser.parse_args()
     sequences = sequences_of(arguments)
     faults = [f for f in FAULTS if re.search(arguments.only, f)]
+    truths = dict(arguments.truth)
     starts = [0.2 * i for i in range(arguments.starts)]
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(arguments.jobs) as pool:
 
@@ -101,7 +106,9 @@ def main():
                 damaged = Path(folder) / f"{number}"
                 subprocess.run([arguments.planter, "simulate", "--quiet", "--of", sequence, "--fault", fault, "--out",
                                 damaged], check=True)
-            return [run(arguments.program, damaged, start, Path(folder) / f"{number}-{start}") for start in starts]
+            truth = truths.get(sequence.name, damaged)
+            return [run(arguments.program, damaged, truth, start, Path(folder) / f"{number}-{start}")
+                    for start in starts]
 
         def print_row(name, groups, clean):
             text = f"{name:42s}"

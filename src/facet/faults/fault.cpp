@@ -117,7 +117,7 @@ void GyroInDegrees(const Values& /*value*/, RecordingCopy& recording) {
 void NegateImu(const Values& value, RecordingCopy& recording) {
   const auto axis = static_cast<Eigen::Index>(value.at("axis"));
   for (ImuSample& sample : recording.imu) {
-    sample.gyro[axis] *= -1;
+    if (value.at("accel_only") == 0) sample.gyro[axis] *= -1;
     if (value.at("gyro_only") == 0) sample.accel[axis] *= -1;
   }
 }
@@ -252,7 +252,10 @@ const std::vector<FaultKind>& Kinds() {
       {"imu_frozen", {{"at", 5}, {"length", 0.3}}, "the IMU repeats itself", FreezeImu},
       {"imu_early", {{"ms", 10}}, "stamps of the IMU are early", ShiftImu},
       {"imu_degrees", {}, "the gyroscope measures in deg/s", GyroInDegrees},
-      {"imu_negated", {{"axis", 0}, {"gyro_only", 0}}, "an axis points the other way", NegateImu},
+      {"imu_negated",
+       {{"axis", 0}, {"gyro_only", 0}, {"accel_only", 0}},
+       "an axis points the other way",
+       NegateImu},
       {"frozen",
        {{"at", 5}, {"length", 0.5}, {"camera", 2}},
        "the cameras repeat one image (camera: 0 left, 1 right, 2 both)",

@@ -81,7 +81,7 @@ void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
   // Poses of before had another calibration, and so another size of the world.
   if (estimator_.calibration_freed_at() != scale_since_) {
     scale_since_ = estimator_.calibration_freed_at();
-    scale_ = {};
+    scale_.WorldHasChanged();
   }
   scale_.AddImu(frame.imu);
   if (!out.is_keyframe) return;
@@ -94,6 +94,9 @@ void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
       return;
     case ScaleCheck::Finding::kRefusal:
       if (out.refusal.empty()) out.refusal = InWords(*scale_.scale());
+      return;
+    case ScaleCheck::Finding::kAxesTheOtherWay:
+      if (out.refusal.empty()) out.refusal = NegatedAxesInWords(scale_.negated_axes());
       return;
   }
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
+#include <type_traits>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -34,6 +36,53 @@ constexpr double kLeastDoubt = 0.01, kLeastRefusal = 0.15, kSureSigmas = 2.8;
 constexpr int kDoubtsInARow = 3;
 constexpr double kHuberWidth = 2, kSigmaPerMedian = 1.4826;
 constexpr int kReweightings = 5;
+// Noise draws the factor of an axis from 1 towards 0, never beyond.
+constexpr int kLeastLegsForAxes =
+    60;  // where the gyroscope's axes are wrong, too, that is told first
+constexpr double kLeastNegated = 0.25, kSureNegatedSigmas = 4;
+
+template <int kNumSlopes>
+struct Line {
+  Vector<kNumSlopes> slope, sigma;
+};
+
+// y(row) = slope x(row) + constants. Huber's loss in units of the residuals' own spread.
+template <int kNumSlopes, class Rows, class X, class Y>
+std::optional<Line<kNumSlopes>> FitLine(const Rows& rows, const X& x, const Y& y) {
+  constexpr int kNumConstants = std::decay_t<decltype(rows.front().constants)>::SizeAtCompileTime;
+  constexpr int kSize = kNumSlopes + kNumConstants;
+  std::vector<double> residuals(rows.size()), sizes(rows.size());
+  double width = 0;
+  Line<kNumSlopes> line;
+  for (int k = 0; k < kReweightings; ++k) {
+    Matrix<kSize, kSize> H = Matrix<kSize, kSize>::Zero();
+    Vector<kSize> b = Vector<kSize>::Zero(), a;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double weight =
+          width > 0 ? std::min(1.0, kHuberWidth * width / std::abs(residuals[i])) : 1.0;
+      a << x(rows[i]), rows[i].constants;
+      H += weight * a * a.transpose();
+      b += weight * y(rows[i]) * a;
+    }
+    H.diagonal().template tail<3>().array() += width * width / (kBiasSigma * kBiasSigma);
+    const Eigen::LDLT<Matrix<kSize, kSize>> factor(H);
+    if (factor.info() != Eigen::Success || !factor.isPositive()) return std::nullopt;
+    const Vector<kSize> solution = factor.solve(b);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      a << x(rows[i]), rows[i].constants;
+      residuals[i] = y(rows[i]) - solution.dot(a);
+      sizes[i] = std::abs(residuals[i]);
+    }
+    width = kSigmaPerMedian * Median(sizes).value_or(0);
+    line.slope = solution.template head<kNumSlopes>();
+    for (int j = 0; j < kNumSlopes; ++j) {
+      const double variance = factor.solve(Vector<kSize>::Unit(j))(j);
+      line.sigma(j) = kCorrelated * width * std::sqrt(std::max(variance, 0.0));
+    }
+  }
+  if (!line.slope.allFinite() || !line.sigma.allFinite()) return std::nullopt;
+  return line;
+}
 
 }  // namespace
 
@@ -44,7 +93,7 @@ bool ScaleCheck::Scale::IsOff(double least, double sigmas) const {
 
 void ScaleCheck::AddImu(const ImuInterval& imu) {
   if (!second_) return;
-  if (imu.samples.empty() || imu.has_hole || second_->imu.dt() > kLongest_s) {
+  if (imu.samples.empty() || imu.has_hole || second_->imu.dt_s() > kLongest_s) {
     Break();
   } else {
     second_->imu.Integrate(imu.samples);
@@ -55,12 +104,12 @@ ScaleCheck::Finding ScaleCheck::AddKeyframe(const NavState& state) {
   Finding finding = Finding::kNothing;
   if (static_cast<int>(rows_.size()) >= kRowsPerLegs * kMostLegs) return finding;
   if (second_) {
-    if (second_->imu.dt() < kShortest_s) return finding;
+    if (second_->imu.dt_s() < kShortest_s) return finding;
     if (first_) AddRows(*first_, *second_, state);
     if (first_ && rows_.size() % (kRowsPerLegs * kLegsPerFit) == 0) finding = Judge();
     first_ = std::move(second_);
   }
-  second_ = Leg{state, ImuPreintegration({state.bias.b_g, Vector3d::Zero()}, {})};
+  second_ = Leg{state, ForceIntegral(state.bias.b_g)};
   return finding;
 }
 
@@ -69,72 +118,54 @@ void ScaleCheck::Break() {
   second_.reset();
 }
 
+void ScaleCheck::WorldHasChanged() {
+  Break();
+  num_rows_before_ = rows_.size();
+  scale_.reset();
+  num_doubts_ = 0;
+  has_doubted_ = is_hopeless_ = false;
+}
+
 // From one leg to the next the mean velocity changes by s (g (T1 + T2) / 2 + a), where a is what
 // the accelerometer says without gravity and bias, and s the scale: the velocity at the keyframe
 // between them drops out.
 void ScaleCheck::AddRows(const Leg& first, const Leg& second, const NavState& end) {
-  const double T1 = first.imu.dt(), T2 = second.imu.dt();
+  const double T1 = first.imu.dt_s(), T2 = second.imu.dt_s();
   const Matrix3d R1 = first.begin.T_WB.R(), R2 = second.begin.T_WB.R();
   const Vector3d change =
       (end.T_WB.p - second.begin.T_WB.p) / T2 - (second.begin.T_WB.p - first.begin.T_WB.p) / T1;
-  const Vector3d by_force =
-      R1 * (first.imu.dv() - first.imu.dp() / T1) + R2 * (second.imu.dp() / T2);
-  const auto by_bias = [](const ImuPreintegration& imu, int row) -> Matrix3d {
-    return imu.BiasJacobian().block<3, 3>(row, 3);
+  const auto from_leg_to_leg = [&](const ForceIntegral::ByAxis& a,
+                                   const ForceIntegral::ByAxis& b) -> Matrix3d {
+    return R1 * (a.velocity - a.displacement / T1) + R2 * (b.displacement / T2);
   };
-  const Matrix3d of_bias = R1 * (by_bias(first.imu, 6) - by_bias(first.imu, 3) / T1) +
-                           R2 * (by_bias(second.imu, 3) / T2);
+  const Matrix3d by_axis = from_leg_to_leg(first.imu.measured(), second.imu.measured());
+  const Matrix3d of_bias = from_leg_to_leg(first.imu.constant(), second.imu.constant());
   for (int axis = 0; axis < 3; ++axis) {
     Row row;
     row.velocity = change(axis);
-    row.force = by_force(axis);
+    row.force_by_axis = by_axis.row(axis).transpose();
+    row.force = row.force_by_axis.sum();
     row.constants << 0.5 * (T1 + T2) * Vector3d::Unit(axis), of_bias.row(axis).transpose();
     rows_.push_back(row);
   }
 }
 
-// y = slope x + constants. Huber's loss in units of the residuals' own spread.
-std::optional<ScaleCheck::Line> ScaleCheck::FitLine(double Row::*x, double Row::*y) const {
-  constexpr int kSize = 1 + kNumConstants;
-  std::vector<double> residuals(rows_.size()), sizes(rows_.size());
-  double width = 0;
-  Line line;
-  for (int k = 0; k < kReweightings; ++k) {
-    Matrix<kSize, kSize> H = Matrix<kSize, kSize>::Zero();
-    Vector<kSize> b = Vector<kSize>::Zero(), a;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const double weight =
-          width > 0 ? std::min(1.0, kHuberWidth * width / std::abs(residuals[i])) : 1.0;
-      a << rows_[i].*x, rows_[i].constants;
-      H += weight * a * a.transpose();
-      b += weight * rows_[i].*y * a;
-    }
-    H.diagonal().tail<3>().array() += width * width / (kBiasSigma * kBiasSigma);
-    const Eigen::LDLT<Matrix<kSize, kSize>> factor(H);
-    if (factor.info() != Eigen::Success || !factor.isPositive()) return std::nullopt;
-    const Vector<kSize> solution = factor.solve(b);
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      residuals[i] = rows_[i].*y - solution(0) * rows_[i].*x -
-                     solution.tail<kNumConstants>().dot(rows_[i].constants);
-      sizes[i] = std::abs(residuals[i]);
-    }
-    width = kSigmaPerMedian * Median(sizes).value_or(0);
-    const double variance = factor.solve(Vector<kSize>::Unit(0))(0);
-    line = {solution(0), kCorrelated * width * std::sqrt(std::max(variance, 0.0))};
-  }
-  if (!std::isfinite(line.slope) || !std::isfinite(line.sigma)) return std::nullopt;
-  return line;
-}
-
 std::optional<ScaleCheck::Scale> ScaleCheck::Fit() const {
-  const std::optional<Line> by_force = FitLine(&Row::force, &Row::velocity);
-  const std::optional<Line> by_velocity = FitLine(&Row::velocity, &Row::force);
+  const auto force = [](const Row& row) { return row.force; };
+  const auto velocity = [](const Row& row) { return row.velocity; };
+  const auto rows = std::span(rows_).subspan(num_rows_before_);
+  const auto by_force = FitLine<1>(rows, force, velocity);
+  const auto by_velocity = FitLine<1>(rows, velocity, force);
   if (!by_force || !by_velocity) return std::nullopt;
+  struct Bound {
+    double slope, sigma;
+  };
+  Bound low{by_force->slope(0), by_force->sigma(0)};
   // Both have the sign of the correlation. A negative one is nothing but noise, unless it is clear.
-  const bool is_known = by_force->slope > 0 || by_force->slope < -kSureSigmas * by_force->sigma;
-  if (!is_known || by_force->slope * by_velocity->slope <= 0) return std::nullopt;
-  const double inverse = 1 / by_velocity->slope;
-  Line low = *by_force, high{inverse, inverse * inverse * by_velocity->sigma};
+  const bool is_known = low.slope > 0 || low.slope < -kSureSigmas * low.sigma;
+  if (!is_known || low.slope * by_velocity->slope(0) <= 0) return std::nullopt;
+  const double inverse = 1 / by_velocity->slope(0);
+  Bound high{inverse, inverse * inverse * by_velocity->sigma(0)};
   if (low.slope > high.slope) std::swap(low, high);
   const double sigma = low.slope > 1    ? low.sigma
                        : high.slope < 1 ? high.sigma
@@ -142,8 +173,28 @@ std::optional<ScaleCheck::Scale> ScaleCheck::Fit() const {
   return Scale{low.slope, high.slope, sigma};
 }
 
+std::string ScaleCheck::FindNegatedAxes() const {
+  const auto line = FitLine<3>(
+      std::span(rows_),
+      [](const Row& row) { return row.force_by_axis; },
+      [](const Row& row) { return row.velocity; });
+  std::string axes;
+  for (int k = 0; line && k < 3; ++k) {
+    if (line->slope(k) < -std::max(kLeastNegated, kSureNegatedSigmas * line->sigma(k)))
+      axes += "xyz"[k];
+  }
+  return axes;
+}
+
 ScaleCheck::Finding ScaleCheck::Judge() {
-  const int num_legs = static_cast<int>(rows_.size()) / kRowsPerLegs;
+  const int num_all_legs = static_cast<int>(rows_.size()) / kRowsPerLegs;
+  if (num_all_legs >= kLeastLegs && num_all_legs <= kMostLegsForRefusal) {
+    // What was clear once stays so: with a wrong accelerometer the poses become worse and worse.
+    if (negated_axes_.empty()) negated_axes_ = FindNegatedAxes();
+    if (!negated_axes_.empty() && num_all_legs >= kLeastLegsForAxes)
+      return Finding::kAxesTheOtherWay;
+  }
+  const int num_legs = num_all_legs - static_cast<int>(num_rows_before_) / kRowsPerLegs;
   if (num_legs < kLeastLegs) return Finding::kNothing;
   scale_ = Fit();
   if (!scale_) return Finding::kNothing;
@@ -156,11 +207,21 @@ ScaleCheck::Finding ScaleCheck::Judge() {
   return Finding::kDoubt;
 }
 
-std::string InWords(const ScaleCheck::Scale& scale) {
-  if (scale.high < 0) {
-    return "the accelerometer shows the opposite of what the cameras see: at rest it must measure "
-           "+9.8 upwards; check the signs of a_RS_S in imu0/data.csv and T_BS, or T_cam_imu";
+std::string NegatedAxesInWords(const std::string& axes) {
+  std::string what = "the accelerometer shows";
+  if (axes.size() < 3) {
+    what = axes.size() == 1 ? "an axis of the accelerometer, " : "two axes of the accelerometer, ";
+    for (std::size_t k = 0; k < axes.size(); ++k)
+      what += std::string(k > 0 ? " and " : "") + axes[k];
+    what += axes.size() == 1 ? ", shows" : ", show";
   }
+  return what +
+         " the opposite of what the cameras see: at rest it must measure +9.8 upwards; check the "
+         "signs of a_RS_S in imu0/data.csv and T_BS, or T_cam_imu";
+}
+
+std::string InWords(const ScaleCheck::Scale& scale) {
+  if (scale.high < 0) return NegatedAxesInWords("xyz");
   char text[400];
   std::snprintf(text,
                 sizeof(text),

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Whether the world that the stereo pair measures is as large as the accelerometer says. A baseline
-// or a focal length that is off makes the world too large or too small; to the images all sizes are
-// the same, and an estimator that trusts its calibration gives way only slowly.
+// Whether the world that the stereo pair measures is as large as the accelerometer says, and
+// whether each axis of the accelerometer points where it should. A baseline or a focal length that
+// is off makes the world too large or too small; to the images all sizes are the same, and an
+// estimator that trusts its calibration gives way only slowly.
 #pragma once
 
 #include <optional>
@@ -9,7 +10,7 @@
 #include <vector>
 
 #include "facet/imu/imu_buffer.h"
-#include "facet/imu/preintegration.h"
+#include "facet/plausibility/force_integral.h"
 
 namespace facet {
 
@@ -30,8 +31,9 @@ class ScaleCheck {
 
   enum class Finding {
     kNothing,
-    kDoubt,   ///< off by more than a calibration is; once
-    kRefusal  ///< in the first minute: by so much that nothing good comes of it
+    kDoubt,           ///< off by more than a calibration is; once
+    kRefusal,         ///< in the first minute: by so much that nothing good comes of it
+    kAxesTheOtherWay  ///< in the first minute: axes of the accelerometer, see negated_axes()
   };
 
   /// The IMU from the end of the interval before.
@@ -44,8 +46,15 @@ class ScaleCheck {
   /// Poses from before and after this are not to be compared.
   void Break();
 
+  /// The same, and the size of the world is measured anew: the estimator has another calibration.
+  void WorldHasChanged();
+
   /// As far as it is known; empty before there was enough motion to say anything.
   const std::optional<Scale>& scale() const { return scale_; }
+
+  /// Axes of the accelerometer that certainly measure the opposite of what the images see: "x",
+  /// "y", "z", several or none; reported somewhat later.
+  const std::string& negated_axes() const { return negated_axes_; }
 
  private:
   /// One axis of what happens from one leg to the next: velocity = scale * force + gravity and bias
@@ -53,29 +62,32 @@ class ScaleCheck {
   static constexpr int kNumConstants = 6;
   struct Row {
     double velocity = 0, force = 0;
+    Vector3d force_by_axis;  ///< of the accelerometer; their sum is the force
     Vector<kNumConstants> constants;
   };
   struct Leg {
     NavState begin;
-    ImuPreintegration imu;
+    ForceIntegral imu;
   };
 
   void AddRows(const Leg& first, const Leg& second, const NavState& end);
   std::optional<Scale> Fit() const;
-  struct Line {
-    double slope = 0, sigma = 0;
-  };
-  std::optional<Line> FitLine(double Row::*x, double Row::*y) const;
+  std::string FindNegatedAxes() const;
   Finding Judge();
 
   std::optional<Leg> first_, second_;  // between three keyframes; the second one is growing
   std::vector<Row> rows_;
+  std::size_t num_rows_before_ = 0;  // from before the world changed, of another scale
   std::optional<Scale> scale_;
+  std::string negated_axes_;
   int num_doubts_ = 0;  // in a row
   bool has_doubted_ = false, is_hopeless_ = false;
 };
 
 /// What is wrong, in words that follow "warning: ".
 std::string InWords(const ScaleCheck::Scale& scale);
+
+/// What is wrong with these axes of the accelerometer (ScaleCheck::negated_axes) and what to do.
+std::string NegatedAxesInWords(const std::string& axes);
 
 }  // namespace facet

@@ -23,19 +23,28 @@ const SE3 kTilt(ExpSO3(Vector3d(0.02, -0.03, 0.5)), Vector3d(1, 2, 3));
 struct Judgement {
   bool is_doubted = false, is_refused = false;
   std::optional<ScaleCheck::Scale> scale;
+  std::string negated_axes;
 };
 
-// `early_size`: of the first `early_s` seconds.
-Judgement Fly(
-    std::uint64_t seed, double size, double duration_s, double early_size = 1, double early_s = 0) {
+// `early_size`: of the first `early_s` seconds. `axes`: what those of the accelerometer are
+// multiplied with.
+Judgement Fly(std::uint64_t seed,
+              double size,
+              double duration_s,
+              double early_size = 1,
+              double early_s = 0,
+              const Vector3d& axes = Vector3d::Ones(),
+              bool change_is_told = false) {
   FeatureSimulatorOptions options;
   options.max_tracks = 1;
   options.duration_s = duration_s;
   const SimulatedRun run = SimulateFeatures(
       SplineTrajectory::Fit(MakeFlight(duration_s, seed)), EurocRig(), options, seed);
   ImuBuffer imu;
-  for (const ImuSample& sample : run.imu)
+  for (ImuSample sample : run.imu) {
+    sample.accel = sample.accel.cwiseProduct(axes);
     imu.Add(sample);
+  }
   Rng rng(seed);
   ScaleCheck check;
   Judgement out;
@@ -46,7 +55,7 @@ Judgement Fly(
     if (i % kFramesPerKeyframe != 0) continue;
     NavState state = run.truth[i];
     const bool is_early = state.t - run.truth[0].t < FromSeconds(early_s);
-    if (was_early && !is_early) check.Break();
+    if (was_early && !is_early) change_is_told ? check.WorldHasChanged() : check.Break();
     was_early = is_early;
     state.T_WB.p = (is_early ? early_size : size) * state.T_WB.p + kPositionSigma_m * rng.Normal3();
     state.T_WB.q = state.T_WB.q * ExpSO3(kRotationSigma * rng.Normal3());
@@ -54,6 +63,8 @@ Judgement Fly(
     const ScaleCheck::Finding finding = check.AddKeyframe(state);
     out.is_doubted |= finding == ScaleCheck::Finding::kDoubt;
     out.is_refused |= finding == ScaleCheck::Finding::kRefusal;
+    if (finding == ScaleCheck::Finding::kAxesTheOtherWay && out.negated_axes.empty())
+      out.negated_axes = check.negated_axes();
   }
   out.scale = check.scale();
   return out;
@@ -105,7 +116,31 @@ TEST(ScaleCheckTest, AWrongBaselineIsDoubtedAndADoubledOneRefused) {
 // The estimator then holds the world upside down, and all accelerations are the wrong way round.
 TEST(ScaleCheckTest, AnAccelerometerWithTheWrongSignIsRefused) {
   for (std::uint64_t seed = 60; seed < 65; ++seed)
-    EXPECT_TRUE(Fly(seed, -1, 20).is_refused) << seed;
+    EXPECT_EQ(Fly(seed, -1, 20).negated_axes, "xyz") << seed;
+}
+
+TEST(ScaleCheckTest, NegatedAxesOfTheAccelerometerAreNamed) {
+  const std::pair<Vector3d, const char*> cases[] = {
+      {{-1, 1, 1}, "x"}, {{1, -1, 1}, "y"}, {{1, 1, -1}, "z"}, {{-1, 1, -1}, "xz"}};
+  for (std::uint64_t seed = 70; seed < 75; ++seed) {
+    for (const auto& [axes, name] : cases)
+      EXPECT_EQ(Fly(seed, 1, 20, 1, 0, axes).negated_axes, name) << seed;
+  }
+}
+
+// Slow flights, whose accelerations drown in the errors of the poses, and wrong sizes.
+TEST(ScaleCheckTest, NoAxisIsCalledNegatedWithoutReason) {
+  for (std::uint64_t seed = 80; seed < 100; ++seed)
+    EXPECT_EQ(Fly(seed, seed % 2 == 0 ? 1.0 : 0.7, 60).negated_axes, "") << seed;
+}
+
+// The first half is a world of another size; only what follows the change counts.
+TEST(ScaleCheckTest, AfterTheWorldHasChangedItsSizeIsMeasuredAnew) {
+  const Judgement both = Fly(30, 1, 40, 1.1, 20);
+  const Judgement anew = Fly(30, 1, 40, 1.1, 20, Vector3d::Ones(), true);
+  ASSERT_TRUE(both.scale && anew.scale);
+  EXPECT_GT(both.scale->value(), 1.03);
+  EXPECT_NEAR(anew.scale->value(), 1, 0.01);
 }
 
 TEST(ScaleCheckTest, ABodyAtRestSaysNothing) {
@@ -151,6 +186,9 @@ TEST(ScaleCheckTest, SaysWhatToLookAt) {
   EXPECT_THAT(InWords({1.02, 1.022, 0.004}), HasSubstr("2.1 % (1-sigma 0.4) too large"));
   EXPECT_THAT(InWords({0.5, 0.5, 0.05}), HasSubstr("50.0 % (1-sigma 5.0) too small"));
   EXPECT_THAT(InWords({-1.2, -0.9, 0.05}), HasSubstr("+9.8 upwards"));
+  EXPECT_THAT(NegatedAxesInWords("y"), HasSubstr("an axis of the accelerometer, y, shows the opp"));
+  EXPECT_THAT(NegatedAxesInWords("xz"), HasSubstr("accelerometer, x and z, show the opp"));
+  EXPECT_THAT(NegatedAxesInWords("xyz"), HasSubstr("the accelerometer shows the opp"));
 }
 
 }  // namespace
