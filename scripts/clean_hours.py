@@ -3,6 +3,7 @@
 
   clean_hours.py                     two hours over all recordings and simulated flights
   clean_hours.py --hours 0.2 --only room
+  clean_hours.py --sequences FOLDER ...   these alone, from many starts, e.g. those of `scripts/suite.py make`
 
 Closed flights of start_flights.py are played lap after lap (build/bench/laps); recordings and open flights are run from
 many starts, one tenth of all data. An alarm is, after the first pose, a frame whose status is not ok, a new segment, an
@@ -63,14 +64,15 @@ def main():
     parser.add_argument("--hours", type=float, default=2)
     parser.add_argument("--only", default="", metavar="REGEX", help="sequences that match")
     parser.add_argument("--cache", type=Path, default=ROOT / "runs" / "flights", help="of simulated flights")
+    parser.add_argument("--sequences", type=Path, nargs="+", help="instead of the recordings and simulated flights")
     parser.add_argument("--program", default=str(ROOT / "build" / "facet"))
     parser.add_argument("--laps", default=str(ROOT / "build" / "bench" / "laps"))
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     arguments = parser.parse_args()
-    flights = [f for f in start_flights.FLIGHTS if re.search(arguments.only, f.name)]
+    flights = [f for f in start_flights.FLIGHTS if re.search(arguments.only, f.name) and not arguments.sequences]
     made = start_flights.make_all(arguments.cache, arguments.program, flights)
     closed = [folder for flight, folder in made if flight.is_closed()]
-    opened = [f for f in trajectories.find_sequences([start_flights.data_folder()])
+    opened = [f for f in trajectories.find_sequences(arguments.sequences or [start_flights.data_folder()])
               if re.search(arguments.only, f.name) and trajectories.truth_file(f)]
     opened += [folder for flight, folder in made if not flight.is_closed()]
     open_share = OPEN_SHARE if closed and opened else float(bool(opened))

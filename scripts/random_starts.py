@@ -4,6 +4,7 @@
   random_starts.py                          1000 starts over all recordings and simulated flights
   random_starts.py --count 100 --only room  fewer, of the sequences whose name matches
   random_starts.py --program other/facet --csv starts.csv
+  random_starts.py --sequences FOLDER ...   these instead, e.g. those of `scripts/suite.py make`
 
 Sequences: those of $FACET_DATA_DIR or ../shared/data that have images, and the flights of start_flights.py, which are
 simulated into --cache once. Moments are drawn with a fixed seed, the same number in every sequence. A start is late
@@ -225,15 +226,16 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", metavar="REGEX", help="sequences that match")
     parser.add_argument("--cache", type=Path, default=ROOT / "runs" / "flights", help="of simulated flights")
+    parser.add_argument("--sequences", type=Path, nargs="+", help="instead of the recordings and simulated flights")
     parser.add_argument("--program", default=str(ROOT / "build" / "facet"))
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="for facet run")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--csv", type=Path, help="one line for each start")
     parser.add_argument("--worst", type=int, default=8, help="how many are listed")
     arguments = parser.parse_args()
-    folders = [f for f in trajectories.find_sequences([start_flights.data_folder()])
+    folders = [f for f in trajectories.find_sequences(arguments.sequences or [start_flights.data_folder()])
                if re.search(arguments.only, f.name) and trajectories.truth_file(f)]
-    flights = [f for f in start_flights.FLIGHTS if re.search(arguments.only, f.name)]
+    flights = [f for f in start_flights.FLIGHTS if re.search(arguments.only, f.name) and not arguments.sequences]
     folders += [folder for _, folder in start_flights.make_all(arguments.cache, arguments.program, flights)]
     if not folders:
         sys.exit("random_starts: no sequence matches")

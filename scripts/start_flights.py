@@ -103,7 +103,7 @@ FLIGHTS = [
            recording=("euroc_flights/MH_05_difficult/groundtruth.csv", "euroc_flights/MH_05_difficult/imu.csv")),
     Flight("room-aggressive", "fast", ["--scene", "room", "--seed", "42", "--trajectory", "aggressive"]),
     Flight("corridor-10Hz", "walking", ["--scene", "corridor", "--seed", "43", "--trajectory", "walk",
-                                        "--calibration-error", "--set", "image.rate_hz=10"]),
+                                        "--draw-calibration", "43", "--set", "image.rate_hz=10"]),
 ]
 
 

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "facet/io/errors.h"
+#include "facet/io/sync_to_disk.h"
 
 namespace facet {
 namespace {
@@ -122,6 +123,7 @@ ResultFolder::~ResultFolder() {
 
 void ResultFolder::Commit() {
   CheckReplaceable(target_);
+  SyncToDisk(staging_);
   std::error_code error;
   if (!fs::exists(target_, error)) {
     fs::rename(staging_, target_, error);

@@ -23,8 +23,8 @@ class ResultFolder {
   const std::filesystem::path& target() const { return target_; }
   const std::filesystem::path& staging() const { return staging_; }  ///< write here
 
-  /// Puts the new folder in place of the old one. Throws OutputError; the old one is then
-  /// untouched.
+  /// Puts the new folder in place of the old one, as soon as it is on the disk. Throws OutputError;
+  /// the old one is then untouched.
   void Commit();
 
  private:

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "facet/io/errors.h"
+#include "facet/io/sync_to_disk.h"
 
 namespace facet {
 
@@ -31,13 +32,16 @@ void WriteTextFile(const fs::path& file, const std::string& text) {
 
 void ReplaceTextFile(const fs::path& file, const std::string& text) {
   const fs::path partial = file.string() + ".partial";
-  const bool written = Write(partial, text);
   std::error_code error;
-  if (written) fs::rename(partial, file, error);
-  if (written && !error) return;
-  std::error_code ignored;
-  fs::remove(partial, ignored);
-  Fail(file);
+  try {
+    if (!Write(partial, text)) Fail(file);
+    SyncToDisk(partial);
+    fs::rename(partial, file, error);
+    if (error) Fail(file);
+  } catch (const OutputError&) {
+    fs::remove(partial, error);
+    throw;
+  }
 }
 
 }  // namespace facet
