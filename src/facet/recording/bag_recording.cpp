@@ -42,11 +42,11 @@ double MedianDelaySeconds(const std::vector<StampPair>& stamps) {
   return MedianSeconds(delays_ns);
 }
 
-double MedianIntervalSeconds(const std::vector<StampPair>& stamps) {
+double MedianIntervalSeconds(const std::vector<Timestamp>& stamps) {
   std::vector<std::int64_t> intervals_ns;
   for (std::size_t i = 1; i < stamps.size(); ++i)
-    intervals_ns.push_back((stamps[i].header - stamps[i - 1].header).ns);
-  return intervals_ns.empty() ? 0.05 : MedianSeconds(intervals_ns);
+    intervals_ns.push_back((stamps[i] - stamps[i - 1]).ns);
+  return intervals_ns.empty() ? 0.05 : std::max(0.0, MedianSeconds(intervals_ns));
 }
 
 std::string Text(const char* format, double a, double b = 0) {
@@ -83,9 +83,22 @@ BagRecording::BagRecording(std::unique_ptr<MessageSource> source,
   if (choice_.gyro) roles_[*choice_.gyro] = Role::kGyro;
   if (choice_.accel) roles_[*choice_.accel] = Role::kAccel;
   Opening opening;
+  const std::size_t images[] = {choice_.left, choice_.right};
+  for (std::size_t i = 0; i < 2; ++i) {
+    opening.calibration.are_rectified[i] =
+        source_->topics()[images[i]].name.find("rect") != std::string::npos;
+  }
   ReadOpening(opening);
   FindCalibrationOf(opening, options);
-  JudgeStamps(opening);
+  FindMissingStamps(opening);
+  FindSampleBits(opening);
+  JudgeDelays(opening);
+  const bool has_stamps = !has_no_stamps_.contains(choice_.left);
+  std::vector<Timestamp> left;
+  for (const StampPair& stamp : opening.left)
+    left.push_back(has_stamps ? stamp.header : stamp.received);
+  tolerance_ = FromSeconds(MedianIntervalSeconds(left) / 8);
+  first_left_ = left.front();
   Rewind();
   RequireReadablePair();
   Rewind();
@@ -116,6 +129,7 @@ void BagRecording::ReadOpening(Opening& opening) {
 
 void BagRecording::LookAt(const Message& message, Opening& opening) {
   constexpr int kNumSampleImages = 10;
+  constexpr std::size_t kMaxTransforms = 10000;
   const Topic& topic = source_->topics()[message.topic];
   RosCalibrationMessages& calibration = opening.calibration;
   const auto role = roles_.find(message.topic);
@@ -137,8 +151,10 @@ void BagRecording::LookAt(const Message& message, Opening& opening) {
     } else if (message.topic == choice_.right_info) {
       calibration.cameras[1] = ReadCameraInfoMessage(message.bytes, topic.encoding);
     } else if (topic.type == kTransformsType && topic.name.ends_with("tf_static")) {
-      for (FrameTransform& transform : ReadTransformsMessage(message.bytes, topic.encoding))
-        calibration.transforms.push_back(std::move(transform));
+      for (FrameTransform& transform : ReadTransformsMessage(message.bytes, topic.encoding)) {
+        if (calibration.transforms.size() < kMaxTransforms)
+          calibration.transforms.push_back(std::move(transform));
+      }
     }
   } catch (const InputError& error) {
     if (num_damaged_++ == 0) first_damaged_ = PlaceOf(message) + ": " + error.what();
@@ -167,8 +183,7 @@ void BagRecording::FindCalibrationOf(const Opening& opening, const BagOptions& o
   }
 }
 
-void BagRecording::JudgeStamps(const Opening& opening) {
-  constexpr double kOddDelay_s = 1, kOddDifference_s = 0.1, kOtherClock_s = 10;
+void BagRecording::FindMissingStamps(const Opening& opening) {
   const auto has_none = [](const std::vector<StampPair>& stamps) {
     return std::ranges::all_of(stamps, [](const StampPair& s) { return s.header.ns == 0; });
   };
@@ -185,16 +200,19 @@ void BagRecording::JudgeStamps(const Opening& opening) {
   }
   if (choice_.accel && has_no_stamps_.contains(*choice_.gyro))
     has_no_stamps_[*choice_.accel] = true;
-  tolerance_ = FromSeconds(MedianIntervalSeconds(opening.left) / 8);
-  first_left_ = opening.left.front().header;
-  if (opening.largest_sample > 0) {
-    sample_bits_ = UsedSampleBits(opening.largest_sample);
-    if (sample_bits_ < 16) {
-      warnings_.push_back("images have 16-bit samples of which " + std::to_string(sample_bits_) +
-                          " bits are used (the largest value is " +
-                          std::to_string(opening.largest_sample) + "); they are scaled from those");
-    }
-  }
+}
+
+void BagRecording::FindSampleBits(const Opening& opening) {
+  if (opening.largest_sample == 0) return;
+  sample_bits_ = UsedSampleBits(opening.largest_sample);
+  if (sample_bits_ == 16) return;
+  warnings_.push_back("images have 16-bit samples of which " + std::to_string(sample_bits_) +
+                      " bits are used (the largest value is " +
+                      std::to_string(opening.largest_sample) + "); they are scaled from those");
+}
+
+void BagRecording::JudgeDelays(const Opening& opening) {
+  constexpr double kOddDelay_s = 1, kOddDifference_s = 0.1, kOtherClock_s = 10;
   if (!has_no_stamps_.empty()) return;
   const double camera_s = MedianDelaySeconds(opening.left), imu_s = MedianDelaySeconds(opening.imu);
   if (std::abs(camera_s - imu_s) > kOtherClock_s) {
@@ -255,8 +273,7 @@ void BagRecording::RequireReadablePair() {
 }
 
 std::string BagRecording::PlaceOf(const Message& message) const {
-  return source_->Place() + ": " + source_->topics()[message.topic].name + " at byte " +
-         std::to_string(message.offset);
+  return source_->PlaceOf(message) + ": " + source_->topics()[message.topic].name;
 }
 
 ImageMessage BagRecording::ReadImage(const Message& message) const {

@@ -55,7 +55,9 @@ class BagRecording : public Recording {
   void ReadOpening(Opening& opening);
   void LookAt(const Message& message, Opening& opening);
   void FindCalibrationOf(const Opening& opening, const BagOptions& options);
-  void JudgeStamps(const Opening& opening);
+  void FindMissingStamps(const Opening& opening);
+  void FindSampleBits(const Opening& opening);
+  void JudgeDelays(const Opening& opening);
   void RequireReadablePair();
   std::string PlaceOf(const Message& message) const;
   ImageMessage ReadImage(const Message& message) const;

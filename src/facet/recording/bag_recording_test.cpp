@@ -192,6 +192,56 @@ TEST_F(BagRecordingTest, StampsOfTheRecorderServeWhereHeadersHaveNone) {
   EXPECT_THAT(recording->Warnings(), Contains(HasSubstr("/imu0: the messages have no stamps")));
 }
 
+TEST_F(BagRecordingTest, ImagesWithoutStampsArePairedByThoseOfTheRecorder) {
+  std::vector<TestMessage> messages = Messages();
+  for (TestMessage& message : messages) {
+    if (message.topic == "/imu0") continue;
+    if (message.topic == "/cam1/image_raw") message.received.ns += 2000000;
+    message.bytes = ImageBytes(
+        MessageEncoding::kCdr, {}, "cam", {160, 120, "mono8", std::string(160 * 120, 'x')});
+  }
+  std::ranges::stable_sort(messages, {}, &TestMessage::received);
+  AslRecording folder(Sequence());
+  const auto recording = Open(messages);
+  EXPECT_EQ(Events(*recording), Events(folder));
+  EXPECT_NEAR(recording->NumFrames({options_.first_ns}, {options_.first_ns + (1LL << 50)}), 12, 3);
+}
+
+TEST_F(BagRecordingTest, CalibrationOfRectifiedImages) {
+  std::vector<TestMessage> messages =
+      CalibrationMessagesOfSequence(Sequence(), MessageEncoding::kCdr);
+  std::ranges::copy(Messages(), std::back_inserter(messages));
+  for (TestMessage& message : messages) {
+    if (message.type == kImageType) message.topic.replace(6, std::string::npos, "image_rect");
+  }
+  EXPECT_THAT(Complaint(messages, false), HasSubstr("the images are rectified, but"));
+
+  const Matrix3d R = Eigen::AngleAxisd(0.02, Vector3d::UnitY()).toRotationMatrix();
+  for (TestMessage& message : messages) {
+    if (message.type != kCameraInfoType) continue;
+    CameraInfoMessage info = ReadCameraInfoMessage(
+        {reinterpret_cast<const std::uint8_t*>(message.bytes.data()), message.bytes.size()},
+        MessageEncoding::kCdr);
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(info.R.data()) = R;
+    info.P = {111, 0, 81, 0, 0, 112, 61, 0, 0, 0, 1, 0};
+    message.bytes = CameraInfoBytes(MessageEncoding::kCdr, info);
+  }
+  const auto recording = Open(messages, false);
+  const StereoRig& rig = recording->calibration()->rig;
+  const StereoRig raw = AslRecording(Sequence()).calibration()->rig;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const CameraIntrinsics& k = rig.cameras[i].intrinsics();
+    EXPECT_EQ(k.fx, 111);
+    EXPECT_EQ(k.fy, 112);
+    EXPECT_EQ(k.cx, 81);
+    EXPECT_EQ(k.cy, 61);
+    EXPECT_EQ(k.distortion, DistortionModel::kNone);
+    // What a raw camera sees in direction x, the rectified one sees in direction R x.
+    EXPECT_LT((rig.T_BC[i].R() * R - raw.T_BC[i].R()).norm(), 1e-9);
+    EXPECT_LT((rig.T_BC[i].p - raw.T_BC[i].p).norm(), 1e-12);
+  }
+}
+
 TEST_F(BagRecordingTest, DamagedMessagesAreLeftOutAndCounted) {
   std::vector<TestMessage> messages = Messages();
   auto damaged = std::ranges::find(messages, "/cam1/image_raw", &TestMessage::topic);
@@ -204,7 +254,7 @@ TEST_F(BagRecordingTest, DamagedMessagesAreLeftOutAndCounted) {
   EXPECT_EQ(std::ranges::count_if(events, [](const auto& e) { return e.starts_with("mono"); }), 1);
   EXPECT_THAT(
       recording->Warnings(),
-      Contains(AllOf(HasSubstr("1 messages are damaged"), HasSubstr("/cam1/image_raw at"))));
+      Contains(AllOf(HasSubstr("1 messages are damaged"), HasSubstr(": /cam1/image_raw: "))));
 }
 
 TEST_F(BagRecordingTest, WhatCameBeforeTheDamageIsGiven) {
@@ -244,7 +294,8 @@ TEST_F(BagRecordingTest, SaysWhyARecordingCannotBeUsed) {
   }
   EXPECT_THAT(Complaint(messages),
               AllOf(HasSubstr("80 x 60 pixels, the calibration of cam0 has 160 x 120"),
-                    HasSubstr("/cam0/image_raw at byte")));
+                    HasSubstr("at byte "),
+                    HasSubstr(": /cam0/image_raw: ")));
   messages = Messages();
   std::erase_if(messages, [](const TestMessage& m) { return m.topic == "/imu0"; });
   EXPECT_THAT(Complaint(messages), HasSubstr("no topic of type sensor_msgs/Imu"));

@@ -147,6 +147,11 @@ Bytes Decompress(Compression compression,
                  Bytes data,
                  std::uint64_t size,
                  std::vector<std::uint8_t>& buffer) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 30;
+  if (compression != Compression::kNone && size > kMost) {
+    throw InputError("announces " + std::to_string(size) +
+                     " decompressed bytes; recorders write chunks of some megabytes");
+  }
   std::size_t num = data.size();
   Bytes result = data;
   if (compression != Compression::kNone) {

@@ -2,6 +2,7 @@
 #include "facet/recording/open_recording.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <fstream>
 #include <string_view>
@@ -58,15 +59,12 @@ bool HasBagName(const fs::path& file) {
   const std::string extension = file.extension().string();
   if (extension == ".zstd" || extension == ".zst") {
     throw InputError(file.string() +
-                     ": the file is compressed as a whole; decompress it first: "
-                     "zstd -d --rm " +
+                     ": the file is compressed as a whole; decompress it first: zstd -d --rm " +
                      file.filename().string());
   }
-  throw InputError(file.string() + ": at byte 0: " +
-                   (HasBagName(file) ? "damaged, or not what its name says; "
-                                     : "unknown kind of "
-                                       "file; ") +
-                   kExpected);
+  const char* what =
+      HasBagName(file) ? "damaged, or not what its name says; " : "unknown kind of file; ";
+  throw InputError(file.string() + ": at byte 0: " + what + kExpected);
 }
 
 std::unique_ptr<MessageSource> OpenFile(const fs::path& file) {
@@ -156,11 +154,20 @@ bool HasNames(const TopicNames& names) {
 std::unique_ptr<MessageSource> OpenMessages(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) throw InputError(path.string() + ": no such folder or file");
-  if (!fs::is_directory(path, error)) return OpenFile(path);
-  if (IsAsl(path)) return nullptr;
-  std::vector<fs::path> files = FilesOfFolder(path);
-  if (files.empty()) return nullptr;
-  return std::make_unique<SplitBag>(std::move(files), OpenFile);
+  std::unique_ptr<MessageSource> source;
+  if (!fs::is_directory(path, error)) {
+    source = OpenFile(path);
+  } else {
+    if (IsAsl(path)) return nullptr;
+    std::vector<fs::path> files = FilesOfFolder(path);
+    if (files.empty()) return nullptr;
+    source = std::make_unique<SplitBag>(std::move(files), OpenFile);
+  }
+  if (source->topics().empty()) {
+    throw InputError(path.string() +
+                     ": there is no message in it; was the recorder stopped at once?");
+  }
+  return source;
 }
 
 std::unique_ptr<Recording> OpenRecording(const fs::path& path, const RecordingOptions& options) {
