@@ -54,9 +54,11 @@ void AddTopics(CLI::App& command, std::vector<std::string>& topics) {
 
 void AddOptions(CLI::App& command, RunArguments& a) {
   command
-      .add_option("RECORDING",
-                  a.sequence,
-                  "folder that holds mav0/, ROS 1 bag, ROS 2 bag (.db3, .mcap, folder), ...")
+      .add_option(
+          "RECORDING",
+          a.sequence,
+          "folder (mav0/, KITTI raw, or left/, right/ and imu.csv), ROS 1 bag, ROS 2 bag (.db3, "
+          ".mcap, folder)")
       ->required();
   AddTopics(command, a.topics);
   command.add_option("--out", a.out, "result folder (default: runs/<sequence>-<pipeline>)");

@@ -2,16 +2,20 @@
 // Real recordings, rewritten as bags by programs that are not ours: the run is that of the folder,
 // byte by byte. The writers are in src/facet/testing/recording/writers; what they need is named
 // where it is missing.
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "facet/io/asl_dataset.h"
+#include "facet/io/calibration_writer.h"
 #include "facet/io/image_reader.h"
 #include "facet/testing/data_dir.h"
 #include "facet/testing/io/program_run.h"
+#include "facet/testing/io/test_images.h"
 
 namespace facet {
 namespace {
@@ -88,6 +92,63 @@ TEST_P(RecordingsTest, TheTrajectoryIsThatOfTheFolder) {
   const std::string expected = Trajectory(*sequence, *sequence);
   ASSERT_GT(expected.size(), 1000u);
   EXPECT_TRUE(Trajectory(out, *sequence) == expected) << "trajectories differ";
+}
+
+/// A sequence in the layout of TUM-VI: 16-bit PNG, Kalibr's calibration in dso/, poses in mocap0/.
+void WriteTumVi(const fs::path& sequence, const fs::path& out) {
+  WriteRawCopy(sequence, out);
+  ImageReader reader;
+  for (const char* camera : {"cam0", "cam1"}) {
+    const fs::path folder = out / "mav0" / camera;
+    for (const auto& entry : fs::directory_iterator(folder / "data")) {
+      cv::Mat grey;
+      reader.Read(entry.path(), grey);
+      TestImage image{grey.cols, grey.rows, 1, {}};
+      for (auto pixel = grey.begin<std::uint8_t>(); pixel != grey.end<std::uint8_t>(); ++pixel)
+        image.samples.push_back(static_cast<std::uint16_t>(*pixel * 257));
+      WriteText(fs::path(entry.path()).replace_extension(".png"), EncodePng(image, {16}));
+    }
+    EditLines(folder / "data.csv", [](std::vector<std::string>& lines) {
+      for (std::string& line : lines) {
+        if (line.ends_with(".pgm")) line.replace(line.size() - 3, 3, "png");
+      }
+    });
+  }
+  fs::create_directories(out / "dso");
+  WriteCalibration(out / "dso/camchain.yaml", AslDataset(sequence).rig());
+  fs::copy_file(sequence / "mav0/imu0/sensor.yaml", out / "dso/imu_config.yaml");
+  std::vector<std::string> truth = Lines(ReadText(FindTruth(sequence)));
+  for (std::string& line : truth) {
+    std::size_t end = 0;
+    for (int i = 0; i < 8 && end != std::string::npos; ++i)
+      end = line.find(',', end + 1);
+    line.resize(std::min(end, line.size()));
+  }
+  WriteText(out / "mav0/mocap0/data.csv", JoinLines(truth));
+}
+
+TEST(TumViTest, IsRunAndEvaluated) {
+  const auto sequence = testing::DataDir("euroc_mh01_handheld");
+  if (!sequence) GTEST_SKIP() << testing::MissingData("euroc_mh01_handheld");
+  const TempFolder folder;
+  const fs::path tum = folder / "dataset-room1_512_16";
+  WriteTumVi(*sequence, tum);
+  const std::string common = std::string(" --quiet --duration ") + kSeconds + " --out ";
+  const ProgramRun expected =
+      RunFacet("run " + Quoted(*sequence) + " --calibration " + Quoted(tum / "dso/camchain.yaml") +
+               " --imu-calibration " + Quoted(tum / "dso/imu_config.yaml") + common +
+               Quoted(folder / "asl"));
+  ASSERT_EQ(expected.exit_code, 0) << expected.err;
+  const ProgramRun run = RunFacet("run " + Quoted(tum) + common + Quoted(folder / "tum"));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(ReadText(folder / "tum/trajectory.tum") == ReadText(folder / "asl/trajectory.tum"));
+
+  const ProgramRun evaluation = RunFacet("evaluate " + Quoted(folder / "tum") + " --truth " +
+                                         Quoted(tum) + " --parts trajectory");
+  ASSERT_EQ(evaluation.exit_code, 0) << evaluation.err;
+  const auto figures = nlohmann::json::parse(ReadText(folder / "tum/evaluation.json"));
+  EXPECT_GT(figures["coverage"].get<double>(), 0.8);
+  EXPECT_LT(figures["ate"]["rmse_m"].get<double>(), 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -10,8 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
-#include "facet/recording/asl_recording.h"
+#include "facet/recording/folder_recording.h"
 #include "facet/testing/io/test_sequence.h"
 
 namespace facet {
@@ -79,7 +80,7 @@ struct FakeVio {
 class RunSequenceTest : public testing::Test {
  protected:
   SequenceRun Run(const RunRange& range = {}) {
-    AslRecording recording(Sequence());
+    FolderRecording recording{AslDataset(Sequence())};
     return RunSequence(
         recording, vio_.Functions(), range, [&](int done, int total, const VioOutput&) {
           EXPECT_LE(done, total);

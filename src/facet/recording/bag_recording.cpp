@@ -69,6 +69,7 @@ struct BagRecording::Opening {
   std::vector<StampPair> left, right, imu;
   RosCalibrationMessages calibration;
   std::uint16_t largest_sample = 0;
+  ImageReader reader;
   int num_samples = 0;
 };
 
@@ -140,7 +141,8 @@ void BagRecording::LookAt(const Message& message, Opening& opening) {
       (camera == 0 ? opening.left : opening.right).push_back({image.header.t, message.received});
       calibration.camera_frames[camera] = image.header.frame;
       if (opening.num_samples++ < kNumSampleImages) {
-        opening.largest_sample = std::max(opening.largest_sample, LargestSample(image));
+        opening.largest_sample =
+            std::max(opening.largest_sample, LargestSample(image, opening.reader));
       }
     } else if (role != roles_.end() && role->second != Role::kAccel) {
       const ImuMessage imu = ReadImuMessage(message.bytes, topic.encoding);
@@ -206,9 +208,7 @@ void BagRecording::FindSampleBits(const Opening& opening) {
   if (opening.largest_sample == 0) return;
   sample_bits_ = UsedSampleBits(opening.largest_sample);
   if (sample_bits_ == 16) return;
-  warnings_.push_back("images have 16-bit samples of which " + std::to_string(sample_bits_) +
-                      " bits are used (the largest value is " +
-                      std::to_string(opening.largest_sample) + "); they are scaled from those");
+  warnings_.push_back(SampleBitsWarning(sample_bits_, opening.largest_sample));
 }
 
 void BagRecording::JudgeDelays(const Opening& opening) {

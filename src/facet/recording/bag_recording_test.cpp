@@ -7,8 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
-#include "facet/recording/asl_recording.h"
+#include "facet/recording/folder_recording.h"
 #include "facet/recording/frame_decoder.h"
 #include "facet/recording/open_recording.h"
 #include "facet/testing/io/test_sequence.h"
@@ -65,7 +66,7 @@ class BagRecordingTest : public testing::Test {
 };
 
 TEST_F(BagRecordingTest, GivesTheEventsOfTheFolder) {
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   const std::vector<std::string> expected = Events(folder);
   const auto recording = Open(Messages());
   EXPECT_EQ(recording->name(), "a");
@@ -86,12 +87,12 @@ TEST_F(BagRecordingTest, ATimeOffsetMovesTheFramesAmongTheSamples) {
     const auto yaml = Sequence() / "mav0" / ("cam" + std::to_string(i)) / "sensor.yaml";
     ReplaceInFile(yaml, "rate_hz: 20", "timeshift_cam_imu: 0.0125");
   }
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   EXPECT_EQ(Events(*Open(Messages())), Events(folder));
 }
 
 TEST_F(BagRecordingTest, MessagesThatComeLateAreSortedIn) {
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   std::vector<TestMessage> messages = Messages();
   for (TestMessage& message : messages) {
     if (message.topic == "/cam0/image_raw") message.received.ns += 80000000;
@@ -102,7 +103,7 @@ TEST_F(BagRecordingTest, MessagesThatComeLateAreSortedIn) {
 }
 
 TEST_F(BagRecordingTest, PixelsAreThoseOfTheFolder) {
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   const auto bag = Open(Messages());
   const auto first_pair = [](Recording& recording) {
     FrameDecoder decoder(recording.calibration()->rig);
@@ -129,7 +130,7 @@ TEST_F(BagRecordingTest, CalibrationOfTheMessages) {
   const auto recording = Open(messages, false);
   ASSERT_NE(recording->calibration(), nullptr);
   const StereoRig& rig = recording->calibration()->rig;
-  const StereoRig expected = AslRecording(Sequence()).calibration()->rig;
+  const StereoRig expected = AslDataset(Sequence()).rig();
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(rig.cameras[i].intrinsics().fx, expected.cameras[i].intrinsics().fx);
     EXPECT_EQ(rig.cameras[i].intrinsics().cy, expected.cameras[i].intrinsics().cy);
@@ -154,7 +155,7 @@ TEST_F(BagRecordingTest, WithoutCalibrationOnlyWhereNoneIsNeeded) {
   options.needs_calibration = false;
   const auto recording = OpenRecording(folder_ / "a.mcap", options);
   EXPECT_EQ(recording->calibration(), nullptr);
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   EXPECT_EQ(Events(*recording), Events(folder));
 }
 
@@ -174,8 +175,8 @@ TEST_F(BagRecordingTest, OddStampsAreReported) {
   messages = Messages();
   for (TestMessage& message : messages) {
     if (message.topic != "/imu0") continue;
-    ImuSample sample;
-    sample.t.ns = message.received.ns / 1000;  // microseconds
+    const Timestamp microseconds{message.received.ns / 1000};
+    const ImuSample sample{microseconds, Vector3d::Zero(), Vector3d::Zero()};
     message.bytes = ImuBytes(MessageEncoding::kCdr, sample, "imu0");
   }
   EXPECT_THAT(Complaint(messages), HasSubstr("do not overlap in time"));
@@ -184,9 +185,11 @@ TEST_F(BagRecordingTest, OddStampsAreReported) {
 TEST_F(BagRecordingTest, StampsOfTheRecorderServeWhereHeadersHaveNone) {
   std::vector<TestMessage> messages = Messages();
   for (TestMessage& message : messages) {
-    if (message.topic == "/imu0") message.bytes = ImuBytes(MessageEncoding::kCdr, {}, "imu0");
+    if (message.topic != "/imu0") continue;
+    const ImuSample sample{{}, Vector3d::Zero(), Vector3d::Zero()};
+    message.bytes = ImuBytes(MessageEncoding::kCdr, sample, "imu0");
   }
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   const auto recording = Open(messages);
   EXPECT_EQ(Events(*recording), Events(folder));
   EXPECT_THAT(recording->Warnings(), Contains(HasSubstr("/imu0: the messages have no stamps")));
@@ -201,7 +204,7 @@ TEST_F(BagRecordingTest, ImagesWithoutStampsArePairedByThoseOfTheRecorder) {
         MessageEncoding::kCdr, {}, "cam", {160, 120, "mono8", std::string(160 * 120, 'x')});
   }
   std::ranges::stable_sort(messages, {}, &TestMessage::received);
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   const auto recording = Open(messages);
   EXPECT_EQ(Events(*recording), Events(folder));
   EXPECT_NEAR(recording->NumFrames({options_.first_ns}, {options_.first_ns + (1LL << 50)}), 12, 3);
@@ -228,7 +231,7 @@ TEST_F(BagRecordingTest, CalibrationOfRectifiedImages) {
   }
   const auto recording = Open(messages, false);
   const StereoRig& rig = recording->calibration()->rig;
-  const StereoRig raw = AslRecording(Sequence()).calibration()->rig;
+  const StereoRig raw = AslDataset(Sequence()).rig();
   for (std::size_t i = 0; i < 2; ++i) {
     const CameraIntrinsics& k = rig.cameras[i].intrinsics();
     EXPECT_EQ(k.fx, 111);
@@ -258,7 +261,7 @@ TEST_F(BagRecordingTest, DamagedMessagesAreLeftOutAndCounted) {
 }
 
 TEST_F(BagRecordingTest, WhatCameBeforeTheDamageIsGiven) {
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   const std::vector<std::string> all = Events(folder);
   std::string bytes = McapBytes(Messages());
   WriteText(folder_ / "cut.mcap", bytes.substr(0, bytes.size() * 2 / 3));

@@ -32,8 +32,8 @@ class MessageImage : public EncodedImage {
   std::string place_;
 };
 
-/// The largest value of an image with 16-bit samples, 0 for any other one. `message` may be
-/// damaged.
-std::uint16_t LargestSample(const ImageMessage& message);
+/// The largest value of an image with 16-bit samples, also of a PNG, 0 for any other one. Throws
+/// InputError for a damaged file.
+std::uint16_t LargestSample(const ImageMessage& message, ImageReader& reader);
 
 }  // namespace facet

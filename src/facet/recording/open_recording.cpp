@@ -9,11 +9,14 @@
 #include <system_error>
 #include <utility>
 
+#include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
+#include "facet/io/kitti_raw.h"
+#include "facet/io/plain_folder.h"
 #include "facet/io/yaml_file.h"
-#include "facet/recording/asl_recording.h"
 #include "facet/recording/bag_recording.h"
 #include "facet/recording/db3_file.h"
+#include "facet/recording/folder_recording.h"
 #include "facet/recording/mcap_file.h"
 #include "facet/recording/ros1_bag.h"
 #include "facet/recording/split_bag.h"
@@ -25,8 +28,8 @@ namespace fs = std::filesystem;
 using std::string_view_literals::operator""sv;
 
 constexpr const char* kExpected =
-    "a folder with mav0/ (ASL, EuRoC, TUM-VI), a ROS 1 bag, an MCAP file or a ROS 2 bag (.db3, or "
-    "folder) is expected";
+    "a folder with mav0/ (ASL, EuRoC, TUM-VI), with image_00/ and oxts/ (KITTI), or with left/, "
+    "right/ and imu.csv, a ROS 1 bag, an MCAP file or a ROS 2 bag (.db3, or folder) is expected";
 
 enum class BagKind { kNone, kRos1, kMcap, kDb3 };
 
@@ -149,7 +152,17 @@ bool HasNames(const TopicNames& names) {
          !names.accel.empty();
 }
 
+std::unique_ptr<Recording> MakeFolderRecording(RecordingFiles files) {
+  return std::make_unique<FolderRecording>(StereoDataset(std::move(files)));
+}
+
 }  // namespace
+
+FolderKind KindOfFolder(const fs::path& path) {
+  if (IsAsl(path)) return FolderKind::kAsl;
+  if (IsKittiRaw(path)) return FolderKind::kKitti;
+  return IsPlainFolder(path) ? FolderKind::kPlain : FolderKind::kOther;
+}
 
 std::unique_ptr<MessageSource> OpenMessages(const fs::path& path) {
   std::error_code error;
@@ -158,7 +171,7 @@ std::unique_ptr<MessageSource> OpenMessages(const fs::path& path) {
   if (!fs::is_directory(path, error)) {
     source = OpenFile(path);
   } else {
-    if (IsAsl(path)) return nullptr;
+    if (KindOfFolder(path) != FolderKind::kOther) return nullptr;
     std::vector<fs::path> files = FilesOfFolder(path);
     if (files.empty()) return nullptr;
     source = std::make_unique<SplitBag>(std::move(files), OpenFile);
@@ -180,10 +193,17 @@ std::unique_ptr<Recording> OpenRecording(const fs::path& path, const RecordingOp
   if (HasNames(options.topics)) {
     throw ConfigError("--topics: " + path.string() + " is no bag, it has no topics");
   }
-  if (!IsAsl(path)) {
-    throw InputError(path.string() + ": holds neither mav0/ nor cam0/ nor bags; " + kExpected);
+  switch (KindOfFolder(path)) {
+    case FolderKind::kAsl:
+      return MakeFolderRecording(ReadAslFolder(path, options.calibration));
+    case FolderKind::kKitti:
+      return MakeFolderRecording(ReadKittiRaw(path, options.calibration));
+    case FolderKind::kPlain:
+      return MakeFolderRecording(ReadPlainFolder(path, options.calibration));
+    case FolderKind::kOther:
+      break;
   }
-  return std::make_unique<AslRecording>(path, options.calibration);
+  throw InputError(path.string() + ": holds neither mav0/ nor cam0/ nor bags; " + kExpected);
 }
 
 }  // namespace facet
