@@ -13,6 +13,7 @@
 #include "facet/io/asl_dataset.h"
 #include "facet/io/calibration_writer.h"
 #include "facet/io/image_reader.h"
+#include "facet/io/trajectory_file.h"
 #include "facet/testing/data_dir.h"
 #include "facet/testing/io/program_run.h"
 #include "facet/testing/io/test_images.h"
@@ -92,6 +93,49 @@ TEST_P(RecordingsTest, TheTrajectoryIsThatOfTheFolder) {
   const std::string expected = Trajectory(*sequence, *sequence);
   ASSERT_GT(expected.size(), 1000u);
   EXPECT_TRUE(Trajectory(out, *sequence) == expected) << "trajectories differ";
+}
+
+struct StampedPosition {
+  Timestamp t;
+  Vector3d p;
+};
+
+std::vector<StampedPosition> Positions(const fs::path& file) {
+  std::vector<StampedPosition> positions;
+  for (const auto& pose : ReadTrajectory(file).poses)
+    positions.push_back({pose.t, pose.T_WB.p});
+  return positions;
+}
+
+TEST(McapConversionTest, TheTrajectoryIsThatOfTheFolder) {
+  const auto sequence = testing::DataDir("euroc_mh01_handheld");
+  if (!sequence) GTEST_SKIP() << testing::MissingData("euroc_mh01_handheld");
+  const TempFolder folder;
+  WriteRawCopy(*sequence, folder / "raw");
+  const std::string calibration = " --calibration " + Quoted(*sequence);
+  const auto run = [&](const fs::path& recording, const std::string& out, const std::string& more) {
+    const ProgramRun program = RunFacet("run " + Quoted(recording) + more + " --quiet --duration " +
+                                        kSeconds + " --out " + Quoted(folder / out));
+    EXPECT_EQ(program.exit_code, 0) << program.err;
+    return folder / out / "trajectory.tum";
+  };
+  const fs::path expected = run(folder / "raw", "asl", calibration);
+  ASSERT_GT(Positions(expected).size(), 40u);
+  for (const char* compression : {"zstd", "none"}) {
+    const fs::path file = folder / (std::string(compression) + ".mcap");
+    const ProgramRun convert = RunFacet("convert " + Quoted(folder / "raw") + " " + Quoted(file) +
+                                        calibration + " --quiet --compression " + compression);
+    ASSERT_EQ(convert.exit_code, 0) << convert.err;
+    const fs::path same = run(file, "same", calibration);
+    EXPECT_TRUE(ReadText(same) == ReadText(expected)) << "with --calibration";
+
+    const auto positions = Positions(run(file, "own", "")), wanted = Positions(expected);
+    ASSERT_EQ(positions.size(), wanted.size()) << "with the calibration in the recording";
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      EXPECT_EQ(positions[i].t, wanted[i].t);
+      EXPECT_LE((positions[i].p - wanted[i].p).norm(), 1e-6) << i;
+    }
+  }
 }
 
 /// A sequence in the layout of TUM-VI: 16-bit PNG, Kalibr's calibration in dso/, poses in mocap0/.
