@@ -245,6 +245,40 @@ TEST_F(BagRecordingTest, CalibrationOfRectifiedImages) {
   }
 }
 
+/// As rosbag2 does in its compression mode "message".
+TEST_F(BagRecordingTest, MessagesThatAreCompressedOneByOne) {
+  std::vector<TestMessage> messages = Messages();
+  for (TestMessage& message : messages)
+    message.bytes = Compressed(Compression::kZstd, message.bytes);
+  WriteDb3(folder_ / "bag/a_0.db3", messages);
+  const std::string metadata =
+      "rosbag2_bagfile_information:\n  compression_mode: MESSAGE\n  relative_file_paths: "
+      "[a_0.db3]\n  compression_format: ";
+  WriteText(folder_ / "bag/metadata.yaml", metadata + "zstd\n");
+  FolderRecording folder{AslDataset(Sequence())};
+  const std::vector<std::string> expected = Events(folder);
+  for (const auto& path : {folder_ / "bag", folder_ / "bag/a_0.db3"})
+    EXPECT_EQ(Events(*OpenRecording(path, {{Sequence(), {}}, {}})), expected);
+  EXPECT_EQ(Events(*Open(messages)), expected) << "in MCAP";
+
+  const auto damaged = std::find_if(messages.begin() + 90, messages.end(), [](const auto& m) {
+    return m.topic == "/cam1/image_raw";
+  });
+  damaged->bytes.resize(damaged->bytes.size() / 2);
+  const auto recording = Open(messages);
+  const std::vector<std::string> events = Events(*recording);
+  EXPECT_EQ(std::ranges::count_if(events, [](const auto& e) { return e.starts_with("mono"); }), 1);
+  EXPECT_THAT(recording->Warnings(), Contains(HasSubstr("1 messages are damaged")));
+
+  WriteText(folder_ / "bag/metadata.yaml", metadata + "lz5\n");
+  try {
+    OpenRecording(folder_ / "bag");
+    FAIL() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("metadata.yaml:4"), HasSubstr("'lz5'")));
+  }
+}
+
 TEST_F(BagRecordingTest, DamagedMessagesAreLeftOutAndCounted) {
   std::vector<TestMessage> messages = Messages();
   auto damaged = std::ranges::find(messages, "/cam1/image_raw", &TestMessage::topic);

@@ -169,4 +169,12 @@ Bytes Decompress(Compression compression,
   return result;
 }
 
+Bytes DecompressZstdFrame(Bytes data, std::vector<std::uint8_t>& buffer) {
+  const unsigned long long size = ZSTD_getFrameContentSize(data.data(), data.size());
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
+    throw InputError("zstd data that do not say how many bytes they stand for");
+  }
+  return Decompress(Compression::kZstd, data, size, buffer);
+}
+
 }  // namespace facet

@@ -24,4 +24,9 @@ std::span<const std::uint8_t> Decompress(Compression compression,
                                          std::uint64_t size,
                                          std::vector<std::uint8_t>& buffer);
 
+/// The same for zstd data that say themselves how many bytes they stand for; throws InputError,
+/// too, where they do not.
+std::span<const std::uint8_t> DecompressZstdFrame(std::span<const std::uint8_t> data,
+                                                  std::vector<std::uint8_t>& buffer);
+
 }  // namespace facet

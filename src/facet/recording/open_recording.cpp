@@ -16,6 +16,7 @@
 #include "facet/io/yaml_file.h"
 #include "facet/recording/bag_recording.h"
 #include "facet/recording/db3_file.h"
+#include "facet/recording/decompressed_messages.h"
 #include "facet/recording/folder_recording.h"
 #include "facet/recording/mcap_file.h"
 #include "facet/recording/ros1_bag.h"
@@ -75,9 +76,9 @@ std::unique_ptr<MessageSource> OpenFile(const fs::path& file) {
     case BagKind::kRos1:
       return std::make_unique<Ros1Bag>(file);
     case BagKind::kMcap:
-      return std::make_unique<McapFile>(file);
+      return std::make_unique<DecompressedMessages>(std::make_unique<McapFile>(file));
     case BagKind::kDb3:
-      return std::make_unique<Db3File>(file);
+      return std::make_unique<DecompressedMessages>(std::make_unique<Db3File>(file));
     default:
       FailUnknown(file);
   }
@@ -110,11 +111,12 @@ bool NaturalOrder(const fs::path& a, const fs::path& b) {
 std::vector<fs::path> FilesOfMetadata(const fs::path& folder) {
   const YamlFile yaml(folder / "metadata.yaml");
   const YAML::Node bag = yaml.Require(yaml.root(), "rosbag2_bagfile_information");
-  const YAML::Node mode = bag["compression_mode"];
-  if (mode && mode.IsScalar() && mode.Scalar() == "MESSAGE") {
-    throw InputError((folder / "metadata.yaml").string() +
-                     ": each message is compressed by itself, which is not supported; convert the "
-                     "bag with `ros2 bag convert`");
+  const YAML::Node mode = bag["compression_mode"], format = bag["compression_format"];
+  const bool is_compressed = mode && mode.IsScalar() && mode.Scalar() == "MESSAGE";
+  if (is_compressed && format && format.IsScalar() && format.Scalar() != "zstd") {
+    yaml.Fail(format,
+              "messages are compressed with '" + format.Scalar() +
+                  "', zstd is known; convert the bag with `ros2 bag convert`");
   }
   const YAML::Node paths = yaml.Require(bag, "relative_file_paths");
   std::vector<fs::path> files;

@@ -265,6 +265,7 @@ std::string McapBytes(const std::vector<TestMessage>& messages, const TestBagOpt
 }
 
 void WriteDb3(const std::filesystem::path& file, const std::vector<TestMessage>& messages) {
+  std::filesystem::create_directories(file.parent_path());
   sqlite3* raw = nullptr;
   const int status = sqlite3_open(file.c_str(), &raw);
   const std::unique_ptr<sqlite3, decltype(&sqlite3_close)> database(raw, &sqlite3_close);
