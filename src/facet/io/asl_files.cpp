@@ -168,9 +168,10 @@ std::vector<ImageListEntry> ListImageFolder(const std::filesystem::path& folder,
   }
   const auto order = [](const ImageListEntry& image) { return std::pair(image.t, image.file); };
   std::ranges::sort(images, {}, order);
-  const auto same = std::ranges::unique(images, {}, &ImageListEntry::t);
-  num_others += static_cast<int>(same.size());
-  images.erase(same.begin(), same.end());
+  const auto is_same = [](const ImageListEntry& a, const ImageListEntry& b) { return a.t == b.t; };
+  const auto same = std::unique(images.begin(), images.end(), is_same);
+  num_others += static_cast<int>(images.end() - same);
+  images.erase(same, images.end());
   if (images.empty()) {
     throw InputError(folder.string() +
                      ": no image that is named by its stamp in nanoseconds, such as "

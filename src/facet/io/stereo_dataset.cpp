@@ -91,7 +91,10 @@ void StereoDataset::PairImages() {
     const std::size_t partner = FindPartner(image.t, right, tolerance_ns, next);
     const bool is_pair = partner < right.size();
     if (!is_pair && num_pairs == 0) continue;
-    frames_.push_back({image.t, image.file, is_pair ? right[partner].file : std::string()});
+    frames_.push_back({image.t,
+                       is_pair ? right[partner].t : image.t,
+                       image.file,
+                       is_pair ? right[partner].file : std::string()});
     ++(is_pair ? num_pairs : num_mono);
   }
   if (num_pairs == 0) {

@@ -19,6 +19,7 @@ namespace facet {
 /// One left image and the right image of the same moment.
 struct FrameEntry {
   Timestamp t;        ///< of the left image
+  Timestamp t_right;  ///< of the right image, if there is one
   std::string left;   ///< file name in the folder of the left camera
   std::string right;  ///< file name in the folder of the right camera; empty: a mono frame
   bool HasRight() const { return !right.empty(); }

@@ -91,7 +91,7 @@ void AslWriter::Add(const ImuSample& sample) {
 
 void AslWriter::Add(const RecordedFrame& frame) {
   AddImage(0, frame.t, *frame.left);
-  if (frame.HasRight()) AddImage(1, frame.t, *frame.right);
+  if (frame.HasRight()) AddImage(1, frame.t_right, *frame.right);
 }
 
 void AslWriter::AddImage(std::size_t camera, Timestamp t, const EncodedImage& image) {

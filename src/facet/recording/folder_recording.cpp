@@ -23,6 +23,7 @@ std::optional<RecordingEvent> FolderRecording::Next() {
   const int bits = dataset_.sample_bits();
   RecordedFrame frame;
   frame.t = entry.t;
+  frame.t_right = entry.t_right;
   frame.left = std::make_shared<FileImage>(dataset_.ImagePath(0, entry.left), bits);
   if (entry.HasRight()) {
     frame.right = std::make_shared<FileImage>(dataset_.ImagePath(1, entry.right), bits);

@@ -70,7 +70,7 @@ void McapRecordingWriter::Add(const ImuSample& sample) {
 void McapRecordingWriter::Add(const RecordedFrame& frame) {
   AddTransforms(frame.t);
   AddImage(0, frame.t, *frame.left);
-  if (frame.HasRight()) AddImage(1, frame.t, *frame.right);
+  if (frame.HasRight()) AddImage(1, frame.t_right, *frame.right);
 }
 
 void McapRecordingWriter::AddImage(std::size_t camera, Timestamp t, const EncodedImage& image) {

@@ -16,8 +16,7 @@ class RecordingWriter {
 
   virtual void Add(const ImuSample& sample) = 0;
 
-  /// Images become 8-bit grey; one that cannot be decoded is left out and counted. The right image
-  /// gets the stamp of the left one.
+  /// Images become 8-bit grey; one that cannot be decoded is left out and counted.
   virtual void Add(const RecordedFrame& frame) = 0;
 
   /// Makes what was written a complete recording.

@@ -72,9 +72,10 @@ void StereoPairer::Settle() {
   };
   while (right.size() > 1 && distance(right[1]) < distance(right[0]))
     skip();
-  RecordedFrame frame{left.t, left.image, nullptr};
+  RecordedFrame frame{left.t, left.t, left.image, nullptr};
   if (!right.empty() && distance(right.front()) <= tolerance_) {
     frame.right = right.front().image;
+    frame.t_right = right.front().t;
     Drop(1);
     ++num_pairs_;
   } else if (num_pairs_ == 0) {
