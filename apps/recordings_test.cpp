@@ -138,6 +138,35 @@ TEST(McapConversionTest, TheTrajectoryIsThatOfTheFolder) {
   }
 }
 
+TEST(McapConversionTest, TheReferenceImplementationReadsTheFile) {
+  if (RunShell("command -v node").exit_code != 0) GTEST_SKIP() << "no node";
+  const TempFolder folder;
+  WriteTestSequence(folder / "seq");
+  const fs::path file = folder / "a.mcap";
+  const ProgramRun convert = RunFacet("convert " + Quoted(folder / "seq") + " " + Quoted(file) +
+                                      " --quiet --compression none");
+  ASSERT_EQ(convert.exit_code, 0) << convert.err;
+  const ProgramRun reader =
+      RunShell("node " + Quoted(fs::path(FACET_WRITERS) / "read_mcap.mjs") + " " + Quoted(file));
+  if (reader.exit_code == kToolMissing) GTEST_SKIP() << reader.out;
+  ASSERT_EQ(reader.exit_code, 0) << reader.err;
+  const auto has_line = [&](const std::string& begin, const std::string& part) {
+    const std::vector<std::string> lines = Lines(reader.out);
+    return std::ranges::any_of(lines, [&](const std::string& line) {
+      return line.starts_with(begin) && line.find(part) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(has_line("/cam0/image_raw sensor_msgs/msg/Image 12 ", R"("encoding":"mono8")"));
+  EXPECT_TRUE(has_line("/cam1/image_raw sensor_msgs/msg/Image 12 ", R"("width":160)"));
+  EXPECT_TRUE(has_line("/cam1/camera_info sensor_msgs/msg/CameraInfo 12 ",
+                       R"("d":[-0.28340811,0.07395907,0.00019359,0.0000176187114,0])"));
+  EXPECT_TRUE(has_line("/imu0 sensor_msgs/msg/Imu 151 ",
+                       R"("linear_acceleration":{"x":9.81,"y":0.01,"z":0.02})"));
+  EXPECT_TRUE(has_line("/imu0 sensor_msgs/msg/Imu 151 ",
+                       R"("stamp":{"sec":1403636584,"nanosec":663555584})"));
+  EXPECT_TRUE(has_line("/tf_static tf2_msgs/msg/TFMessage 1 ", R"("child_frame_id":"cam1")"));
+}
+
 /// A sequence in the layout of TUM-VI: 16-bit PNG, Kalibr's calibration in dso/, poses in mocap0/.
 void WriteTumVi(const fs::path& sequence, const fs::path& out) {
   WriteRawCopy(sequence, out);

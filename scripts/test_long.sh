@@ -75,6 +75,7 @@ fuzz_target() {
 fuzz() {
   share=$((${FUZZ_SECONDS:-600} / 6))
   text="config,camera,kalibr,image list,imu,trajectory,states,truth,planes,true planes,json"
+  text="$text,kitti calibration,kitti times,kitti oxts"
   fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \
     reader_fuzzer recording_fuzzer imu_fuzzer estimator_fuzzer &&
     fuzz_build build-fuzz-fast Release fuzzer-no-link,signed-integer-overflow,float-cast-overflow,bounds,shift \
