@@ -108,6 +108,11 @@ ImageMessage ReadCompressedImageMessage(std::span<const std::uint8_t> bytes,
   return image;
 }
 
+ImageMessage ReadAnyImageMessage(const Topic& topic, std::span<const std::uint8_t> bytes) {
+  return topic.type == kImageType ? ReadImageMessage(bytes, topic.encoding)
+                                  : ReadCompressedImageMessage(bytes, topic.encoding);
+}
+
 ImuMessage ReadImuMessage(std::span<const std::uint8_t> bytes, MessageEncoding encoding) {
   FieldReader reader(bytes, encoding);
   constexpr int kOrientation = 4, kCovariance = 9;

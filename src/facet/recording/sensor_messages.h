@@ -57,6 +57,8 @@ inline constexpr const char* kTransformsType = "tf2_msgs/TFMessage";
 ImageMessage ReadImageMessage(std::span<const std::uint8_t> bytes, MessageEncoding encoding);
 ImageMessage ReadCompressedImageMessage(std::span<const std::uint8_t> bytes,
                                         MessageEncoding encoding);
+/// Of either type, which the topic says.
+ImageMessage ReadAnyImageMessage(const Topic& topic, std::span<const std::uint8_t> bytes);
 /// Angular velocity [rad/s], linear acceleration [m/s^2], in the sensor's frame; numbers may be
 /// anything, also not finite.
 struct ImuMessage {
