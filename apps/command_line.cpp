@@ -54,9 +54,11 @@ void AddTopics(CLI::App& command, std::vector<std::string>& topics) {
 
 void AddOptions(CLI::App& command, RunArguments& a) {
   command
-      .add_option("RECORDING",
-                  a.sequence,
-                  "folder that holds mav0/, ROS 1 bag, ROS 2 bag (.db3, .mcap, folder), ...")
+      .add_option(
+          "RECORDING",
+          a.sequence,
+          "folder (mav0/, KITTI raw, or left/, right/ and imu.csv), ROS 1 bag, ROS 2 bag (.db3, "
+          ".mcap, folder)")
       ->required();
   AddTopics(command, a.topics);
   command.add_option("--out", a.out, "result folder (default: runs/<sequence>-<pipeline>)");
@@ -181,12 +183,17 @@ void AddInfo(CLI::App& app) {
 }
 
 void AddConvert(CLI::App& app) {
-  auto* command =
-      app.add_subcommand("convert", "Write a recording as a folder in the ASL/EuRoC layout");
+  auto* command = app.add_subcommand(
+      "convert", "Write a recording as a folder in the ASL/EuRoC layout, or as MCAP");
   auto arguments = std::make_shared<ConvertArguments>();
   command->add_option("RECORDING", arguments->recording, "as for facet run")->required();
-  command->add_option("OUT", arguments->out, "folder; an interrupted conversion goes on")
+  command
+      ->add_option(
+          "OUT", arguments->out, "folder, in which an interrupted conversion goes on; or file.mcap")
       ->required();
+  command->add_option("--compression", arguments->compression, "of an MCAP file: zstd or none")
+      ->check(CLI::IsMember({"zstd", "none"}))
+      ->capture_default_str();
   AddTopics(*command, arguments->topics);
   command->add_option("--calibration", arguments->calibration, "as for facet run");
   command->add_option("--imu-calibration", arguments->imu_calibration, "as for facet run");

@@ -9,14 +9,15 @@ namespace facet {
 /// What `facet convert` is told on the command line.
 struct ConvertArguments {
   std::string recording, out, calibration, imu_calibration;
-  std::vector<std::string> topics;  // role=name
+  std::vector<std::string> topics;   // role=name
+  std::string compression = "zstd";  // of an MCAP file: zstd or none
   bool quiet = false;
 };
 
-/// `facet convert`: writes a recording as a folder in the ASL layout: images as 8-bit grey PNG, the
-/// IMU, and the calibration (Kalibr's format) if there is one. Images that are there already are
-/// kept, so that a conversion that was interrupted goes on; the lists are written last. Throws
-/// InputError, OutputError, and ConfigError where OUT is something else.
+/// `facet convert`: writes a recording as a folder in the ASL layout (asl_writer.h), in which an
+/// interrupted conversion goes on, or, where OUT ends in .mcap, as such a file
+/// (mcap_recording_writer.h). Throws InputError, OutputError, and ConfigError where OUT is
+/// something else.
 void ConvertCommand(const ConvertArguments& arguments);
 
 }  // namespace facet

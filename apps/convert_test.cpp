@@ -26,8 +26,11 @@ class ConvertTest : public ::testing::Test {
   }
   std::filesystem::path Sequence() const { return folder_ / "seq"; }
   std::filesystem::path Out() const { return folder_ / "out"; }
-  ProgramRun Convert() const {
-    return RunFacet("convert " + (folder_ / "a.mcap").string() + " " + Out().string());
+  ProgramRun Convert() const { return Convert("a.mcap", "out"); }
+  ProgramRun Convert(const std::string& from,
+                     const std::string& to,
+                     const std::string& more = "") const {
+    return RunFacet("convert " + (folder_ / from).string() + " " + (folder_ / to).string() + more);
   }
 
   TempFolder folder_;
@@ -80,6 +83,56 @@ TEST_F(ConvertTest, AnInterruptedConversionGoesOn) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_THAT(again.out, HasSubstr("12 frames (23 images were there already"));
   EXPECT_EQ(RunFacet("info " + Out().string()).exit_code, 0);
+}
+
+TEST_F(ConvertTest, McapHoldsWhatTheFolderHolds) {
+  for (const char* compression : {"zstd", "none"}) {
+    const std::string file = std::string(compression) + ".mcap";
+    const ProgramRun run = Convert("seq", file, " --compression " + std::string(compression));
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(Convert("seq", file).exit_code, 2) << "it is there already";
+    const auto original = OpenRecording(Sequence()), converted = OpenRecording(folder_ / file);
+    ImageReader reader;
+    cv::Mat a, b;
+    while (const auto expected = original->Next()) {
+      const auto event = converted->Next();
+      ASSERT_TRUE(event);
+      ASSERT_EQ(event->index(), expected->index());
+      if (const auto* sample = std::get_if<ImuSample>(&*expected)) {
+        EXPECT_EQ(std::get<ImuSample>(*event).t, sample->t);
+        EXPECT_EQ(std::get<ImuSample>(*event).gyro, sample->gyro);
+        EXPECT_EQ(std::get<ImuSample>(*event).accel, sample->accel);
+        continue;
+      }
+      const auto &frame = std::get<RecordedFrame>(*expected),
+                 &other = std::get<RecordedFrame>(*event);
+      EXPECT_EQ(other.t, frame.t);
+      ASSERT_TRUE(other.HasRight());
+      frame.right->Decode({}, reader, a);
+      other.right->Decode({}, reader, b);
+      ASSERT_EQ(a.size(), b.size());
+      EXPECT_TRUE(std::equal(a.begin<char>(), a.end<char>(), b.begin<char>()));
+    }
+    EXPECT_FALSE(converted->Next());
+    const StereoRig &rig = converted->calibration()->rig, &other = original->calibration()->rig;
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(rig.cameras[i].intrinsics().coefficients,
+                other.cameras[i].intrinsics().coefficients);
+      EXPECT_EQ(rig.cameras[i].intrinsics().fy, other.cameras[i].intrinsics().fy);
+      EXPECT_LT((rig.T_BC[i].R() - other.T_BC[i].R()).norm(), 1e-12);
+      EXPECT_EQ(rig.T_BC[i].p, other.T_BC[i].p);
+    }
+  }
+}
+
+TEST_F(ConvertTest, AnOffsetOfTheClocksIsNamedBecauseMcapHasNoPlaceForIt) {
+  for (const char* camera : {"cam0", "cam1"}) {
+    ReplaceInFile(
+        Sequence() / "mav0" / camera / "sensor.yaml", "rate_hz: 20", "timeshift_cam_imu: 0.0125");
+  }
+  const ProgramRun run = Convert("seq", "b.mcap");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("+0.012500 s"), HasSubstr("--calibration")));
 }
 
 TEST_F(ConvertTest, OtherFoldersAreLeftAlone) {

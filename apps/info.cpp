@@ -53,7 +53,11 @@ class StampStatistics {
 void PrintTopics(const std::string& path) {
   const std::unique_ptr<MessageSource> messages = OpenMessages(path);
   if (!messages) {
-    std::printf("kind: folder in the ASL layout\n");
+    const FolderKind kind = KindOfFolder(path);
+    const char* layout = kind == FolderKind::kAsl     ? "the ASL layout"
+                         : kind == FolderKind::kKitti ? "the layout of KITTI's raw data"
+                                                      : "the plain layout";
+    if (kind != FolderKind::kOther) std::printf("kind: folder in %s\n", layout);
     return;
   }
   std::printf("kind: %s\ntopics:\n", messages->Kind().c_str());

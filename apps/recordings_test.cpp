@@ -2,16 +2,21 @@
 // Real recordings, rewritten as bags by programs that are not ours: the run is that of the folder,
 // byte by byte. The writers are in src/facet/testing/recording/writers; what they need is named
 // where it is missing.
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "facet/io/asl_dataset.h"
+#include "facet/io/calibration_writer.h"
 #include "facet/io/image_reader.h"
+#include "facet/io/trajectory_file.h"
 #include "facet/testing/data_dir.h"
 #include "facet/testing/io/program_run.h"
+#include "facet/testing/io/test_images.h"
 
 namespace facet {
 namespace {
@@ -88,6 +93,135 @@ TEST_P(RecordingsTest, TheTrajectoryIsThatOfTheFolder) {
   const std::string expected = Trajectory(*sequence, *sequence);
   ASSERT_GT(expected.size(), 1000u);
   EXPECT_TRUE(Trajectory(out, *sequence) == expected) << "trajectories differ";
+}
+
+struct StampedPosition {
+  Timestamp t;
+  Vector3d p;
+};
+
+std::vector<StampedPosition> Positions(const fs::path& file) {
+  std::vector<StampedPosition> positions;
+  for (const auto& pose : ReadTrajectory(file).poses)
+    positions.push_back({pose.t, pose.T_WB.p});
+  return positions;
+}
+
+TEST(McapConversionTest, TheTrajectoryIsThatOfTheFolder) {
+  const auto sequence = testing::DataDir("euroc_mh01_handheld");
+  if (!sequence) GTEST_SKIP() << testing::MissingData("euroc_mh01_handheld");
+  const TempFolder folder;
+  WriteRawCopy(*sequence, folder / "raw");
+  const std::string calibration = " --calibration " + Quoted(*sequence);
+  const auto run = [&](const fs::path& recording, const std::string& out, const std::string& more) {
+    const ProgramRun program = RunFacet("run " + Quoted(recording) + more + " --quiet --duration " +
+                                        kSeconds + " --out " + Quoted(folder / out));
+    EXPECT_EQ(program.exit_code, 0) << program.err;
+    return folder / out / "trajectory.tum";
+  };
+  const fs::path expected = run(folder / "raw", "asl", calibration);
+  ASSERT_GT(Positions(expected).size(), 40u);
+  for (const char* compression : {"zstd", "none"}) {
+    const fs::path file = folder / (std::string(compression) + ".mcap");
+    const ProgramRun convert = RunFacet("convert " + Quoted(folder / "raw") + " " + Quoted(file) +
+                                        calibration + " --quiet --compression " + compression);
+    ASSERT_EQ(convert.exit_code, 0) << convert.err;
+    const fs::path same = run(file, "same", calibration);
+    EXPECT_TRUE(ReadText(same) == ReadText(expected)) << "with --calibration";
+
+    const auto positions = Positions(run(file, "own", "")), wanted = Positions(expected);
+    ASSERT_EQ(positions.size(), wanted.size()) << "with the calibration in the recording";
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      EXPECT_EQ(positions[i].t, wanted[i].t);
+      EXPECT_LE((positions[i].p - wanted[i].p).norm(), 1e-6) << i;
+    }
+  }
+}
+
+TEST(McapConversionTest, TheReferenceImplementationReadsTheFile) {
+  if (RunShell("command -v node").exit_code != 0) GTEST_SKIP() << "no node";
+  const TempFolder folder;
+  WriteTestSequence(folder / "seq");
+  const fs::path file = folder / "a.mcap";
+  const ProgramRun convert = RunFacet("convert " + Quoted(folder / "seq") + " " + Quoted(file) +
+                                      " --quiet --compression none");
+  ASSERT_EQ(convert.exit_code, 0) << convert.err;
+  const ProgramRun reader =
+      RunShell("node " + Quoted(fs::path(FACET_WRITERS) / "read_mcap.mjs") + " " + Quoted(file));
+  if (reader.exit_code == kToolMissing) GTEST_SKIP() << reader.out;
+  ASSERT_EQ(reader.exit_code, 0) << reader.err;
+  const auto has_line = [&](const std::string& begin, const std::string& part) {
+    const std::vector<std::string> lines = Lines(reader.out);
+    return std::ranges::any_of(lines, [&](const std::string& line) {
+      return line.starts_with(begin) && line.find(part) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(has_line("/cam0/image_raw sensor_msgs/msg/Image 12 ", R"("encoding":"mono8")"));
+  EXPECT_TRUE(has_line("/cam1/image_raw sensor_msgs/msg/Image 12 ", R"("width":160)"));
+  EXPECT_TRUE(has_line("/cam1/camera_info sensor_msgs/msg/CameraInfo 12 ",
+                       R"("d":[-0.28340811,0.07395907,0.00019359,0.0000176187114,0])"));
+  EXPECT_TRUE(has_line("/imu0 sensor_msgs/msg/Imu 151 ",
+                       R"("linear_acceleration":{"x":9.81,"y":0.01,"z":0.02})"));
+  EXPECT_TRUE(has_line("/imu0 sensor_msgs/msg/Imu 151 ",
+                       R"("stamp":{"sec":1403636584,"nanosec":663555584})"));
+  EXPECT_TRUE(has_line("/tf_static tf2_msgs/msg/TFMessage 1 ", R"("child_frame_id":"cam1")"));
+}
+
+/// A sequence in the layout of TUM-VI: 16-bit PNG, Kalibr's calibration in dso/, poses in mocap0/.
+void WriteTumVi(const fs::path& sequence, const fs::path& out) {
+  WriteRawCopy(sequence, out);
+  ImageReader reader;
+  for (const char* camera : {"cam0", "cam1"}) {
+    const fs::path folder = out / "mav0" / camera;
+    for (const auto& entry : fs::directory_iterator(folder / "data")) {
+      cv::Mat grey;
+      reader.Read(entry.path(), grey);
+      TestImage image{grey.cols, grey.rows, 1, {}};
+      for (auto pixel = grey.begin<std::uint8_t>(); pixel != grey.end<std::uint8_t>(); ++pixel)
+        image.samples.push_back(static_cast<std::uint16_t>(*pixel * 257));
+      WriteText(fs::path(entry.path()).replace_extension(".png"), EncodePng(image, {16}));
+    }
+    EditLines(folder / "data.csv", [](std::vector<std::string>& lines) {
+      for (std::string& line : lines) {
+        if (line.ends_with(".pgm")) line.replace(line.size() - 3, 3, "png");
+      }
+    });
+  }
+  fs::create_directories(out / "dso");
+  WriteCalibration(out / "dso/camchain.yaml", AslDataset(sequence).rig());
+  fs::copy_file(sequence / "mav0/imu0/sensor.yaml", out / "dso/imu_config.yaml");
+  std::vector<std::string> truth = Lines(ReadText(FindTruth(sequence)));
+  for (std::string& line : truth) {
+    std::size_t end = 0;
+    for (int i = 0; i < 8 && end != std::string::npos; ++i)
+      end = line.find(',', end + 1);
+    line.resize(std::min(end, line.size()));
+  }
+  WriteText(out / "mav0/mocap0/data.csv", JoinLines(truth));
+}
+
+TEST(TumViTest, IsRunAndEvaluated) {
+  const auto sequence = testing::DataDir("euroc_mh01_handheld");
+  if (!sequence) GTEST_SKIP() << testing::MissingData("euroc_mh01_handheld");
+  const TempFolder folder;
+  const fs::path tum = folder / "dataset-room1_512_16";
+  WriteTumVi(*sequence, tum);
+  const std::string common = std::string(" --quiet --duration ") + kSeconds + " --out ";
+  const ProgramRun expected =
+      RunFacet("run " + Quoted(*sequence) + " --calibration " + Quoted(tum / "dso/camchain.yaml") +
+               " --imu-calibration " + Quoted(tum / "dso/imu_config.yaml") + common +
+               Quoted(folder / "asl"));
+  ASSERT_EQ(expected.exit_code, 0) << expected.err;
+  const ProgramRun run = RunFacet("run " + Quoted(tum) + common + Quoted(folder / "tum"));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(ReadText(folder / "tum/trajectory.tum") == ReadText(folder / "asl/trajectory.tum"));
+
+  const ProgramRun evaluation = RunFacet("evaluate " + Quoted(folder / "tum") + " --truth " +
+                                         Quoted(tum) + " --parts trajectory");
+  ASSERT_EQ(evaluation.exit_code, 0) << evaluation.err;
+  const auto figures = nlohmann::json::parse(ReadText(folder / "tum/evaluation.json"));
+  EXPECT_GT(figures["coverage"].get<double>(), 0.8);
+  EXPECT_LT(figures["ate"]["rmse_m"].get<double>(), 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -18,6 +18,7 @@
 #include "facet/base/check.h"
 #include "facet/io/errors.h"
 #include "facet/recording/frame_decoder.h"
+#include "facet/recording/image_turner.h"
 
 namespace facet {
 namespace {
@@ -60,6 +61,8 @@ struct UnusableImages {
 /// What went wrong with the input, for the warnings of the run.
 struct InputProblems {
   UnusableImages left, right;
+  int num_turned = 0;       // right images
+  Duration largest_turned;  // difference of the stamps
   int num_refused_imu = 0;
   ImuScreenCounts imu_screen;
 };
@@ -168,6 +171,7 @@ class SequenceRunner {
         range_(range),
         steps_(recording, range),
         decoder_(recording.calibration()->rig),
+        turner_(recording.calibration()->rig.cameras[1]),
         start_(Clock::now()) {
     if (!steps_.FindFirst(step_)) ThrowNoPair();
     RunRecord& record = run_.record;
@@ -245,7 +249,11 @@ class SequenceRunner {
   void TakeStep() {
     ++num_frames_;
     std::ranges::copy(step_.imu, std::back_inserter(unfed_imu_));
+    std::ranges::copy(step_.imu, std::back_inserter(recent_imu_));
     frame_ = std::move(step_.frame);
+    constexpr Duration kRecent{200000000};
+    while (recent_imu_.size() > 1 && recent_imu_.back().t - recent_imu_.front().t > kRecent)
+      recent_imu_.pop_front();
   }
 
   void FeedImu() {
@@ -300,11 +308,30 @@ class SequenceRunner {
     try {
       const std::string problem = decoder_.Decode(frame_, images_.left, images_.right);
       if (!problem.empty()) problems_.right.Add(problem);
+      TurnRightImage();
       return true;
     } catch (const InputError& error) {
       problems_.left.Add(error.what());
       return false;
     }
+  }
+
+  /// A right image of another moment becomes that of the moment of the left one, as far as the
+  /// gyroscope knows how the camera turned in between.
+  void TurnRightImage() {
+    constexpr double kNoticed_px = 0.1;
+    if (images_.right.empty() || frame_.t_right == frame_.t) return;
+    const StereoRig& rig = recording_.calibration()->rig;
+    const Quaterniond R_Bleft_Bright =
+        RotationBetween(recent_imu_, frame_.t + rig.time_offset, frame_.t_right + rig.time_offset);
+    const double angle = R_Bleft_Bright.angularDistance(Quaterniond::Identity());
+    if (!(angle * rig.cameras[1].mean_focal_px() >= kNoticed_px)) return;
+    const Quaterniond& R_BC = rig.T_BC[1].q;
+    turner_.Turn((R_BC.conjugate() * R_Bleft_Bright.conjugate() * R_BC).toRotationMatrix(),
+                 images_.right);
+    ++problems_.num_turned;
+    const Duration difference = std::max(frame_.t_right - frame_.t, frame_.t - frame_.t_right);
+    problems_.largest_turned = std::max(problems_.largest_turned, difference);
   }
 
   void TakeResult(RunResult result) {
@@ -351,6 +378,18 @@ class SequenceRunner {
                          " right images are unusable, their frames were used with the left image "
                          "only; the first: " +
                          problems_.right.first);
+    }
+    if (problems_.num_turned > 0) {
+      char text[240];
+      std::snprintf(text,
+                    sizeof(text),
+                    "%d%s right images have other stamps than their left ones (up to %.2f ms) and "
+                    "were turned by the gyroscope to the moment of these; trigger the cameras "
+                    "together",
+                    problems_.num_turned,
+                    of_all.c_str(),
+                    1e3 * ToSeconds(problems_.largest_turned));
+      warnings.emplace_back(text);
     }
     if (recorder_.num_resets() > 0) {
       warnings.push_back(
@@ -427,6 +466,8 @@ class SequenceRunner {
   const RunRange range_;
   StepReader steps_;
   FrameDecoder decoder_;
+  ImageTurner turner_;
+  std::deque<ImuSample> recent_imu_;  // of the last moments before the frame in work, and one more
   const Clock::time_point start_;
   SequenceRun run_;
   RunRecorder recorder_;

@@ -10,8 +10,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "facet/geometry/so3.h"
+#include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
-#include "facet/recording/asl_recording.h"
+#include "facet/recording/folder_recording.h"
+#include "facet/recording/image_turner.h"
 #include "facet/testing/io/test_sequence.h"
 
 namespace facet {
@@ -25,6 +28,7 @@ using testing::HasSubstr;
 struct FakeVio {
   std::vector<Timestamp> imu, frames, mono;
   std::vector<Timestamp> newest_imu;  // at each frame
+  cv::Mat right;                      // of the last frame that has one
   int first_pose = 2, lost_from = 1000, reset_at = -1;
   std::chrono::milliseconds busy{0};
   bool is_late = false;
@@ -37,6 +41,7 @@ struct FakeVio {
     frames.push_back(frame.t);
     newest_imu.push_back(imu.empty() ? Timestamp{} : imu.back());
     if (frame.right.empty()) mono.push_back(frame.t);
+    if (!frame.right.empty()) right = frame.right.clone();
     VioOutput output;
     output.t = frame.t;
     output.has_pose = i >= first_pose && i < lost_from;
@@ -79,7 +84,7 @@ struct FakeVio {
 class RunSequenceTest : public testing::Test {
  protected:
   SequenceRun Run(const RunRange& range = {}) {
-    AslRecording recording(Sequence());
+    FolderRecording recording{AslDataset(Sequence())};
     return RunSequence(
         recording, vio_.Functions(), range, [&](int done, int total, const VioOutput&) {
           EXPECT_LE(done, total);
@@ -119,6 +124,38 @@ TEST_F(RunSequenceTest, FeedsEverythingInOrder) {
   EXPECT_EQ(run.record.keyframes.size(), 3u);
   EXPECT_GT(run.record.peak_rss_mb, 1);
   EXPECT_EQ(run.record.frames[2].status, "ok");
+}
+
+TEST_F(RunSequenceTest, RightImagesOfAnotherMomentAreTurnedByTheGyroscope) {
+  Write();
+  EditLines(Sequence() / "mav0/cam1/data.csv", [](std::vector<std::string>& lines) {
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+      const std::string file = lines[i].substr(lines[i].find(','));
+      lines[i] = std::to_string(std::stoll(lines[i]) + 4000000) + file;
+    }
+  });
+  cv::Mat taken;
+  ImageReader().Read(Image(1, 11), taken);
+  const auto is_same = [&](const cv::Mat& image) {
+    return std::equal(image.begin<char>(), image.end<char>(), vio_.right.begin<char>());
+  };
+  const SequenceRun rest = Run();
+  EXPECT_TRUE(is_same(taken)) << "it hardly turns";
+  EXPECT_THAT(rest.record.warnings, testing::IsEmpty());
+
+  EditLines(Sequence() / "mav0/imu0/data.csv", [](std::vector<std::string>& lines) {
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      lines[i] = lines[i].substr(0, lines[i].find(',')) + ",0.5,-0.7,0.9,9.81,0.01,0.02";
+  });
+  const SequenceRun run = Run();
+  EXPECT_THAT(run.record.warnings,
+              Contains(AllOf(HasSubstr("12 of 12 right images"), HasSubstr("up to 4.00 ms"))));
+  // 4 ms later the body has turned by this; the image becomes that of the body before.
+  const Matrix3d R_Bleft_Bright = ExpSO3(0.004 * Vector3d(0.5, -0.7, 0.9)).toRotationMatrix();
+  const StereoRig rig = AslDataset(Sequence()).rig();
+  const Matrix3d R_BC = rig.T_BC[1].R();
+  ImageTurner(rig.cameras[1]).Turn(R_BC.transpose() * R_Bleft_Bright.transpose() * R_BC, taken);
+  EXPECT_TRUE(is_same(taken));
 }
 
 TEST_F(RunSequenceTest, LateOutputsGiveTheSameRecord) {

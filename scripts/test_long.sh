@@ -8,6 +8,7 @@
 #   fuzz      readers of files, bags, IMU streams and the estimator under libFuzzer, a sixth of
 #             FUZZ_SECONDS each (default 600)                                              about 25
 #   soak      flights of minutes: nothing lost, memory and time per frame stay level       about 15
+#   large     an MCAP file of 2 GB is read: speed, and memory that stays level              about 1
 set -u
 cd "$(dirname "$0")/.."
 scripts/setup.sh test || exit 1
@@ -74,6 +75,7 @@ fuzz_target() {
 fuzz() {
   share=$((${FUZZ_SECONDS:-600} / 6))
   text="config,camera,kalibr,image list,imu,trajectory,states,truth,planes,true planes,json"
+  text="$text,kitti calibration,kitti times,kitti oxts"
   fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \
     reader_fuzzer recording_fuzzer imu_fuzzer estimator_fuzzer &&
     fuzz_build build-fuzz-fast Release fuzzer-no-link,signed-integer-overflow,float-cast-overflow,bounds,shift \
@@ -91,10 +93,14 @@ soak() {
   scripts/build.sh release facet && scripts/soak.py --duration "${SOAK_SECONDS:-240}"
 }
 
-[ $# -gt 0 ] || set -- headers asan tsan fuzz soak
+large() {
+  scripts/build.sh release large_recording && build/bench/large_recording --folder "$out"
+}
+
+[ $# -gt 0 ] || set -- headers asan tsan fuzz soak large
 for name in "$@"; do
   case $name in
-    headers | asan | tsan | fuzz | soak) part "$name" "$name" ;;
+    headers | asan | tsan | fuzz | soak | large) part "$name" "$name" ;;
     *)
       echo "test_long: '$name' is no part; see the head of $0" >&2
       exit 2

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <system_error>
+#include <utility>
 
 #include "facet/io/csv_reader.h"
 #include "facet/io/errors.h"
@@ -93,7 +95,7 @@ bool IsNext(Timestamp t, const std::vector<Row>& rows, RowProblems& problems) {
 
 /// Integer stamps of another unit show by their spacing: no camera or IMU runs at 50 kHz.
 template <class Row>
-void CheckUnit(const std::filesystem::path& csv, const std::vector<Row>& rows) {
+void CheckUnit(const std::string& where, const std::vector<Row>& rows) {
   if (rows.size() < 2) return;
   std::vector<std::int64_t> intervals;
   for (std::size_t i = 1; i < rows.size(); ++i)
@@ -103,7 +105,7 @@ void CheckUnit(const std::filesystem::path& csv, const std::vector<Row>& rows) {
   constexpr std::int64_t kSmallestNs = 20000;
   if (*middle >= kSmallestNs) return;
   const char* unit = *middle >= 100 ? "microseconds" : *middle > 1 ? "milliseconds" : "seconds";
-  throw InputError(csv.string() + ":2: stamps are " + std::to_string(*middle) +
+  throw InputError(where + ": stamps are " + std::to_string(*middle) +
                    " apart; they must be nanoseconds and look like " + unit);
 }
 
@@ -143,7 +145,43 @@ std::vector<ImageListEntry> ReadImageList(const std::filesystem::path& csv,
         {*t, has_name ? std::string(row.fields()[1]) : std::to_string(t->ns) + ".png"});
   }
   problems.Finish(warnings);
-  CheckUnit(csv, images);
+  CheckUnit(csv.string() + ":2", images);
+  return images;
+}
+
+std::vector<ImageListEntry> ListImageFolder(const std::filesystem::path& folder,
+                                            std::vector<std::string>& warnings) {
+  constexpr std::array kExtensions = {".png", ".jpg", ".jpeg", ".webp", ".pgm"};
+  std::vector<ImageListEntry> images;
+  int num_others = 0;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::filesystem::path file = entry.path().filename();
+    const bool is_image =
+        std::ranges::find(kExtensions, file.extension().string()) != kExtensions.end();
+    const auto ns = ParseInteger(file.stem().string());
+    if (is_image && ns) {
+      images.push_back({Timestamp{*ns}, file.string()});
+    } else {
+      ++num_others;
+    }
+  }
+  const auto order = [](const ImageListEntry& image) { return std::pair(image.t, image.file); };
+  std::ranges::sort(images, {}, order);
+  const auto is_same = [](const ImageListEntry& a, const ImageListEntry& b) { return a.t == b.t; };
+  const auto same = std::unique(images.begin(), images.end(), is_same);
+  num_others += static_cast<int>(images.end() - same);
+  images.erase(same, images.end());
+  if (images.empty()) {
+    throw InputError(folder.string() +
+                     ": no image that is named by its stamp in nanoseconds, such as "
+                     "1403636579763555584.png; name them so, or write a times.csv");
+  }
+  if (num_others > 0) {
+    warnings.push_back(folder.string() + ": " + std::to_string(num_others) +
+                       " files are no images named by stamps of their own and are not used");
+  }
+  CheckUnit(folder.string(), images);
   return images;
 }
 
@@ -160,7 +198,7 @@ std::vector<ImuSample> ReadImuFile(const std::filesystem::path& csv,
     if (const auto sample = ParseImu(row, *t, problems)) samples.push_back(*sample);
   }
   problems.Finish(warnings);
-  CheckUnit(csv, samples);
+  CheckUnit(csv.string() + ":2", samples);
   return samples;
 }
 

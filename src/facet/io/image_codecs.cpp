@@ -15,6 +15,7 @@
 #include <webp/decode.h>
 
 #include "facet/io/errors.h"
+#include "facet/io/sample_depth.h"
 
 namespace facet {
 namespace {
@@ -46,13 +47,13 @@ void OnPngError(png_structp png, png_const_charp message) {
 
 void OnPngWarning(png_structp /*png*/, png_const_charp /*message*/) {}
 
-/// Asks for 8 bits per channel, grey or RGB, and no alpha.
-void SetPngTransforms(png_structp png, png_infop info) {
+/// Asks for grey or RGB without alpha, and for 8 bits per channel unless 16 are to be kept.
+void SetPngTransforms(png_structp png, png_infop info, bool keeps_depth) {
   const int type = png_get_color_type(png, info);
   const int depth = png_get_bit_depth(png, info);
   if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
   if (type == PNG_COLOR_TYPE_GRAY && depth < 8) png_set_expand_gray_1_2_4_to_8(png);
-  if (depth == 16) png_set_scale_16(png);
+  if (depth == 16 && !keeps_depth) png_set_scale_16(png);
   if ((type & PNG_COLOR_MASK_ALPHA) != 0) png_set_strip_alpha(png);
   png_set_interlace_handling(png);
   png_read_update_info(png, info);
@@ -61,17 +62,19 @@ void SetPngTransforms(png_structp png, png_infop info) {
 struct PngHeader {
   png_uint_32 width = 0, height = 0;
   int channels = 0;
+  int depth = 8;  // of what comes out
 };
 
 /// The two halves of decoding are separate because memory is allocated between them, outside of the
 /// reach of longjmp. Both return false after an error.
-bool ReadPngHeader(png_structp png, png_infop info, PngHeader& header) {
+bool ReadPngHeader(png_structp png, png_infop info, bool keeps_depth, PngHeader& header) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;  // NOLINT: libpng's way of reporting errors
   png_read_info(png, info);
-  SetPngTransforms(png, info);
+  SetPngTransforms(png, info, keeps_depth);
   header.width = png_get_image_width(png, info);
   header.height = png_get_image_height(png, info);
   header.channels = png_get_channels(png, info);
+  header.depth = png_get_bit_depth(png, info);
   return true;
 }
 
@@ -97,9 +100,9 @@ class PngDecoder {
   PngDecoder& operator=(const PngDecoder&) = delete;
   ~PngDecoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
-  PngHeader Header() {
+  PngHeader Header(bool keeps_depth) {
     PngHeader header;
-    if (!ReadPngHeader(png_, info_, header)) Fail();
+    if (!ReadPngHeader(png_, info_, keeps_depth, header)) Fail();
     return header;
   }
   void Rows(std::vector<png_bytep>& rows) {
@@ -208,23 +211,59 @@ void ColourRowToGrey(const std::uint8_t* row,
   }
 }
 
+namespace {
+
+/// Big-endian, as they are in the file.
+std::uint16_t SampleAt(const std::uint8_t* row, std::size_t i) {
+  return static_cast<std::uint16_t>(row[2 * i] << 8 | row[2 * i + 1]);
+}
+
+}  // namespace
+
+std::uint16_t LargestPngSample(Bytes file, std::vector<std::uint8_t>& colour) {
+  PngDecoder decoder(file);
+  const PngHeader header = decoder.Header(true);
+  cv::Mat unused;
+  GreyTarget target{unused, {1, 1}};
+  PrepareGrey(header.width, header.height, target);  // refuses absurd sizes
+  if (header.depth != 16) return 0;
+  const std::size_t num = std::size_t{header.width} * static_cast<std::size_t>(header.channels);
+  colour.resize(2 * num * header.height);
+  std::vector<png_bytep> rows(header.height);
+  for (png_uint_32 y = 0; y < header.height; ++y)
+    rows[y] = colour.data() + 2 * num * y;
+  decoder.Rows(rows);
+  std::uint16_t largest = 0;
+  for (std::size_t i = 0; i < num * header.height; ++i)
+    largest = std::max(largest, SampleAt(colour.data(), i));
+  return largest;
+}
+
 void DecodePng(Bytes file, std::vector<std::uint8_t>& colour, GreyTarget& target) {
   PngDecoder decoder(file);
-  const PngHeader header = decoder.Header();
+  const PngHeader header = decoder.Header(target.sample_bits < 16);
   if (!PrepareGrey(header.width, header.height, target)) return;
   cv::Mat& image = target.image;
-  const bool is_grey = header.channels == 1;
-  const std::size_t row_bytes =
-      std::size_t{header.width} * static_cast<std::size_t>(header.channels);
-  if (!is_grey) colour.resize(row_bytes * header.height);
+  const bool is_grey = header.channels == 1, is_deep = header.depth == 16;
+  const bool is_direct = is_grey && !is_deep;
+  const std::size_t num = std::size_t{header.width} * static_cast<std::size_t>(header.channels);
+  const std::size_t row_bytes = is_deep ? 2 * num : num;
+  if (!is_direct) colour.resize(row_bytes * header.height);
   std::vector<png_bytep> rows(header.height);
   for (png_uint_32 y = 0; y < header.height; ++y) {
-    rows[y] = is_grey ? image.ptr(static_cast<int>(y)) : colour.data() + row_bytes * y;
+    rows[y] = is_direct ? image.ptr(static_cast<int>(y)) : colour.data() + row_bytes * y;
   }
   decoder.Rows(rows);
-  if (is_grey) return;
+  if (is_direct) return;
   for (int y = 0; y < image.rows; ++y) {
-    ColourRowToGrey(rows[y], {header.channels, 0, 1, 2}, image.cols, image.ptr(y));
+    std::uint8_t* row = rows[y];
+    for (std::size_t i = 0; is_deep && i < num; ++i)
+      row[i] = ToEightBits(SampleAt(row, i), target.sample_bits);
+    if (is_grey) {
+      std::copy_n(row, image.cols, image.ptr(y));
+    } else {
+      ColourRowToGrey(row, {header.channels, 0, 1, 2}, image.cols, image.ptr(y));
+    }
   }
 }
 

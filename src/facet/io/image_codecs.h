@@ -16,8 +16,9 @@ using Bytes = std::span<const std::uint8_t>;
 /// Where an image goes.
 struct GreyTarget {
   cv::Mat& image;
-  cv::Size wanted;   ///< empty: any size
-  cv::Size found{};  ///< by the file's header
+  cv::Size wanted;       ///< empty: any size
+  int sample_bits = 16;  ///< used of samples with 16
+  cv::Size found{};      ///< by the file's header
 };
 
 /// What the header says, before memory is taken: false where the size is not the wanted one, and
@@ -37,6 +38,7 @@ void ColourRowToGrey(const std::uint8_t* row,
                      std::uint8_t* grey);
 
 /// `colour` is scratch memory, kept for the next image.
+std::uint16_t LargestPngSample(Bytes file, std::vector<std::uint8_t>& colour);
 void DecodePng(Bytes file, std::vector<std::uint8_t>& colour, GreyTarget& target);
 void DecodeJpeg(Bytes file, GreyTarget& target);
 void DecodeWebp(Bytes file, std::vector<std::uint8_t>& colour, GreyTarget& target);

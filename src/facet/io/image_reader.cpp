@@ -45,9 +45,14 @@ bool HasMagic(Bytes bytes, std::size_t offset, std::string_view magic) {
                    "); convert it to PNG");
 }
 
+bool IsPng(Bytes bytes) {
+  using std::string_view_literals::operator""sv;
+  return HasMagic(bytes, 0, "\x89PNG\r\n\x1A\n"sv);
+}
+
 void Decode(Bytes bytes, std::vector<std::uint8_t>& colour, GreyTarget& target) {
   using std::string_view_literals::operator""sv;
-  if (HasMagic(bytes, 0, "\x89PNG\r\n\x1A\n"sv)) {
+  if (IsPng(bytes)) {
     DecodePng(bytes, colour, target);
   } else if (HasMagic(bytes, 0, "\xFF\xD8\xFF"sv)) {
     DecodeJpeg(bytes, target);
@@ -68,8 +73,9 @@ void ImageReader::Read(const std::filesystem::path& file, cv::Mat& image) {
 
 cv::Size ImageReader::ReadOfSize(const std::filesystem::path& file,
                                  const cv::Size& size,
-                                 cv::Mat& image) {
-  GreyTarget target{image, size};
+                                 cv::Mat& image,
+                                 int sample_bits) {
+  GreyTarget target{image, size, sample_bits};
   try {
     ReadFile(file, bytes_);
     Decode(bytes_, colour_, target);
@@ -79,10 +85,26 @@ cv::Size ImageReader::ReadOfSize(const std::filesystem::path& file,
   return target.found;
 }
 
-cv::Size ImageReader::DecodeOfSize(Bytes file, const cv::Size& size, cv::Mat& image) {
-  GreyTarget target{image, size};
+cv::Size ImageReader::DecodeOfSize(Bytes file,
+                                   const cv::Size& size,
+                                   cv::Mat& image,
+                                   int sample_bits) {
+  GreyTarget target{image, size, sample_bits};
   Decode(file, colour_, target);
   return target.found;
+}
+
+std::uint16_t ImageReader::LargestSample(const std::filesystem::path& file) {
+  try {
+    ReadFile(file, bytes_);
+    return LargestSampleOf(bytes_);
+  } catch (const InputError& error) {
+    throw InputError(file.string() + ": " + error.what());
+  }
+}
+
+std::uint16_t ImageReader::LargestSampleOf(Bytes file) {
+  return IsPng(file) ? LargestPngSample(file, colour_) : std::uint16_t{0};
 }
 
 }  // namespace facet

@@ -23,12 +23,26 @@ class ImageReader {
   /// format, or has more than 64 megapixels; `image` then has undefined content.
   void Read(const std::filesystem::path& file, cv::Mat& image);
 
-  /// The same for an image that must have a certain size. Returns the size that the file's header
-  /// says. If that is another one, nothing is decoded and `image` stays as it is.
-  cv::Size ReadOfSize(const std::filesystem::path& file, const cv::Size& size, cv::Mat& image);
+  /// The same for an image that must have a certain size; an empty one means any. Returns the size
+  /// that the file's header says. If that is another one, nothing is decoded and `image` stays as
+  /// it is. Of 16-bit PNG samples the lower `sample_bits` are used (sample_depth.h).
+  cv::Size ReadOfSize(const std::filesystem::path& file,
+                      const cv::Size& size,
+                      cv::Mat& image,
+                      int sample_bits = 16);
 
   /// The same for the content of such a file; the messages do not name it.
-  cv::Size DecodeOfSize(std::span<const std::uint8_t> file, const cv::Size& size, cv::Mat& image);
+  cv::Size DecodeOfSize(std::span<const std::uint8_t> file,
+                        const cv::Size& size,
+                        cv::Mat& image,
+                        int sample_bits = 16);
+
+  /// The largest sample of a PNG with 16 bits, 0 for any other image. Throws InputError as Read
+  /// does.
+  std::uint16_t LargestSample(const std::filesystem::path& file);
+
+  /// The same for the content of such a file; the messages do not name it.
+  std::uint16_t LargestSampleOf(std::span<const std::uint8_t> file);
 
  private:
   std::vector<std::uint8_t> bytes_;

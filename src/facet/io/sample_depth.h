@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <string>
 
 namespace facet {
 
@@ -12,6 +13,12 @@ namespace facet {
 inline int UsedSampleBits(std::uint16_t max) {
   if (max < (1 << 10)) return 10;
   return max < (1 << 12) ? 12 : 16;
+}
+
+inline std::string SampleBitsWarning(int bits, std::uint16_t max) {
+  return "images have 16-bit samples of which " + std::to_string(bits) +
+         " bits are used (the largest value is " + std::to_string(max) +
+         "); they are scaled from those";
 }
 
 /// Scales a value of `bits` bits to 8; larger ones become 255. For 16 bits exactly as libpng does.

@@ -100,6 +100,8 @@ TEST_P(BagFilesTest, GivesTheMessagesInOrderAndAgainAfterRewind) {
   ExpectSame(ReadAll(*source), SomeMessages());
   EXPECT_FALSE(source->Next());
   source->Rewind();
+  EXPECT_THAT(source->PlaceOf(*source->Next()), HasSubstr("a.bag: at byte "));
+  source->Rewind();
   ExpectSame(ReadAll(*source), SomeMessages());
 }
 
@@ -152,6 +154,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BagCase{"mcap_lz4", true, {.compression = Compression::kLz4}},
                     BagCase{"mcap_zstd", true, {.compression = Compression::kZstd}},
                     BagCase{"mcap_without_summary", true, {.has_index = false}},
+                    BagCase{"mcap_counts_first", true, {.are_counts_first = true}},
                     BagCase{"mcap_unchunked", true, {.messages_per_chunk = 0}}),
     [](const testing::TestParamInfo<BagCase>& one) { return one.param.name; });
 
@@ -184,9 +187,26 @@ TEST(Db3FileTest, GivesTheMessagesInOrder) {
   const auto source = OpenMessages(folder / "a.db3");
   EXPECT_EQ(source->Kind(), "ROS 2 bag (sqlite3)");
   ExpectSame(ReadAll(*source), SomeMessages());
+  EXPECT_FALSE(source->Next()) << "it must not begin again";
+  source->Rewind();
+  EXPECT_THAT(source->PlaceOf(*source->Next()), HasSubstr("a.db3: message 1"));
   source->Rewind();
   ExpectSame(ReadAll(*source), SomeMessages());
   EXPECT_EQ(source->IndexedDuration()->ns, 49000000000);
+}
+
+TEST(Db3FileTest, NothingIsWrittenBesideADatabaseWithAWriteAheadLog) {
+  const TempFolder folder;
+  const auto file = folder / "a 100%25 #1?.db3";
+  WriteDb3(file, SomeMessages());
+  std::string bytes = ReadText(file);
+  bytes[18] = bytes[19] = 2;  // "uses a write-ahead log"
+  WriteText(file, bytes);
+  const auto source = OpenMessages(file);
+  ASSERT_TRUE(source->Next());
+  const auto entries = std::filesystem::directory_iterator(folder.path());
+  EXPECT_EQ(std::distance(begin(entries), end(entries)), 1);
+  EXPECT_EQ(ReadText(file), bytes);
 }
 
 TEST(Db3FileTest, SaysBehindWhichMessageADatabaseIsDamaged) {
@@ -230,6 +250,60 @@ TEST(OpenMessagesTest, SplitBagsAreReadOneFileAfterTheOther) {
   WriteText(folder / "bag/metadata.yaml",
             "rosbag2_bagfile_information:\n  relative_file_paths: [x_10.mcap]\n");
   ExpectSame(ReadAll(*OpenMessages(folder / "bag")), second);
+}
+
+TEST(OpenMessagesTest, APartThatCannotBeOpenedEndsTheRecording) {
+  const TempFolder folder;
+  const std::vector<TestMessage> all = SomeMessages();
+  const std::vector<TestMessage> first(all.begin(), all.begin() + 20);
+  WriteText(folder / "bag/x_0.mcap", McapBytes(first));
+  WriteText(folder / "bag/x_1.mcap", "");
+  WriteText(folder / "bag/x_2.mcap", McapBytes(first));
+  const auto source = OpenMessages(folder / "bag");
+  for (int pass = 0; pass < 2; ++pass, source->Rewind()) {
+    for (std::size_t i = 0; i < first.size(); ++i)
+      ASSERT_TRUE(source->Next());
+    try {
+      source->Next();
+      FAIL() << "no exception";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("x_1.mcap: the file is empty"));
+    }
+  }
+  std::filesystem::remove(folder / "bag/x_0.mcap");
+  EXPECT_THROW(OpenMessages(folder / "bag"), InputError);
+}
+
+TEST(OpenMessagesTest, APartWithoutMessagesIsNoDamage) {
+  const TempFolder folder;
+  WriteText(folder / "bag/x_0.mcap", McapBytes(SomeMessages()));
+  const std::string magic("\x89MCAP0\r\n", 8);
+  const std::string end =
+      std::string("\x0F\4\0\0\0\0\0\0\0\0\0\0\0", 13) + '\2' + '\x14' + std::string(7 + 20, '\0');
+  WriteText(folder / "bag/x_1.mcap", magic + end + magic);
+  ExpectSame(ReadAll(*OpenMessages(folder / "bag")), SomeMessages());
+  std::filesystem::remove(folder / "bag/x_0.mcap");
+  try {
+    OpenMessages(folder / "bag");
+    FAIL() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("there is no message in it"));
+  }
+}
+
+TEST(OpenMessagesTest, NoRecordingHasAnyNumberOfTopics) {
+  std::vector<Topic> topics;
+  Topic topic;
+  for (int i = 0; i < 10000; ++i) {
+    topic.name = std::to_string(i);
+    topic.num_messages = 3;
+    EXPECT_EQ(FindOrAddTopic(topics, topic), static_cast<std::size_t>(i));
+  }
+  topic.name = "77";
+  EXPECT_EQ(FindOrAddTopic(topics, topic), 77u);
+  EXPECT_EQ(topics[77].num_messages, 0u);
+  topic.type = "other";
+  EXPECT_THROW(FindOrAddTopic(topics, topic), InputError);
 }
 
 TEST(OpenMessagesTest, SaysWhatIsWrongWithOtherFiles) {

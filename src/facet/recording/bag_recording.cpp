@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <utility>
 
 #include "facet/io/errors.h"
@@ -17,41 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How much is read to find out what the recording is like, from the first left image on.
-constexpr Duration kOpeningTime{3000000000};
 // How long a frame waits for the IMU samples behind it, on the recorder's clock.
 constexpr Duration kLongestWait{2000000000};
 constexpr std::size_t kMostImu = 100000;  // samples that wait for a frame
 
-struct StampPair {
-  Timestamp header, received;
-};
-
-double MedianSeconds(std::vector<std::int64_t> values_ns) {
-  if (values_ns.empty()) return 0;
-  const auto middle = values_ns.begin() + static_cast<std::ptrdiff_t>(values_ns.size() / 2);
-  std::nth_element(values_ns.begin(), middle, values_ns.end());
-  return static_cast<double>(*middle) * 1e-9;
-}
-
-/// By how much the recorder's stamps are later than those of the headers.
-double MedianDelaySeconds(const std::vector<StampPair>& stamps) {
-  std::vector<std::int64_t> delays_ns;
-  for (const StampPair& stamp : stamps)
-    delays_ns.push_back((stamp.received - stamp.header).ns);
-  return MedianSeconds(delays_ns);
-}
-
-double MedianIntervalSeconds(const std::vector<StampPair>& stamps) {
-  std::vector<std::int64_t> intervals_ns;
-  for (std::size_t i = 1; i < stamps.size(); ++i)
-    intervals_ns.push_back((stamps[i].header - stamps[i - 1].header).ns);
-  return intervals_ns.empty() ? 0.05 : MedianSeconds(intervals_ns);
-}
-
-std::string Text(const char* format, double a, double b = 0) {
-  char text[200];
-  std::snprintf(text, sizeof(text), format, a, b);
+std::string Milliseconds(Duration duration) {
+  char text[40];
+  std::snprintf(text, sizeof(text), "%.1f", 1e3 * ToSeconds(duration));
   return text;
 }
 
@@ -64,94 +35,30 @@ std::string NameOf(const fs::path& path) {
 
 }  // namespace
 
-/// What the first seconds show.
-struct BagRecording::Opening {
-  std::vector<StampPair> left, right, imu;
-  RosCalibrationMessages calibration;
-  std::uint16_t largest_sample = 0;
-  int num_samples = 0;
-};
-
 BagRecording::BagRecording(std::unique_ptr<MessageSource> source,
                            const fs::path& path,
                            const BagOptions& options)
     : source_(std::move(source)), path_(path), name_(NameOf(path)) {
   choice_ = ChooseTopics(source_->topics(), options.topics, path.string());
-  roles_[choice_.left] = Role::kLeft;
-  roles_[choice_.right] = Role::kRight;
-  if (choice_.imu) roles_[*choice_.imu] = Role::kImu;
-  if (choice_.gyro) roles_[*choice_.gyro] = Role::kGyro;
-  if (choice_.accel) roles_[*choice_.accel] = Role::kAccel;
-  Opening opening;
-  ReadOpening(opening);
+  const BagOpening opening = ReadBagOpening(*source_, choice_, path.string());
   FindCalibrationOf(opening, options);
-  JudgeStamps(opening);
+  stamps_ = JudgeStamps(opening, choice_, source_->topics(), path.string());
+  warnings_.insert(warnings_.end(), stamps_.warnings.begin(), stamps_.warnings.end());
+  if (opening.largest_sample > 0) sample_bits_ = UsedSampleBits(opening.largest_sample);
+  if (sample_bits_ < 16) {
+    warnings_.push_back(SampleBitsWarning(sample_bits_, opening.largest_sample));
+  }
   Rewind();
   RequireReadablePair();
   Rewind();
 }
 
-void BagRecording::ReadOpening(Opening& opening) {
-  source_->Rewind();
-  std::optional<Timestamp> first_left;
-  try {
-    while (const auto message = source_->Next()) {
-      LookAt(*message, opening);
-      if (!first_left && !opening.left.empty()) first_left = message->received;
-      if (first_left && message->received - *first_left > kOpeningTime) break;
-    }
-  } catch (const InputError&) {
-    if (opening.left.empty() || opening.right.empty() || opening.imu.empty()) throw;
-  }
-  const auto require = [&](const std::vector<StampPair>& stamps, std::size_t topic) {
-    if (!stamps.empty()) return;
-    throw InputError(path_.string() + ": no usable message of " + source_->topics()[topic].name +
-                     " in the first seconds" +
-                     (num_damaged_ > 0 ? "; " + first_damaged_ : std::string()));
-  };
-  require(opening.left, choice_.left);
-  require(opening.right, choice_.right);
-  require(opening.imu, choice_.imu ? *choice_.imu : *choice_.gyro);
-}
-
-void BagRecording::LookAt(const Message& message, Opening& opening) {
-  constexpr int kNumSampleImages = 10;
-  const Topic& topic = source_->topics()[message.topic];
-  RosCalibrationMessages& calibration = opening.calibration;
-  const auto role = roles_.find(message.topic);
-  try {
-    if (role != roles_.end() && (role->second == Role::kLeft || role->second == Role::kRight)) {
-      const std::size_t camera = role->second == Role::kLeft ? 0 : 1;
-      const ImageMessage image = ReadImage(message);
-      (camera == 0 ? opening.left : opening.right).push_back({image.header.t, message.received});
-      calibration.camera_frames[camera] = image.header.frame;
-      if (opening.num_samples++ < kNumSampleImages) {
-        opening.largest_sample = std::max(opening.largest_sample, LargestSample(image));
-      }
-    } else if (role != roles_.end() && role->second != Role::kAccel) {
-      const ImuMessage imu = ReadImuMessage(message.bytes, topic.encoding);
-      opening.imu.push_back({imu.header.t, message.received});
-      calibration.imu_frame = imu.header.frame;
-    } else if (message.topic == choice_.left_info) {
-      calibration.cameras[0] = ReadCameraInfoMessage(message.bytes, topic.encoding);
-    } else if (message.topic == choice_.right_info) {
-      calibration.cameras[1] = ReadCameraInfoMessage(message.bytes, topic.encoding);
-    } else if (topic.type == kTransformsType && topic.name.ends_with("tf_static")) {
-      for (FrameTransform& transform : ReadTransformsMessage(message.bytes, topic.encoding))
-        calibration.transforms.push_back(std::move(transform));
-    }
-  } catch (const InputError& error) {
-    if (num_damaged_++ == 0) first_damaged_ = PlaceOf(message) + ": " + error.what();
-  }
-}
-
-void BagRecording::FindCalibrationOf(const Opening& opening, const BagOptions& options) {
+void BagRecording::FindCalibrationOf(const BagOpening& opening, const BagOptions& options) {
   std::error_code error;
   const fs::path folder = fs::is_directory(path_, error) ? path_ : path_.parent_path();
   const fs::path beside = folder.empty() ? fs::path(".") : folder;
   const RosCalibration found =
       CalibrationFromMessages(opening.calibration, options.calibration.imu);
-  calibration_problem_ = found.problem;
   if (!options.calibration.cameras.empty() || !found.calibration) {
     calibration_ = FindCalibrationBeside(beside, options.calibration);
   } else {
@@ -160,59 +67,9 @@ void BagRecording::FindCalibrationOf(const Opening& opening, const BagOptions& o
   if (calibration_) {
     warnings_ = calibration_->warnings;
   } else if (options.needs_calibration) {
-    throw InputError(path_.string() + ": the recording carries no calibration (" +
-                     calibration_problem_ +
+    throw InputError(path_.string() + ": the recording carries no calibration (" + found.problem +
                      ") and no camchain*.yaml lies beside it; give a "
                      "Kalibr calibration with --calibration FILE");
-  }
-}
-
-void BagRecording::JudgeStamps(const Opening& opening) {
-  constexpr double kOddDelay_s = 1, kOddDifference_s = 0.1, kOtherClock_s = 10;
-  const auto has_none = [](const std::vector<StampPair>& stamps) {
-    return std::ranges::all_of(stamps, [](const StampPair& s) { return s.header.ns == 0; });
-  };
-  const std::pair<const std::vector<StampPair>*, std::size_t> streams[] = {
-      {&opening.left, choice_.left},
-      {&opening.right, choice_.right},
-      {&opening.imu, choice_.imu ? *choice_.imu : *choice_.gyro}};
-  for (const auto& [stamps, topic] : streams) {
-    if (!has_none(*stamps)) continue;
-    has_no_stamps_[topic] = true;
-    warnings_.push_back(source_->topics()[topic].name +
-                        ": the messages have no stamps; those of the recorder are used, which are "
-                        "late and irregular");
-  }
-  if (choice_.accel && has_no_stamps_.contains(*choice_.gyro))
-    has_no_stamps_[*choice_.accel] = true;
-  tolerance_ = FromSeconds(MedianIntervalSeconds(opening.left) / 8);
-  first_left_ = opening.left.front().header;
-  if (opening.largest_sample > 0) {
-    sample_bits_ = UsedSampleBits(opening.largest_sample);
-    if (sample_bits_ < 16) {
-      warnings_.push_back("images have 16-bit samples of which " + std::to_string(sample_bits_) +
-                          " bits are used (the largest value is " +
-                          std::to_string(opening.largest_sample) + "); they are scaled from those");
-    }
-  }
-  if (!has_no_stamps_.empty()) return;
-  const double camera_s = MedianDelaySeconds(opening.left), imu_s = MedianDelaySeconds(opening.imu);
-  if (std::abs(camera_s - imu_s) > kOtherClock_s) {
-    throw InputError(path_.string() + ": camera and IMU do not overlap in time: " +
-                     Text("the recorder got images %.3f s after their stamps and IMU samples "
-                          "%.3f s after theirs; are the stamps of the same clock and unit?",
-                          camera_s,
-                          imu_s));
-  }
-  if (std::abs(camera_s - imu_s) > kOddDifference_s) {
-    warnings_.push_back(
-        Text("the recorder got images %.3f s after their stamps, but IMU samples "
-             "%.3f s after theirs; if the clocks differ, calibrate the time offset",
-             camera_s,
-             imu_s));
-  } else if (std::abs(camera_s) > kOddDelay_s) {
-    warnings_.push_back(
-        Text("messages were recorded %.3f s after their stamps; the stamps are used", camera_s));
   }
 }
 
@@ -248,31 +105,23 @@ void BagRecording::RequireReadablePair() {
     throw InputError(first_problem + " (and the next pairs cannot be used either)");
   }
   const auto& topics = source_->topics();
-  throw InputError(
-      path_.string() + ": no image of " + topics[choice_.right].name + " has the stamp of one of " +
-      topics[choice_.left].name +
-      Text(" (within %.1f ms); are they triggered together?", 1e3 * ToSeconds(tolerance_)));
+  throw InputError(path_.string() + ": no image of " + topics[choice_.right].name +
+                   " has the stamp of one of " + topics[choice_.left].name + " (within " +
+                   Milliseconds(stamps_.tolerance) + " ms); are they triggered together?");
 }
 
 std::string BagRecording::PlaceOf(const Message& message) const {
-  return source_->Place() + ": " + source_->topics()[message.topic].name + " at byte " +
-         std::to_string(message.offset);
-}
-
-ImageMessage BagRecording::ReadImage(const Message& message) const {
-  const Topic& topic = source_->topics()[message.topic];
-  return topic.type == kImageType ? ReadImageMessage(message.bytes, topic.encoding)
-                                  : ReadCompressedImageMessage(message.bytes, topic.encoding);
+  return source_->PlaceOf(message) + ": " + source_->topics()[message.topic].name;
 }
 
 Timestamp BagRecording::StampOf(const Message& message, Timestamp header) const {
-  return has_no_stamps_.contains(message.topic) ? message.received : header;
+  return stamps_.topics_without.contains(message.topic) ? message.received : header;
 }
 
 void BagRecording::Rewind() {
   source_->Rewind();
   imu_.Clear();
-  pairer_ = StereoPairer(tolerance_);
+  pairer_ = StereoPairer(stamps_.tolerance);
   last_imu_.reset();
   received_ = frame_ready_ = {};
   is_ended_ = is_frame_waiting_ = false;
@@ -283,24 +132,22 @@ void BagRecording::Rewind() {
 
 void BagRecording::Take(const Message& message) {
   received_ = std::max(received_, message.received);
-  const auto role = roles_.find(message.topic);
-  if (role == roles_.end()) return;
+  const Topic& topic = source_->topics()[message.topic];
   try {
-    if (role->second == Role::kLeft || role->second == Role::kRight) {
-      const ImageMessage image = ReadImage(message);
-      pairer_.Add(role->second == Role::kLeft ? 0 : 1,
+    if (message.topic == choice_.left || message.topic == choice_.right) {
+      const ImageMessage image = ReadAnyImageMessage(topic, message.bytes);
+      pairer_.Add(message.topic == choice_.left ? 0 : 1,
                   StampOf(message, image.header.t),
                   std::make_shared<MessageImage>(image, sample_bits_, PlaceOf(message)),
                   message.received,
                   image.data.size());
-      return;
+    } else if (message.topic == choice_.rates() || message.topic == choice_.accel) {
+      ImuSample sample = ReadImuMessage(message.bytes, topic.encoding).sample;
+      sample.t = StampOf(message, sample.t);
+      if (message.topic == choice_.imu) imu_.AddSample(sample);
+      if (message.topic == choice_.gyro) imu_.AddGyro(sample.t, sample.gyro);
+      if (message.topic == choice_.accel) imu_.AddAccel(sample.t, sample.accel);
     }
-    ImuSample sample =
-        ReadImuMessage(message.bytes, source_->topics()[message.topic].encoding).sample;
-    sample.t = StampOf(message, sample.t);
-    if (role->second == Role::kImu) imu_.AddSample(sample);
-    if (role->second == Role::kGyro) imu_.AddGyro(sample.t, sample.gyro);
-    if (role->second == Role::kAccel) imu_.AddAccel(sample.t, sample.accel);
   } catch (const InputError& error) {
     if (num_damaged_++ == 0) first_damaged_ = PlaceOf(message) + ": " + error.what();
   }
@@ -356,8 +203,8 @@ std::optional<RecordingEvent> BagRecording::Next() {
 int BagRecording::NumFrames(Timestamp from, Timestamp to) const {
   const auto num = static_cast<double>(source_->topics()[choice_.left].num_messages);
   const double all_s = source_->IndexedDuration() ? ToSeconds(*source_->IndexedDuration()) : 0;
-  const double begin_s = std::max(0.0, ToSeconds(from - first_left_));
-  const double end_s = std::min(all_s, ToSeconds(to - first_left_));
+  const double begin_s = std::max(0.0, ToSeconds(from - stamps_.first_left));
+  const double end_s = std::min(all_s, ToSeconds(to - stamps_.first_left));
   if (!(end_s > begin_s)) return 0;
   return static_cast<int>(std::min(1e9, num * (end_s - begin_s) / all_s));
 }

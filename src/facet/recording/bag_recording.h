@@ -3,9 +3,9 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <memory>
 
+#include "facet/recording/bag_opening.h"
 #include "facet/recording/imu_joiner.h"
 #include "facet/recording/message_source.h"
 #include "facet/recording/recording.h"
@@ -44,21 +44,10 @@ class BagRecording : public Recording {
   int NumFrames(Timestamp from, Timestamp to) const override;
   std::vector<std::string> Warnings() const override;
 
-  const TopicChoice& choice() const { return choice_; }
-  /// Why there is no calibration in the messages; empty if there is one.
-  const std::string& calibration_problem() const { return calibration_problem_; }
-
  private:
-  enum class Role { kLeft, kRight, kImu, kGyro, kAccel };
-  struct Opening;
-
-  void ReadOpening(Opening& opening);
-  void LookAt(const Message& message, Opening& opening);
-  void FindCalibrationOf(const Opening& opening, const BagOptions& options);
-  void JudgeStamps(const Opening& opening);
+  void FindCalibrationOf(const BagOpening& opening, const BagOptions& options);
   void RequireReadablePair();
   std::string PlaceOf(const Message& message) const;
-  ImageMessage ReadImage(const Message& message) const;
   Timestamp StampOf(const Message& message, Timestamp header) const;
   void Take(const Message& message);
   bool IsSettled(const RecordedFrame& frame) const;
@@ -68,14 +57,10 @@ class BagRecording : public Recording {
   std::filesystem::path path_;
   std::string name_;
   TopicChoice choice_;
-  std::map<std::size_t, Role> roles_;
-  std::map<std::size_t, bool> has_no_stamps_;
+  BagStamps stamps_;
   std::optional<Calibration> calibration_;
-  std::string calibration_problem_;
   std::vector<std::string> warnings_;
-  Duration tolerance_;  ///< between the stamps of a pair
   int sample_bits_ = 16;
-  Timestamp first_left_;
   ImuJoiner imu_;
   StereoPairer pairer_;
   std::optional<Timestamp> last_imu_;  ///< the newest one that was handed out

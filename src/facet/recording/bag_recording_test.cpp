@@ -7,8 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
-#include "facet/recording/asl_recording.h"
+#include "facet/recording/folder_recording.h"
 #include "facet/recording/frame_decoder.h"
 #include "facet/recording/open_recording.h"
 #include "facet/testing/io/test_sequence.h"
@@ -65,7 +66,7 @@ class BagRecordingTest : public testing::Test {
 };
 
 TEST_F(BagRecordingTest, GivesTheEventsOfTheFolder) {
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   const std::vector<std::string> expected = Events(folder);
   const auto recording = Open(Messages());
   EXPECT_EQ(recording->name(), "a");
@@ -86,12 +87,12 @@ TEST_F(BagRecordingTest, ATimeOffsetMovesTheFramesAmongTheSamples) {
     const auto yaml = Sequence() / "mav0" / ("cam" + std::to_string(i)) / "sensor.yaml";
     ReplaceInFile(yaml, "rate_hz: 20", "timeshift_cam_imu: 0.0125");
   }
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   EXPECT_EQ(Events(*Open(Messages())), Events(folder));
 }
 
 TEST_F(BagRecordingTest, MessagesThatComeLateAreSortedIn) {
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   std::vector<TestMessage> messages = Messages();
   for (TestMessage& message : messages) {
     if (message.topic == "/cam0/image_raw") message.received.ns += 80000000;
@@ -102,7 +103,7 @@ TEST_F(BagRecordingTest, MessagesThatComeLateAreSortedIn) {
 }
 
 TEST_F(BagRecordingTest, PixelsAreThoseOfTheFolder) {
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   const auto bag = Open(Messages());
   const auto first_pair = [](Recording& recording) {
     FrameDecoder decoder(recording.calibration()->rig);
@@ -129,7 +130,7 @@ TEST_F(BagRecordingTest, CalibrationOfTheMessages) {
   const auto recording = Open(messages, false);
   ASSERT_NE(recording->calibration(), nullptr);
   const StereoRig& rig = recording->calibration()->rig;
-  const StereoRig expected = AslRecording(Sequence()).calibration()->rig;
+  const StereoRig expected = AslDataset(Sequence()).rig();
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(rig.cameras[i].intrinsics().fx, expected.cameras[i].intrinsics().fx);
     EXPECT_EQ(rig.cameras[i].intrinsics().cy, expected.cameras[i].intrinsics().cy);
@@ -154,7 +155,7 @@ TEST_F(BagRecordingTest, WithoutCalibrationOnlyWhereNoneIsNeeded) {
   options.needs_calibration = false;
   const auto recording = OpenRecording(folder_ / "a.mcap", options);
   EXPECT_EQ(recording->calibration(), nullptr);
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   EXPECT_EQ(Events(*recording), Events(folder));
 }
 
@@ -174,8 +175,8 @@ TEST_F(BagRecordingTest, OddStampsAreReported) {
   messages = Messages();
   for (TestMessage& message : messages) {
     if (message.topic != "/imu0") continue;
-    ImuSample sample;
-    sample.t.ns = message.received.ns / 1000;  // microseconds
+    const Timestamp microseconds{message.received.ns / 1000};
+    const ImuSample sample{microseconds, Vector3d::Zero(), Vector3d::Zero()};
     message.bytes = ImuBytes(MessageEncoding::kCdr, sample, "imu0");
   }
   EXPECT_THAT(Complaint(messages), HasSubstr("do not overlap in time"));
@@ -184,12 +185,98 @@ TEST_F(BagRecordingTest, OddStampsAreReported) {
 TEST_F(BagRecordingTest, StampsOfTheRecorderServeWhereHeadersHaveNone) {
   std::vector<TestMessage> messages = Messages();
   for (TestMessage& message : messages) {
-    if (message.topic == "/imu0") message.bytes = ImuBytes(MessageEncoding::kCdr, {}, "imu0");
+    if (message.topic != "/imu0") continue;
+    const ImuSample sample{{}, Vector3d::Zero(), Vector3d::Zero()};
+    message.bytes = ImuBytes(MessageEncoding::kCdr, sample, "imu0");
   }
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   const auto recording = Open(messages);
   EXPECT_EQ(Events(*recording), Events(folder));
   EXPECT_THAT(recording->Warnings(), Contains(HasSubstr("/imu0: the messages have no stamps")));
+}
+
+TEST_F(BagRecordingTest, ImagesWithoutStampsArePairedByThoseOfTheRecorder) {
+  std::vector<TestMessage> messages = Messages();
+  for (TestMessage& message : messages) {
+    if (message.topic == "/imu0") continue;
+    if (message.topic == "/cam1/image_raw") message.received.ns += 2000000;
+    message.bytes = ImageBytes(
+        MessageEncoding::kCdr, {}, "cam", {160, 120, "mono8", std::string(160 * 120, 'x')});
+  }
+  std::ranges::stable_sort(messages, {}, &TestMessage::received);
+  FolderRecording folder{AslDataset(Sequence())};
+  const auto recording = Open(messages);
+  EXPECT_EQ(Events(*recording), Events(folder));
+  EXPECT_NEAR(recording->NumFrames({options_.first_ns}, {options_.first_ns + (1LL << 50)}), 12, 3);
+}
+
+TEST_F(BagRecordingTest, CalibrationOfRectifiedImages) {
+  std::vector<TestMessage> messages =
+      CalibrationMessagesOfSequence(Sequence(), MessageEncoding::kCdr);
+  std::ranges::copy(Messages(), std::back_inserter(messages));
+  for (TestMessage& message : messages) {
+    if (message.type == kImageType) message.topic.replace(6, std::string::npos, "image_rect");
+  }
+  EXPECT_THAT(Complaint(messages, false), HasSubstr("the images are rectified, but"));
+
+  const Matrix3d R = Eigen::AngleAxisd(0.02, Vector3d::UnitY()).toRotationMatrix();
+  for (TestMessage& message : messages) {
+    if (message.type != kCameraInfoType) continue;
+    CameraInfoMessage info = ReadCameraInfoMessage(
+        {reinterpret_cast<const std::uint8_t*>(message.bytes.data()), message.bytes.size()},
+        MessageEncoding::kCdr);
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(info.R.data()) = R;
+    info.P = {111, 0, 81, 0, 0, 112, 61, 0, 0, 0, 1, 0};
+    message.bytes = CameraInfoBytes(MessageEncoding::kCdr, info);
+  }
+  const auto recording = Open(messages, false);
+  const StereoRig& rig = recording->calibration()->rig;
+  const StereoRig raw = AslDataset(Sequence()).rig();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const CameraIntrinsics& k = rig.cameras[i].intrinsics();
+    EXPECT_EQ(k.fx, 111);
+    EXPECT_EQ(k.fy, 112);
+    EXPECT_EQ(k.cx, 81);
+    EXPECT_EQ(k.cy, 61);
+    EXPECT_EQ(k.distortion, DistortionModel::kNone);
+    // What a raw camera sees in direction x, the rectified one sees in direction R x.
+    EXPECT_LT((rig.T_BC[i].R() * R - raw.T_BC[i].R()).norm(), 1e-9);
+    EXPECT_LT((rig.T_BC[i].p - raw.T_BC[i].p).norm(), 1e-12);
+  }
+}
+
+/// As rosbag2 does in its compression mode "message".
+TEST_F(BagRecordingTest, MessagesThatAreCompressedOneByOne) {
+  std::vector<TestMessage> messages = Messages();
+  for (TestMessage& message : messages)
+    message.bytes = Compressed(Compression::kZstd, message.bytes);
+  WriteDb3(folder_ / "bag/a_0.db3", messages);
+  const std::string metadata =
+      "rosbag2_bagfile_information:\n  compression_mode: MESSAGE\n  relative_file_paths: "
+      "[a_0.db3]\n  compression_format: ";
+  WriteText(folder_ / "bag/metadata.yaml", metadata + "zstd\n");
+  FolderRecording folder{AslDataset(Sequence())};
+  const std::vector<std::string> expected = Events(folder);
+  for (const auto& path : {folder_ / "bag", folder_ / "bag/a_0.db3"})
+    EXPECT_EQ(Events(*OpenRecording(path, {{Sequence(), {}}, {}})), expected);
+  EXPECT_EQ(Events(*Open(messages)), expected) << "in MCAP";
+
+  const auto damaged = std::find_if(messages.begin() + 90, messages.end(), [](const auto& m) {
+    return m.topic == "/cam1/image_raw";
+  });
+  damaged->bytes.resize(damaged->bytes.size() / 2);
+  const auto recording = Open(messages);
+  const std::vector<std::string> events = Events(*recording);
+  EXPECT_EQ(std::ranges::count_if(events, [](const auto& e) { return e.starts_with("mono"); }), 1);
+  EXPECT_THAT(recording->Warnings(), Contains(HasSubstr("1 messages are damaged")));
+
+  WriteText(folder_ / "bag/metadata.yaml", metadata + "lz5\n");
+  try {
+    OpenRecording(folder_ / "bag");
+    FAIL() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("metadata.yaml:4"), HasSubstr("'lz5'")));
+  }
 }
 
 TEST_F(BagRecordingTest, DamagedMessagesAreLeftOutAndCounted) {
@@ -204,11 +291,11 @@ TEST_F(BagRecordingTest, DamagedMessagesAreLeftOutAndCounted) {
   EXPECT_EQ(std::ranges::count_if(events, [](const auto& e) { return e.starts_with("mono"); }), 1);
   EXPECT_THAT(
       recording->Warnings(),
-      Contains(AllOf(HasSubstr("1 messages are damaged"), HasSubstr("/cam1/image_raw at"))));
+      Contains(AllOf(HasSubstr("1 messages are damaged"), HasSubstr(": /cam1/image_raw: "))));
 }
 
 TEST_F(BagRecordingTest, WhatCameBeforeTheDamageIsGiven) {
-  AslRecording folder(Sequence());
+  FolderRecording folder{AslDataset(Sequence())};
   const std::vector<std::string> all = Events(folder);
   std::string bytes = McapBytes(Messages());
   WriteText(folder_ / "cut.mcap", bytes.substr(0, bytes.size() * 2 / 3));
@@ -244,7 +331,8 @@ TEST_F(BagRecordingTest, SaysWhyARecordingCannotBeUsed) {
   }
   EXPECT_THAT(Complaint(messages),
               AllOf(HasSubstr("80 x 60 pixels, the calibration of cam0 has 160 x 120"),
-                    HasSubstr("/cam0/image_raw at byte")));
+                    HasSubstr("at byte "),
+                    HasSubstr(": /cam0/image_raw: ")));
   messages = Messages();
   std::erase_if(messages, [](const TestMessage& m) { return m.topic == "/imu0"; });
   EXPECT_THAT(Complaint(messages), HasSubstr("no topic of type sensor_msgs/Imu"));

@@ -2,6 +2,7 @@
 #include "facet/recording/db3_file.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <system_error>
 
@@ -19,6 +20,26 @@ std::string ColumnText(sqlite3_stmt* statement, int column) {
   return {reinterpret_cast<const char*>(text), static_cast<std::size_t>(size)};
 }
 
+/// A database with a write-ahead log, as rosbag2 writes it, cannot be opened in a folder that
+/// cannot be written, unless it is declared to be immutable; that is wrong only while there is a
+/// log.
+std::string UriOf(const std::filesystem::path& path) {
+  std::string uri = path.is_absolute() ? "file://" : "file:";
+  for (const char c : path.string()) {
+    if (c == '?' || c == '#' || c == '%') {
+      char text[8];
+      std::snprintf(text, sizeof(text), "%%%02X", static_cast<unsigned>(c));
+      uri += text;
+    } else {
+      uri += c;
+    }
+  }
+  std::error_code error;
+  const bool has_log = std::filesystem::exists(path.string() + "-wal", error) ||
+                       std::filesystem::exists(path.string() + "-journal", error);
+  return has_log ? uri : uri + "?immutable=1";
+}
+
 }  // namespace
 
 void Db3File::CloseDatabase::operator()(sqlite3* database) const {
@@ -31,8 +52,10 @@ void Db3File::FinishStatement::operator()(sqlite3_stmt* statement) const {
 
 Db3File::Db3File(const std::filesystem::path& path) : path_(path) {
   sqlite3* raw = nullptr;
-  const int status =
-      sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
+  const int status = sqlite3_open_v2(UriOf(path).c_str(),
+                                     &raw,
+                                     SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_URI,
+                                     nullptr);
   database_.reset(raw);
   if (status != SQLITE_OK) Fail("cannot be opened");
   // A damaged file must not make the library allocate more than the file can hold, or run code.
@@ -44,11 +67,7 @@ Db3File::Db3File(const std::filesystem::path& path) : path_(path) {
   sqlite3_db_config(raw, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   RequireTables();
   ReadTopics();
-  ReadCounts();
-  if (topics_.empty()) {
-    throw InputError(path.string() +
-                     ": there is no message in it; was the recorder stopped at once?");
-  }
+  ReadDuration();
   Rewind();
 }
 
@@ -66,6 +85,10 @@ Db3File::Statement Db3File::Prepare(const std::string& sql) const {
     Fail("this is no bag of ROS 2, or it is damaged");
   }
   return Statement(raw);
+}
+
+std::string Db3File::PlaceOf(const Message& message) const {
+  return path_.string() + ": message " + std::to_string(message.offset);
 }
 
 /// False behind the last row.
@@ -89,17 +112,20 @@ void Db3File::ReadTopics() {
   const Statement statement =
       Prepare("SELECT id, name, type, serialization_format FROM topics ORDER BY rowid");
   while (Step(statement.get())) {
-    topic_of_id_[sqlite3_column_int64(statement.get(), 0)] = topics_.size();
     Topic topic;
     topic.name = ColumnText(statement.get(), 1);
     topic.type = Ros1TypeName(ColumnText(statement.get(), 2));
     topic.encoding = EncodingFromText(ColumnText(statement.get(), 3));
-    topics_.push_back(topic);
+    try {
+      topic_of_id_[sqlite3_column_int64(statement.get(), 0)] = FindOrAddTopic(topics_, topic);
+    } catch (const InputError& error) {
+      Fail(error.what());
+    }
   }
 }
 
-/// Counting every topic would read the whole file; the recorder's metadata.yaml says no more.
-void Db3File::ReadCounts() {
+/// Of the first and last row; counting the messages of each topic would read the whole file.
+void Db3File::ReadDuration() {
   const Statement first = Prepare("SELECT timestamp FROM messages ORDER BY rowid LIMIT 1");
   const Statement last = Prepare("SELECT timestamp FROM messages ORDER BY rowid DESC LIMIT 1");
   if (!Step(first.get()) || !Step(last.get())) {
@@ -112,11 +138,12 @@ void Db3File::ReadCounts() {
 
 void Db3File::Rewind() {
   last_row_ = 0;
+  is_ended_ = false;
   messages_ = Prepare("SELECT rowid, topic_id, timestamp, data FROM messages ORDER BY rowid");
 }
 
 std::optional<Message> Db3File::Next() {
-  while (Step(messages_.get())) {
+  while (!is_ended_ && Step(messages_.get())) {
     last_row_ = sqlite3_column_int64(messages_.get(), 0);
     const auto topic = topic_of_id_.find(sqlite3_column_int64(messages_.get(), 1));
     if (topic == topic_of_id_.end()) continue;
@@ -129,6 +156,7 @@ std::optional<Message> Db3File::Next() {
     message.offset = static_cast<std::uint64_t>(last_row_);
     return message;
   }
+  is_ended_ = true;  // SQLite would begin again
   return std::nullopt;
 }
 

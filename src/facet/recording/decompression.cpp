@@ -147,6 +147,11 @@ Bytes Decompress(Compression compression,
                  Bytes data,
                  std::uint64_t size,
                  std::vector<std::uint8_t>& buffer) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 30;
+  if (compression != Compression::kNone && size > kMost) {
+    throw InputError("announces " + std::to_string(size) +
+                     " decompressed bytes; recorders write chunks of some megabytes");
+  }
   std::size_t num = data.size();
   Bytes result = data;
   if (compression != Compression::kNone) {
@@ -162,6 +167,14 @@ Bytes Decompress(Compression compression,
                      " are announced");
   }
   return result;
+}
+
+Bytes DecompressZstdFrame(Bytes data, std::vector<std::uint8_t>& buffer) {
+  const unsigned long long size = ZSTD_getFrameContentSize(data.data(), data.size());
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
+    throw InputError("zstd data that do not say how many bytes they stand for");
+  }
+  return Decompress(Compression::kZstd, data, size, buffer);
 }
 
 }  // namespace facet

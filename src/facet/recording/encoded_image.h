@@ -27,14 +27,17 @@ class EncodedImage {
 
 class FileImage : public EncodedImage {
  public:
-  explicit FileImage(std::filesystem::path file) : file_(std::move(file)) {}
+  /// `sample_bits` is how many of 16-bit samples are used.
+  explicit FileImage(std::filesystem::path file, int sample_bits = 16)
+      : file_(std::move(file)), sample_bits_(sample_bits) {}
   cv::Size Decode(const cv::Size& wanted, ImageReader& reader, cv::Mat& grey) const override {
-    return reader.ReadOfSize(file_, wanted, grey);
+    return reader.ReadOfSize(file_, wanted, grey, sample_bits_);
   }
   std::string Place() const override { return file_.string(); }
 
  private:
   std::filesystem::path file_;
+  int sample_bits_;
 };
 
 }  // namespace facet

@@ -52,10 +52,6 @@ McapFile::McapFile(const std::filesystem::path& path) : file_(path) {
   }
   if (!ReadSummary()) Scan();
   Rewind();
-  if (topics_.empty()) {
-    throw InputError(path.string() +
-                     ": there is no message in it; was the recorder stopped at once?");
-  }
 }
 
 void McapFile::Rewind() {
@@ -63,7 +59,7 @@ void McapFile::Rewind() {
   chunk_ = {};
 }
 
-std::optional<McapFile::Record> McapFile::NextRecord() {
+McapFile::Record McapFile::NextRecord() {
   if (position_ == file_.size()) {
     file_.Fail(position_,
                "the file ends without its footer; it is truncated: `mcap recover` repairs it, or "
@@ -99,16 +95,13 @@ bool McapFile::ReadSummary() {
     const std::uint64_t begin = end.Number<std::uint64_t>();
     if (begin == 0 || begin >= footer) return false;
     position_ = begin;
+    std::optional<Record> statistics;  // counts by channel: wanted when all of them are known
     while (position_ < footer) {
-      const Record record = *NextRecord();
-      if (record.opcode != kOpSchema && record.opcode != kOpChannel &&
-          record.opcode != kOpStatistics) {
-        continue;
-      }
-      AddDefinition(record.opcode,
-                    file_.Read(record.offset + kRecordHeader, record.size, content_),
-                    record.offset);
+      const Record record = NextRecord();
+      if (record.opcode == kOpStatistics) statistics = record;
+      if (record.opcode == kOpSchema || record.opcode == kOpChannel) AddDefinition(record);
     }
+    if (statistics) AddDefinition(*statistics);
   } catch (const InputError& error) {
     warnings_.push_back(std::string(error.what()) + " (in the summary, which is not used)");
     schemas_.clear();
@@ -158,12 +151,7 @@ void McapFile::AddChannel(ByteSpan content) {
   topic.encoding = EncodingFromText(Text(reader));
   const auto found = schemas_.find(schema);
   if (found != schemas_.end()) topic.type = Ros1TypeName(found->second.name);
-  // Several channels may carry one topic: one for each node that published it.
-  const auto same = std::ranges::find_if(topics_, [&](const Topic& other) {
-    return other.name == topic.name && other.type == topic.type && other.encoding == topic.encoding;
-  });
-  topic_of_channel_[id] = static_cast<std::size_t>(same - topics_.begin());
-  if (same == topics_.end()) topics_.push_back(topic);
+  topic_of_channel_[id] = FindOrAddTopic(topics_, topic);
 }
 
 void McapFile::AddStatistics(ByteSpan content) {
@@ -178,6 +166,12 @@ void McapFile::AddStatistics(ByteSpan content) {
     const auto num = counts.Number<std::uint64_t>();
     if (channel != topic_of_channel_.end()) topics_[channel->second].num_messages += num;
   }
+}
+
+void McapFile::AddDefinition(const Record& record) {
+  AddDefinition(record.opcode,
+                file_.Read(record.offset + kRecordHeader, record.size, content_),
+                record.offset);
 }
 
 void McapFile::AddDefinition(std::uint8_t opcode, ByteSpan content, std::uint64_t offset) {
@@ -248,7 +242,7 @@ std::optional<Message> McapFile::NextInChunk() {
 std::optional<Message> McapFile::Next() {
   while (true) {
     if (auto message = NextInChunk()) return message;
-    const Record record = *NextRecord();
+    const Record record = NextRecord();
     switch (record.opcode) {
       case kOpDataEnd:
       case kOpFooter:
@@ -259,9 +253,7 @@ std::optional<Message> McapFile::Next() {
         break;
       case kOpSchema:
       case kOpChannel:
-        AddDefinition(record.opcode,
-                      file_.Read(record.offset + kRecordHeader, record.size, content_),
-                      record.offset);
+        AddDefinition(record);
         break;
       case kOpMessage:
         try {

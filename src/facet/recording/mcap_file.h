@@ -14,12 +14,14 @@ namespace facet {
 /// Keeps one chunk in memory. Not thread-safe.
 class McapFile : public MessageSource {
  public:
-  /// Throws InputError when the file cannot be read, is no MCAP or has no message. A missing or
-  /// damaged summary is no error: the file is then read once to find its topics.
+  /// Throws InputError when the file cannot be read or is no MCAP. A missing or damaged summary is
+  /// no error: the file is then read once to find its topics.
   explicit McapFile(const std::filesystem::path& path);
 
   std::string Kind() const override { return "MCAP"; }
-  std::string Place() const override { return file_.path().string(); }
+  std::string PlaceOf(const Message& message) const override {
+    return file_.PlaceOf(message.offset);
+  }
   const std::vector<Topic>& topics() const override { return topics_; }
   std::optional<Duration> IndexedDuration() const override { return duration_; }
   std::optional<Message> Next() override;
@@ -36,7 +38,7 @@ class McapFile : public MessageSource {
     std::string name, encoding;
   };
 
-  std::optional<Record> NextRecord();
+  Record NextRecord();
   bool ReadSummary();
   void Scan();
   void OpenChunk(const Record& record);
@@ -44,6 +46,7 @@ class McapFile : public MessageSource {
   void AddSchema(ByteSpan content);
   void AddChannel(ByteSpan content);
   void AddStatistics(ByteSpan content);
+  void AddDefinition(const Record& record);
   void AddDefinition(std::uint8_t opcode, ByteSpan content, std::uint64_t offset);
   std::optional<Message> ToMessage(ByteSpan content, std::uint64_t offset) const;
 

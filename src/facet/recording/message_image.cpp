@@ -139,7 +139,7 @@ MessageImage::MessageImage(const ImageMessage& message, int bits, std::string pl
 
 cv::Size MessageImage::Decode(const cv::Size& wanted, ImageReader& reader, cv::Mat& grey) const {
   try {
-    if (message_.encoding.empty()) return reader.DecodeOfSize(data_, wanted, grey);
+    if (message_.encoding.empty()) return reader.DecodeOfSize(data_, wanted, grey, bits_);
     GreyTarget target{grey, wanted};
     DecodeRaw(message_, bits_, target);
     return target.found;
@@ -148,7 +148,8 @@ cv::Size MessageImage::Decode(const cv::Size& wanted, ImageReader& reader, cv::M
   }
 }
 
-std::uint16_t LargestSample(const ImageMessage& message) {
+std::uint16_t LargestSample(const ImageMessage& message, ImageReader& reader) {
+  if (message.encoding.empty()) return reader.LargestSampleOf(message.data);
   const Encoding* encoding = FindEncoding(message.encoding);
   if (encoding == nullptr || encoding->bytes_per_sample != 2) return 0;
   std::uint32_t max = 0;

@@ -61,14 +61,15 @@ TEST(MessageImageTest, SixteenBits) {
   const std::vector<std::uint8_t> little = {0x34, 0x12, 0xFF, 0xFF};
   ImageMessage message = Message("mono16", 2, 1, little);
   EXPECT_THAT(Decode(message), ElementsAre(0x12, 255));
-  EXPECT_EQ(LargestSample(message), 0xFFFF);
+  ImageReader reader;
+  EXPECT_EQ(LargestSample(message, reader), 0xFFFF);
   message.is_big_endian = true;
   EXPECT_THAT(Decode(message), ElementsAre(0x34, 255));
   const std::vector<std::uint8_t> right_aligned = {0x00, 0x08, 0xFF, 0x0F};
-  EXPECT_EQ(UsedSampleBits(LargestSample(Message("16UC1", 2, 1, right_aligned))), 12);
+  EXPECT_EQ(UsedSampleBits(LargestSample(Message("16UC1", 2, 1, right_aligned), reader)), 12);
   EXPECT_THAT(Decode(Message("16UC1", 2, 1, right_aligned), 12), ElementsAre(128, 255));
   EXPECT_EQ(UsedSampleBits(1023), 10);
-  EXPECT_EQ(LargestSample(Message("mono8", 4, 1, little)), 0);
+  EXPECT_EQ(LargestSample(Message("mono8", 4, 1, little), reader), 0);
 }
 
 TEST(MessageImageTest, BayerPatternsOfAGreyWorldAreGrey) {

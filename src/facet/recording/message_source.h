@@ -41,16 +41,18 @@ class MessageSource {
   /// "ROS 1 bag", "MCAP" and so on.
   virtual std::string Kind() const = 0;
 
-  /// The file that messages come from at present.
-  virtual std::string Place() const = 0;
+  /// Where the message that was read last lies, for messages to the user: "a.bag: at byte 17".
+  virtual std::string PlaceOf(const Message& message) const = 0;
 
-  /// Known from the beginning: from the file's index, or else because it was read once.
+  /// Known from the beginning: from the file's index, or else because it was read once. Empty for
+  /// a file without messages.
   virtual const std::vector<Topic>& topics() const = 0;
 
   /// From the first to the last message as the index says, empty without one.
   virtual std::optional<Duration> IndexedDuration() const = 0;
 
-  /// Throws InputError with file and offset where the file is damaged.
+  /// Empty at the end, and whenever it is called again there. Throws InputError with file and
+  /// offset where the file is damaged.
   virtual std::optional<Message> Next() = 0;
 
   virtual void Rewind() = 0;
@@ -58,6 +60,11 @@ class MessageSource {
   /// What is odd, for warnings.
   virtual std::vector<std::string> Warnings() const { return {}; }
 };
+
+/// The index of the topic with the same name, type and encoding: several publishers may have one
+/// topic. Where there is none, it is added, without messages. Throws InputError, without a place,
+/// when there are more topics than any recording has (10000).
+std::size_t FindOrAddTopic(std::vector<Topic>& topics, const Topic& topic);
 
 /// sensor_msgs/msg/Image to sensor_msgs/Image.
 std::string Ros1TypeName(const std::string& type);

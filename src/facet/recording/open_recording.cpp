@@ -2,17 +2,22 @@
 #include "facet/recording/open_recording.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <fstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
+#include "facet/io/kitti_raw.h"
+#include "facet/io/plain_folder.h"
 #include "facet/io/yaml_file.h"
-#include "facet/recording/asl_recording.h"
 #include "facet/recording/bag_recording.h"
 #include "facet/recording/db3_file.h"
+#include "facet/recording/decompressed_messages.h"
+#include "facet/recording/folder_recording.h"
 #include "facet/recording/mcap_file.h"
 #include "facet/recording/ros1_bag.h"
 #include "facet/recording/split_bag.h"
@@ -24,8 +29,8 @@ namespace fs = std::filesystem;
 using std::string_view_literals::operator""sv;
 
 constexpr const char* kExpected =
-    "a folder with mav0/ (ASL, EuRoC, TUM-VI), a ROS 1 bag, an MCAP file or a ROS 2 bag (.db3, or "
-    "folder) is expected";
+    "a folder with mav0/ (ASL, EuRoC, TUM-VI), with image_00/ and oxts/ (KITTI), or with left/, "
+    "right/ and imu.csv, a ROS 1 bag, an MCAP file or a ROS 2 bag (.db3, or folder) is expected";
 
 enum class BagKind { kNone, kRos1, kMcap, kDb3 };
 
@@ -58,15 +63,12 @@ bool HasBagName(const fs::path& file) {
   const std::string extension = file.extension().string();
   if (extension == ".zstd" || extension == ".zst") {
     throw InputError(file.string() +
-                     ": the file is compressed as a whole; decompress it first: "
-                     "zstd -d --rm " +
+                     ": the file is compressed as a whole; decompress it first: zstd -d --rm " +
                      file.filename().string());
   }
-  throw InputError(file.string() + ": at byte 0: " +
-                   (HasBagName(file) ? "damaged, or not what its name says; "
-                                     : "unknown kind of "
-                                       "file; ") +
-                   kExpected);
+  const char* what =
+      HasBagName(file) ? "damaged, or not what its name says; " : "unknown kind of file; ";
+  throw InputError(file.string() + ": at byte 0: " + what + kExpected);
 }
 
 std::unique_ptr<MessageSource> OpenFile(const fs::path& file) {
@@ -74,9 +76,9 @@ std::unique_ptr<MessageSource> OpenFile(const fs::path& file) {
     case BagKind::kRos1:
       return std::make_unique<Ros1Bag>(file);
     case BagKind::kMcap:
-      return std::make_unique<McapFile>(file);
+      return std::make_unique<DecompressedMessages>(std::make_unique<McapFile>(file));
     case BagKind::kDb3:
-      return std::make_unique<Db3File>(file);
+      return std::make_unique<DecompressedMessages>(std::make_unique<Db3File>(file));
     default:
       FailUnknown(file);
   }
@@ -109,11 +111,12 @@ bool NaturalOrder(const fs::path& a, const fs::path& b) {
 std::vector<fs::path> FilesOfMetadata(const fs::path& folder) {
   const YamlFile yaml(folder / "metadata.yaml");
   const YAML::Node bag = yaml.Require(yaml.root(), "rosbag2_bagfile_information");
-  const YAML::Node mode = bag["compression_mode"];
-  if (mode && mode.IsScalar() && mode.Scalar() == "MESSAGE") {
-    throw InputError((folder / "metadata.yaml").string() +
-                     ": each message is compressed by itself, which is not supported; convert the "
-                     "bag with `ros2 bag convert`");
+  const YAML::Node mode = bag["compression_mode"], format = bag["compression_format"];
+  const bool is_compressed = mode && mode.IsScalar() && mode.Scalar() == "MESSAGE";
+  if (is_compressed && format && format.IsScalar() && format.Scalar() != "zstd") {
+    yaml.Fail(format,
+              "messages are compressed with '" + format.Scalar() +
+                  "', zstd is known; convert the bag with `ros2 bag convert`");
   }
   const YAML::Node paths = yaml.Require(bag, "relative_file_paths");
   std::vector<fs::path> files;
@@ -151,16 +154,35 @@ bool HasNames(const TopicNames& names) {
          !names.accel.empty();
 }
 
+std::unique_ptr<Recording> MakeFolderRecording(RecordingFiles files) {
+  return std::make_unique<FolderRecording>(StereoDataset(std::move(files)));
+}
+
 }  // namespace
+
+FolderKind KindOfFolder(const fs::path& path) {
+  if (IsAsl(path)) return FolderKind::kAsl;
+  if (IsKittiRaw(path)) return FolderKind::kKitti;
+  return IsPlainFolder(path) ? FolderKind::kPlain : FolderKind::kOther;
+}
 
 std::unique_ptr<MessageSource> OpenMessages(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) throw InputError(path.string() + ": no such folder or file");
-  if (!fs::is_directory(path, error)) return OpenFile(path);
-  if (IsAsl(path)) return nullptr;
-  std::vector<fs::path> files = FilesOfFolder(path);
-  if (files.empty()) return nullptr;
-  return std::make_unique<SplitBag>(std::move(files), OpenFile);
+  std::unique_ptr<MessageSource> source;
+  if (!fs::is_directory(path, error)) {
+    source = OpenFile(path);
+  } else {
+    if (KindOfFolder(path) != FolderKind::kOther) return nullptr;
+    std::vector<fs::path> files = FilesOfFolder(path);
+    if (files.empty()) return nullptr;
+    source = std::make_unique<SplitBag>(std::move(files), OpenFile);
+  }
+  if (source->topics().empty()) {
+    throw InputError(path.string() +
+                     ": there is no message in it; was the recorder stopped at once?");
+  }
+  return source;
 }
 
 std::unique_ptr<Recording> OpenRecording(const fs::path& path, const RecordingOptions& options) {
@@ -173,10 +195,17 @@ std::unique_ptr<Recording> OpenRecording(const fs::path& path, const RecordingOp
   if (HasNames(options.topics)) {
     throw ConfigError("--topics: " + path.string() + " is no bag, it has no topics");
   }
-  if (!IsAsl(path)) {
-    throw InputError(path.string() + ": holds neither mav0/ nor cam0/ nor bags; " + kExpected);
+  switch (KindOfFolder(path)) {
+    case FolderKind::kAsl:
+      return MakeFolderRecording(ReadAslFolder(path, options.calibration));
+    case FolderKind::kKitti:
+      return MakeFolderRecording(ReadKittiRaw(path, options.calibration));
+    case FolderKind::kPlain:
+      return MakeFolderRecording(ReadPlainFolder(path, options.calibration));
+    case FolderKind::kOther:
+      break;
   }
-  return std::make_unique<AslRecording>(path, options.calibration);
+  throw InputError(path.string() + ": holds neither mav0/ nor cam0/ nor bags; " + kExpected);
 }
 
 }  // namespace facet

@@ -18,10 +18,19 @@ struct RecordingOptions {
   bool needs_calibration = true;
 };
 
-/// `path` is a folder in the ASL/EuRoC layout (with mav0/, or mav0/ itself), a ROS 1 bag, an MCAP
-/// file, a ROS 2 database (.db3), or a folder with several of these files: a ROS 2 bag with
-/// metadata.yaml, or the parts of one recording in the order of their names. Files are told by
-/// their content, not by their extension.
+/// The layouts of folders with image files.
+enum class FolderKind {
+  kAsl,    ///< ASL, EuRoC, TUM-VI (asl_dataset.h)
+  kKitti,  ///< kitti_raw.h
+  kPlain,  ///< plain_folder.h
+  kOther,
+};
+FolderKind KindOfFolder(const std::filesystem::path& path);
+
+/// `path` is a folder with images in one of these layouts, a ROS 1 bag, an MCAP file, a ROS 2
+/// database (.db3), or a folder with several of these files: a ROS 2 bag with metadata.yaml, or the
+/// parts of one recording in the order of their names. Files are told by their content, not by
+/// their extension.
 ///
 /// Throws InputError, naming what was expected, for anything else and for what cannot be used;
 /// ConfigError where a choice of topics is needed, or is given for a folder that has none.

@@ -36,7 +36,11 @@ RandomAccessFile::~RandomAccessFile() {
 }
 
 void RandomAccessFile::Fail(std::uint64_t offset, const std::string& text) const {
-  throw InputError(path_.string() + ": at byte " + std::to_string(offset) + ": " + text);
+  throw InputError(PlaceOf(offset) + ": " + text);
+}
+
+std::string RandomAccessFile::PlaceOf(std::uint64_t offset) const {
+  return path_.string() + ": at byte " + std::to_string(offset);
 }
 
 ByteSpan RandomAccessFile::Read(std::uint64_t offset,

@@ -28,6 +28,9 @@ class RandomAccessFile {
   /// is allocated that the file does not hold.
   ByteSpan Read(std::uint64_t offset, std::uint64_t size, std::vector<std::uint8_t>& buffer) const;
 
+  /// "a.bag: at byte 17".
+  std::string PlaceOf(std::uint64_t offset) const;
+
   /// Throws InputError with file, offset and text.
   [[noreturn]] void Fail(std::uint64_t offset, const std::string& text) const;
 

@@ -20,6 +20,7 @@ namespace facet {
 /// One left image and the right image of the same moment, not decoded yet.
 struct RecordedFrame {
   Timestamp t;                                ///< of the left image, camera clock
+  Timestamp t_right;                          ///< of the right image, if there is one
   std::shared_ptr<const EncodedImage> left;   ///< never null
   std::shared_ptr<const EncodedImage> right;  ///< null: a mono frame
   bool HasRight() const { return right != nullptr; }

@@ -63,10 +63,6 @@ Ros1Bag::Ros1Bag(const std::filesystem::path& path) : file_(path) {
   if (!ReadIndex()) Scan();
   if (first_ && last_) duration_ = *last_ - *first_;
   Rewind();
-  if (topics_.empty()) {
-    throw InputError(path.string() +
-                     ": there is no message in it; was the recorder stopped at once?");
-  }
 }
 
 void Ros1Bag::Rewind() {
@@ -97,8 +93,9 @@ Ros1Bag::Record Ros1Bag::ReadRecord(std::uint64_t offset) {
   if (header_size > kMaxHeader) {
     file_.Fail(offset, "no record begins here; the file is damaged" + std::string(kRepair));
   }
+  const ByteSpan header = file_.Read(offset + 4, header_size, head_);
   try {
-    record.fields = ParseFields(file_.Read(offset + 4, header_size, head_));
+    record.fields = ParseFields(header);
     const std::string& op = Require(record.fields, "op");
     record.op = op.size() == 1 ? static_cast<unsigned char>(op[0]) : -1;
   } catch (const InputError& error) {
@@ -195,11 +192,7 @@ void Ros1Bag::AddConnection(const Fields& fields, ByteSpan data) {
   topic.name = Require(fields, "topic");
   topic.type = Require(connection, "type");
   topic.encoding = MessageEncoding::kRos1;
-  const auto same = std::ranges::find_if(topics_, [&](const Topic& other) {
-    return other.name == topic.name && other.type == topic.type;
-  });
-  topic_of_connection_[id] = static_cast<std::size_t>(same - topics_.begin());
-  if (same == topics_.end()) topics_.push_back(topic);
+  topic_of_connection_[id] = FindOrAddTopic(topics_, topic);
 }
 
 void Ros1Bag::OpenChunk(const Record& record) {

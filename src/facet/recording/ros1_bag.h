@@ -20,7 +20,9 @@ class Ros1Bag : public MessageSource {
   explicit Ros1Bag(const std::filesystem::path& path);
 
   std::string Kind() const override { return "ROS 1 bag"; }
-  std::string Place() const override { return file_.path().string(); }
+  std::string PlaceOf(const Message& message) const override {
+    return file_.PlaceOf(message.offset);
+  }
   const std::vector<Topic>& topics() const override { return topics_; }
   std::optional<Duration> IndexedDuration() const override { return duration_; }
   std::optional<Message> Next() override;

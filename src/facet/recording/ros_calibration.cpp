@@ -45,6 +45,24 @@ std::pair<CameraIntrinsics, std::string> IntrinsicsOf(const CameraInfoMessage& i
   return {k, CameraModel::WhatIsWrong(k)};
 }
 
+/// CameraInfo belongs to the raw images. Rectified ones of the same camera have no distortion and
+/// the matrix P, and are those of a camera that is turned by R; both are filled in only where the
+/// camera was calibrated for rectification.
+std::string Rectify(const CameraInfoMessage& info, CameraIntrinsics& k, SE3& T_BC) {
+  const Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(info.R.data());
+  if (info.P[0] == 0 || !R.isUnitary(1e-3) || R.determinant() < 0) {
+    return "the images are rectified, but it says nothing about rectified images (R and P)";
+  }
+  k.fx = info.P[0];
+  k.cx = info.P[2];
+  k.fy = info.P[5];
+  k.cy = info.P[6];
+  k.distortion = DistortionModel::kNone;
+  k.coefficients = {};
+  T_BC = T_BC * SE3(Quaterniond(R).normalized().conjugate(), Vector3d::Zero());
+  return CameraModel::WhatIsWrong(k);
+}
+
 }  // namespace
 
 std::optional<SE3> FindTransform(const std::vector<FrameTransform>& transforms,
@@ -81,11 +99,6 @@ RosCalibration CalibrationFromMessages(const RosCalibrationMessages& messages,
       return result;
     }
     const CameraInfoMessage& info = *messages.cameras[i];
-    const auto [intrinsics, wrong] = IntrinsicsOf(info);
-    if (!wrong.empty()) {
-      result.problem = "camera_info of the " + side + " camera: " + wrong;
-      return result;
-    }
     const std::string& frame =
         info.header.frame.empty() ? messages.camera_frames[i] : info.header.frame;
     const auto T_BC = FindTransform(messages.transforms, messages.imu_frame, frame);
@@ -94,8 +107,17 @@ RosCalibration CalibrationFromMessages(const RosCalibrationMessages& messages,
                        "') and the IMU (frame '" + messages.imu_frame + "')";
       return result;
     }
+    SE3& mounted = calibration.rig.T_BC[i];
+    mounted = *T_BC;
+    auto [intrinsics, wrong] = IntrinsicsOf(info);
+    // Drivers that publish rectified images alone write their calibration as that of raw ones.
+    const bool is_distorted = intrinsics.distortion != DistortionModel::kNone || !wrong.empty();
+    if (messages.are_rectified[i] && is_distorted) wrong = Rectify(info, intrinsics, mounted);
+    if (!wrong.empty()) {
+      result.problem = "camera_info of the " + side + " camera: " + wrong;
+      return result;
+    }
     calibration.rig.cameras[i] = CameraModel(intrinsics);
-    calibration.rig.T_BC[i] = *T_BC;
   }
   const double baseline_m = calibration.rig.baseline_m();
   if (!(baseline_m > 1e-3 && baseline_m < 10)) {

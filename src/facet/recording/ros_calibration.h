@@ -16,6 +16,7 @@ namespace facet {
 struct RosCalibrationMessages {
   std::array<std::optional<CameraInfoMessage>, 2> cameras;  ///< left, right
   std::array<std::string, 2> camera_frames;                 ///< of the images; CameraInfo's wins
+  std::array<bool, 2> are_rectified{};                      ///< by the name of their topic
   std::string imu_frame;
   std::vector<FrameTransform> transforms;
 };

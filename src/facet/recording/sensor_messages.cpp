@@ -28,7 +28,6 @@ class FieldReader {
     max_alignment_ = kind >= 6 ? 4 : 8;
   }
 
-  bool is_cdr() const { return is_cdr_; }
   std::size_t remaining() const { return reader_.remaining(); }
 
   template <class T>
@@ -85,10 +84,6 @@ std::string CleanFrame(std::string frame) {
 
 }  // namespace
 
-Timestamp ReadStamp(std::span<const std::uint8_t> bytes, MessageEncoding encoding) {
-  return FieldReader(bytes, encoding).Header().t;
-}
-
 ImageMessage ReadImageMessage(std::span<const std::uint8_t> bytes, MessageEncoding encoding) {
   FieldReader reader(bytes, encoding);
   ImageMessage image;
@@ -111,6 +106,11 @@ ImageMessage ReadCompressedImageMessage(std::span<const std::uint8_t> bytes,
   reader.Text();  // the format; the data say better what they are
   image.data = reader.Blob();
   return image;
+}
+
+ImageMessage ReadAnyImageMessage(const Topic& topic, std::span<const std::uint8_t> bytes) {
+  return topic.type == kImageType ? ReadImageMessage(bytes, topic.encoding)
+                                  : ReadCompressedImageMessage(bytes, topic.encoding);
 }
 
 ImuMessage ReadImuMessage(std::span<const std::uint8_t> bytes, MessageEncoding encoding) {
@@ -143,6 +143,10 @@ CameraInfoMessage ReadCameraInfoMessage(std::span<const std::uint8_t> bytes,
     info.D.push_back(reader.Number<double>());
   for (double& k : info.K)
     k = reader.Number<double>();
+  for (double& r : info.R)
+    r = reader.Number<double>();
+  for (double& p : info.P)
+    p = reader.Number<double>();
   return info;
 }
 

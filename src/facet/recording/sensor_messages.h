@@ -35,7 +35,9 @@ struct CameraInfoMessage {
   std::uint32_t width = 0, height = 0;
   std::string distortion_model;  ///< plumb_bob, equidistant, ...
   std::vector<double> D;
-  std::array<double, 9> K{};
+  std::array<double, 9> K{};   ///< of the raw image, row by row
+  std::array<double, 9> R{};   ///< from the raw to the rectified camera, row by row
+  std::array<double, 12> P{};  ///< of the rectified image, row by row
 };
 
 /// One transform of tf2_msgs/TFMessage: maps points from the child frame to the parent frame.
@@ -55,6 +57,8 @@ inline constexpr const char* kTransformsType = "tf2_msgs/TFMessage";
 ImageMessage ReadImageMessage(std::span<const std::uint8_t> bytes, MessageEncoding encoding);
 ImageMessage ReadCompressedImageMessage(std::span<const std::uint8_t> bytes,
                                         MessageEncoding encoding);
+/// Of either type, which the topic says.
+ImageMessage ReadAnyImageMessage(const Topic& topic, std::span<const std::uint8_t> bytes);
 /// Angular velocity [rad/s], linear acceleration [m/s^2], in the sensor's frame; numbers may be
 /// anything, also not finite.
 struct ImuMessage {
@@ -67,8 +71,5 @@ CameraInfoMessage ReadCameraInfoMessage(std::span<const std::uint8_t> bytes,
 /// Rotations are normalised; throws for those that cannot be.
 std::vector<FrameTransform> ReadTransformsMessage(std::span<const std::uint8_t> bytes,
                                                   MessageEncoding encoding);
-
-/// The stamp of a message that begins with a header.
-Timestamp ReadStamp(std::span<const std::uint8_t> bytes, MessageEncoding encoding);
 
 }  // namespace facet

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/recording/split_bag.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "facet/base/check.h"
+#include "facet/io/errors.h"
 
 namespace facet {
 
@@ -13,7 +13,14 @@ SplitBag::SplitBag(std::vector<std::filesystem::path> files, Opener opener)
   FACET_CHECK(!files_.empty()) << "no file";
   Duration sum;
   for (std::size_t i = 0; i < files_.size(); ++i) {
-    Open(i);
+    try {
+      Open(i);
+    } catch (const InputError& error) {
+      if (i == 0) throw;
+      damage_ = error.what();
+      files_.resize(i);
+      break;
+    }
     for (std::size_t k = 0; k < topic_of_source_.size(); ++k)
       topics_[topic_of_source_[k]].num_messages += source_->topics()[k].num_messages;
     if (source_->IndexedDuration()) sum = sum + *source_->IndexedDuration();
@@ -21,7 +28,7 @@ SplitBag::SplitBag(std::vector<std::filesystem::path> files, Opener opener)
     warnings_.insert(warnings_.end(), more.begin(), more.end());
   }
   if (sum.ns > 0) duration_ = sum;
-  Rewind();
+  Open(0);
 }
 
 std::string SplitBag::Kind() const {
@@ -30,19 +37,11 @@ std::string SplitBag::Kind() const {
 }
 
 void SplitBag::Open(std::size_t file) {
-  file_ = file;
   source_ = opener_(files_[file]);
+  file_ = file;
   topic_of_source_.clear();
-  for (const Topic& topic : source_->topics()) {
-    const auto same = std::ranges::find_if(topics_, [&](const Topic& known) {
-      return known.name == topic.name && known.type == topic.type &&
-             known.encoding == topic.encoding;
-    });
-    topic_of_source_.push_back(static_cast<std::size_t>(same - topics_.begin()));
-    if (same != topics_.end()) continue;
-    topics_.push_back(topic);
-    topics_.back().num_messages = 0;
-  }
+  for (const Topic& topic : source_->topics())
+    topic_of_source_.push_back(FindOrAddTopic(topics_, topic));
 }
 
 void SplitBag::Rewind() {
@@ -57,7 +56,10 @@ std::optional<Message> SplitBag::Next() {
       message->topic = topic_of_source_[message->topic];
       return message;
     }
-    if (file_ + 1 == files_.size()) return std::nullopt;
+    if (file_ + 1 == files_.size()) {
+      if (!damage_.empty()) throw InputError(damage_);
+      return std::nullopt;
+    }
     Open(file_ + 1);
   }
 }

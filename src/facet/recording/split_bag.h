@@ -15,11 +15,13 @@ class SplitBag : public MessageSource {
  public:
   using Opener = std::function<std::unique_ptr<MessageSource>(const std::filesystem::path&)>;
 
-  /// Opens each file once to collect topics and durations. CHECKs that there is a file.
+  /// Opens each file once to collect topics and durations. CHECKs that there is a file. Throws what
+  /// opening the first one throws; a later one that cannot be opened ends the recording there, as
+  /// damage within a file does.
   SplitBag(std::vector<std::filesystem::path> files, Opener opener);
 
   std::string Kind() const override;
-  std::string Place() const override { return source_->Place(); }
+  std::string PlaceOf(const Message& message) const override { return source_->PlaceOf(message); }
   const std::vector<Topic>& topics() const override { return topics_; }
   std::optional<Duration> IndexedDuration() const override { return duration_; }
   std::optional<Message> Next() override;
@@ -30,6 +32,7 @@ class SplitBag : public MessageSource {
   void Open(std::size_t file);
 
   std::vector<std::filesystem::path> files_;
+  std::string damage_;  ///< why the file behind these cannot be opened; empty: there is none
   Opener opener_;
   std::vector<Topic> topics_;
   std::optional<Duration> duration_;

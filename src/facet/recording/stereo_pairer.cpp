@@ -2,7 +2,6 @@
 #include "facet/recording/stereo_pairer.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
 namespace facet {
@@ -11,6 +10,7 @@ namespace {
 // How long an image waits for its partner; in a bag messages come late, but not that late.
 constexpr Duration kLongestWait{2000000000};
 constexpr std::size_t kMostBytes = 256 << 20;
+constexpr std::size_t kBytesBeside = 1024;  // of an image besides its data
 
 }  // namespace
 
@@ -19,6 +19,7 @@ void StereoPairer::Add(int camera,
                        std::shared_ptr<const EncodedImage> image,
                        Timestamp received,
                        std::size_t num_bytes) {
+  num_bytes += kBytesBeside;
   newest_received_ = std::max(newest_received_, received);
   if (last_[camera] && t <= *last_[camera]) {
     ++num_late_;
@@ -66,12 +67,15 @@ void StereoPairer::Settle() {
   };
   while (!right.empty() && left.t - right.front().t > tolerance_)
     skip();
-  const auto distance = [&](const Waiting& image) { return std::llabs((image.t - left.t).ns); };
+  const auto distance = [&](const Waiting& image) {
+    return std::max(image.t - left.t, left.t - image.t);
+  };
   while (right.size() > 1 && distance(right[1]) < distance(right[0]))
     skip();
-  RecordedFrame frame{left.t, left.image, nullptr};
-  if (!right.empty() && distance(right.front()) <= tolerance_.ns) {
+  RecordedFrame frame{left.t, left.t, left.image, nullptr};
+  if (!right.empty() && distance(right.front()) <= tolerance_) {
     frame.right = right.front().image;
+    frame.t_right = right.front().t;
     Drop(1);
     ++num_pairs_;
   } else if (num_pairs_ == 0) {

@@ -13,7 +13,7 @@
 
 namespace facet {
 
-/// Pairs each left image with the nearest right one within the tolerance, as AslDataset does. A
+/// Pairs each left image with the nearest right one within the tolerance, as StereoDataset does. A
 /// left image without one becomes a mono frame, once it is known that none comes; frames begin with
 /// the first pair. Stamps of one camera that do not rise are left out and counted. Not thread-safe.
 class StereoPairer {

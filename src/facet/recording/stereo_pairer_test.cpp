@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/recording/stereo_pairer.h"
 
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -77,6 +79,26 @@ TEST_F(StereoPairerTest, DoesNotWaitForeverForACameraThatHasStopped) {
   for (int t = 200; t <= 2300; t += 100)
     Left(t);
   EXPECT_THAT(Frames(), ElementsAre("100+100", "200")) << "2.1 s ago";
+}
+
+TEST_F(StereoPairerTest, ImagesOfNothingDoNotWaitInAnyNumber) {
+  for (int i = 0; i < 300000; ++i) {
+    pairer_.Add(1, Timestamp{i}, std::make_shared<FileImage>("x"), Timestamp{}, 0);
+    if (pairer_.Warnings().empty()) continue;
+    EXPECT_THAT(pairer_.Warnings(), ElementsAre("1 right images have no left image"));
+    return;
+  }
+  FAIL() << "300000 images wait";
+}
+
+TEST_F(StereoPairerTest, DamagedStampsMayBeAnything) {
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+  const auto image = std::make_shared<FileImage>("x");
+  pairer_.Add(1, Timestamp{-kMax - 1}, image, Timestamp{kMax}, 0);
+  pairer_.Add(1, Timestamp{kMax - 1}, image, Timestamp{-kMax}, 0);
+  pairer_.Add(0, Timestamp{kMax}, image, Timestamp{kMax}, 0);
+  pairer_.End();
+  EXPECT_THAT(Frames(), ElementsAre("x+x"));
 }
 
 TEST_F(StereoPairerTest, LateImagesAreLeftOut) {

@@ -24,7 +24,8 @@ TopicNames ParseTopics(const std::vector<std::string>& texts);
 struct TopicChoice {
   std::size_t left = 0, right = 0;
   std::optional<std::size_t> imu, gyro, accel;
-  std::optional<std::size_t> left_info, right_info;  ///< camera_info beside the images
+  std::optional<std::size_t> left_info, right_info;         ///< camera_info beside the images
+  std::size_t rates() const { return imu ? *imu : *gyro; }  ///< the topic with angular rates
 };
 
 /// Images: the only two topics with images, or the only two whose names differ as left and right

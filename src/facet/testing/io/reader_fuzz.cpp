@@ -10,6 +10,7 @@
 #include "facet/io/errors.h"
 #include "facet/io/image_reader.h"
 #include "facet/io/json_file.h"
+#include "facet/io/kitti_raw.h"
 #include "facet/io/planes_file.h"
 #include "facet/io/ply_reader.h"
 #include "facet/io/states_file.h"
@@ -61,6 +62,14 @@ const char* const kBinaryPlyHeader =
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
 const char* const kJson =
     R"({"ate_m": 1.5e-3, "names": ["a", "\u00e4", null, true], "inner": {"x": -1}})";
+const char* const kKittiCameras =
+    "calib_time: 09-Jan-2012 13:57:47\nS_00: 1392 512\nK_00: 984.2439 0 690 0 980.8141 233.1966 0 "
+    "0 "
+    "1\nD_00: -3.728755e-01 2.037299e-01 2.219027e-03 1.383707e-03 -7.233722e-02\n"
+    "R_00: 1 0 0 0 1 0 0 0 1\nT_00: 0 0 0\nS_01: 1392 512\n"
+    "K_01: 989.5267 0 702 0 987.8481 245.59 0 0 1\nD_01: -0.36 0.18 0.001 -0.0006 0\n"
+    "R_01: 1 0 0 0 1 0 0 0 1\nT_01: -0.5370 0.0048 -0.0122\n";
+const char* const kKittiTimes = "2011-09-26 13:02:25.964389445\n2011-09-26 13:02:25.974389445\n";
 const char* const kCamchain =
     "cam0:\n  camera_model: pinhole\n  intrinsics: [460, 459.5, 367, 248]\n  distortion_model: "
     "radtan\n"
@@ -93,10 +102,31 @@ std::vector<std::string> ImageSeeds() {
           "P2\n2 2\n# comment\n15\n0 7 15 3\n",
           EncodePng(grey),
           EncodePng(colour, {.interlaced = true}),
+          EncodePng(colour, {.depth = 16}),
           EncodePng(grey, {.palette = true}),
           EncodeJpeg(grey, 80),
           EncodeJpeg(colour, 90),
           EncodeWebpLossless(colour)};
+}
+
+/// A drive in which the file is one of many; those that are missing are written.
+void ReadKittiDrive(const Path& drive) {
+  std::string oxts;
+  for (int i = 0; i < 30; ++i)
+    oxts += std::to_string(i) + ".5 ";
+  const std::pair<const char*, std::string> files[] = {
+      {"calib_cam_to_cam.txt", kKittiCameras},
+      {"calib_velo_to_cam.txt", "R: 0 -1 0 0 0 -1 1 0 0\nT: 0 -0.08 -0.27\n"},
+      {"calib_imu_to_velo.txt", "R: 1 0 0 0 1 0 0 0 1\nT: -0.8 0.3 -0.8\n"},
+      {"image_00/timestamps.txt", kKittiTimes},
+      {"image_01/timestamps.txt", kKittiTimes},
+      {"oxts/timestamps.txt", kKittiTimes},
+      {"oxts/data/0000000000.txt", oxts},
+      {"oxts/data/0000000001.txt", oxts}};
+  for (const auto& [name, content] : files) {
+    if (!std::filesystem::exists(drive / name)) WriteText(drive / name, content);
+  }
+  ReadKittiRaw(drive);
 }
 
 }  // namespace
@@ -112,7 +142,10 @@ std::vector<FuzzedReader> FuzzedReaders() {
   };
   const auto read_image = [](const Path& file) {
     cv::Mat image;
-    ImageReader().Read(file, image);
+    ImageReader reader;
+    reader.Read(file, image);
+    reader.LargestSample(file);
+    reader.ReadOfSize(file, cv::Size(), image, 12);
   };
   const auto read_json = [](const Path& file) {
     if (ReadJsonFile(file).is_null()) throw InputError("not JSON");
@@ -135,6 +168,19 @@ std::vector<FuzzedReader> FuzzedReaders() {
       {"planes", "planes.csv", {kPlanes}, [](const Path& file) { ReadEstimatedPlanes(file); }},
       {"true planes", "planes.csv", {kTruePlanes}, [](const Path& file) { ReadTruePlanes(file); }},
       {"ply", "a.ply", {kPly, BinaryPly()}, [](const Path& file) { ReadPly(file); }},
+      {"kitti calibration",
+       "kitti_a/calib_cam_to_cam.txt",
+       {kKittiCameras},
+       [](const Path& file) { ReadKittiDrive(file.parent_path()); }},
+      {"kitti times",
+       "kitti_b/oxts/timestamps.txt",
+       {kKittiTimes},
+       [](const Path& file) { ReadKittiDrive(file.parent_path().parent_path()); }},
+      {"kitti oxts",
+       "kitti_c/oxts/data/0000000001.txt",
+       {std::string(
+           "49.0 8.4 112 0.03 0.02 -1.2 -3 4 5 6 0.1 -0.1 0.2 9.8 0 0 9.8 0.01 -0.02 0.3 7\n")},
+       [](const Path& file) { ReadKittiDrive(file.parent_path().parent_path().parent_path()); }},
       {"json", "a.json", {kJson}, read_json},
       {"image", "a.png", ImageSeeds(), read_image},
   };

@@ -50,6 +50,9 @@ std::vector<std::string> RecordingSeeds() {
   const auto ros1 = SmallMessages(folder / "seq", MessageEncoding::kRos1);
   const auto cdr = SmallMessages(folder / "seq", MessageEncoding::kCdr);
   WriteDb3(folder / "a.db3", cdr);
+  std::vector<TestMessage> compressed = cdr;
+  for (TestMessage& message : compressed)
+    message.bytes = Compressed(Compression::kZstd, message.bytes);
   return {Ros1BagBytes(ros1),
           Ros1BagBytes(ros1, {.compression = Compression::kLz4}),
           Ros1BagBytes(ros1, {.compression = Compression::kBz2}),
@@ -59,6 +62,7 @@ std::vector<std::string> RecordingSeeds() {
           McapBytes(cdr, {.compression = Compression::kZstd}),
           McapBytes(cdr, {.messages_per_chunk = 0, .has_index = false}),
           McapBytes(WithCompressedImages(cdr), {.compression = Compression::kZstd}),
+          McapBytes(compressed),
           ReadText(folder / "a.db3")};
 }
 

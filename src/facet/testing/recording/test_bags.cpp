@@ -257,12 +257,15 @@ std::string McapBytes(const std::vector<TestMessage>& messages, const TestBagOpt
   }
   file += McapRecord(15, Raw(std::uint32_t{0}));
   const std::uint64_t summary = options.has_index ? file.size() : 0;
-  if (options.has_index) file += definitions + McapStatistics(messages, numbers);
+  const std::string counts = McapStatistics(messages, numbers);
+  if (options.has_index)
+    file += options.are_counts_first ? counts + definitions : definitions + counts;
   file += McapRecord(2, Raw(summary) + Raw(std::uint64_t{0}) + Raw(std::uint32_t{0}));
   return file + std::string(kMcapMagic, 8);
 }
 
 void WriteDb3(const std::filesystem::path& file, const std::vector<TestMessage>& messages) {
+  std::filesystem::create_directories(file.parent_path());
   sqlite3* raw = nullptr;
   const int status = sqlite3_open(file.c_str(), &raw);
   const std::unique_ptr<sqlite3, decltype(&sqlite3_close)> database(raw, &sqlite3_close);

@@ -15,6 +15,7 @@ struct TestBagOptions {
   Compression compression = Compression::kNone;
   std::size_t messages_per_chunk = 20;  ///< 0: no chunks
   bool has_index = true;                ///< of MCAP: the summary
+  bool are_counts_first = false;        ///< of MCAP: in the summary, before the channels
 };
 
 std::string Ros1BagBytes(const std::vector<TestMessage>& messages,

@@ -93,7 +93,10 @@ std::string CameraInfoBytes(MessageEncoding encoding, const CameraInfoMessage& i
     writer.Number(d);
   for (const double k : info.K)
     writer.Number(k);
-  WriteZeros(writer, 9 + 12);  // R and P
+  for (const double r : info.R)
+    writer.Number(r);
+  for (const double p : info.P)
+    writer.Number(p);
   for (int i = 0; i < 6; ++i)
     writer.Number(std::uint32_t{0});  // binning and region
   writer.Number(std::uint8_t{0});

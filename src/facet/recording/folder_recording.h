@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A folder in the ASL/EuRoC layout as a stream.
+// A recording of image files as a stream.
 #pragma once
 
-#include <filesystem>
-
-#include "facet/io/asl_dataset.h"
+#include "facet/io/stereo_dataset.h"
 #include "facet/recording/recording.h"
 
 namespace facet {
 
-/// The lists of images and the IMU are read when it is opened (some 100 bytes per image and
-/// sample), images when they are decoded.
-class AslRecording : public Recording {
+/// Images are read when they are decoded.
+class FolderRecording : public Recording {
  public:
-  /// Throws InputError as AslDataset does.
-  explicit AslRecording(const std::filesystem::path& sequence,
-                        const CalibrationFiles& calibration = {});
+  explicit FolderRecording(StereoDataset dataset) : dataset_(std::move(dataset)) {}
 
   const std::string& name() const override { return dataset_.name(); }
   const Calibration* calibration() const override { return &dataset_.calibration(); }
@@ -27,7 +22,7 @@ class AslRecording : public Recording {
  private:
   bool IsImuNext() const;
 
-  AslDataset dataset_;
+  StereoDataset dataset_;
   std::size_t next_imu_ = 0, next_frame_ = 0;
 };
 

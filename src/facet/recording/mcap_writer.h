@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Writes MCAP files (https://mcap.dev/spec) of ROS 2 messages, with index and summary.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "facet/recording/decompression.h"
+#include "facet/recording/message_source.h"
+
+namespace facet {
+
+/// Keeps one chunk in memory, and 60 bytes for each one written. The file has its name when it is
+/// complete; before, it is called FILE.partial. Not thread-safe.
+class McapWriter {
+ public:
+  /// `compression` is kNone or kZstd (CHECKed). All functions throw OutputError when the file
+  /// cannot be written.
+  McapWriter(const std::filesystem::path& file, Compression compression);
+  McapWriter(const McapWriter&) = delete;
+  McapWriter& operator=(const McapWriter&) = delete;
+  ~McapWriter();  ///< removes what is not complete
+
+  /// `type` as ROS 1 writes it, for example sensor_msgs/Image; `definition` as ROS 2 does. Returns
+  /// the number of the channel.
+  std::uint16_t AddChannel(const std::string& topic,
+                           const std::string& type,
+                           const std::string& definition);
+
+  void AddMessage(std::uint16_t channel, Timestamp t, std::span<const std::uint8_t> bytes);
+
+  /// Writes the last chunk and the summary, and gives the file its name.
+  void Commit();
+
+ private:
+  struct ChunkIndex {
+    Timestamp first, last;
+    std::uint64_t offset = 0, size = 0;
+    std::map<std::uint16_t, std::uint64_t> index_offsets;
+    std::uint64_t index_size = 0, compressed_size = 0, raw_size = 0;
+  };
+
+  std::filesystem::path Partial() const;
+  void Write(const std::string& bytes);
+  void WriteChunk();
+  void WriteMessageIndices(ChunkIndex& index);
+  std::string Summary() const;
+  const char* CompressionName() const;
+
+  std::filesystem::path file_;
+  Compression compression_;
+  std::ofstream stream_;
+  std::uint64_t position_ = 0;
+  std::string definitions_;  ///< records of all schemas and channels
+  std::uint16_t num_channels_ = 0;
+  std::string chunk_;
+  ChunkIndex open_;
+  std::map<std::uint16_t, std::string> message_indices_;  ///< of the open chunk, by channel
+  std::vector<ChunkIndex> chunks_;
+  std::map<std::uint16_t, std::uint64_t> counts_;
+  bool is_complete_ = false;
+};
+
+}  // namespace facet
