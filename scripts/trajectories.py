@@ -24,7 +24,8 @@ def find_sequences(folders):
     """Every folder among and directly below `folders` that holds mav0/."""
     found = []
     for folder in map(Path, folders):
-        candidates = [folder] + (sorted(p for p in folder.iterdir() if p.is_dir()) if folder.is_dir() else [])
+        inside = folder.iterdir() if folder.is_dir() else []
+        candidates = [folder] + sorted(p for p in inside if p.is_dir() and not p.name.startswith("."))
         found += [p for p in candidates if (p / "mav0" / "cam0").is_dir()]
     return list(dict.fromkeys(found))
 

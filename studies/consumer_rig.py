@@ -15,8 +15,8 @@ import tempfile
 from pathlib import Path
 
 SCENES = ["room_recorded", "office_slow", "corridor_walk", "clutter_aggressive", "hall_recorded"]
-SIZES = {"focal": "focal:percent={}", "imu_early": "imu_early:ms={}"}
-LARGE = {"focal": 1, "imu_early": 10}
+SIZES = {"focal": "focal:percent={}", "imu_early": "imu_early:ms={}", "imu_scaled": "imu_scaled:deg=0.05,percent={}"}
+LARGE = {"focal": 1, "imu_early": 10, "imu_scaled": 0.3}
 FOUND_AFTER_S = 20
 
 

@@ -122,6 +122,27 @@ void NegateImu(const Values& value, RecordingCopy& recording) {
   }
 }
 
+// Scale factors, and axes that are not quite orthogonal: what a calibration at one temperature
+// leaves.
+void ScaleImu(const Values& value, RecordingCopy& recording) {
+  Rng rng(static_cast<std::uint64_t>(value.at("seed")));
+  const auto draw = [&] {
+    Matrix3d M = Matrix3d::Identity();
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) {
+        const double sigma = row == column ? value.at("percent") / 100 : value.at("deg") * kDegree;
+        M(row, column) += sigma * rng.Normal();
+      }
+    }
+    return M;
+  };
+  const Matrix3d of_gyro = draw(), of_accel = draw();
+  for (ImuSample& sample : recording.imu) {
+    sample.gyro = of_gyro * sample.gyro;
+    sample.accel = of_accel * sample.accel;
+  }
+}
+
 // --------------------------------------------------------------------------------- the cameras'
 // bad day
 
@@ -256,6 +277,10 @@ const std::vector<FaultKind>& Kinds() {
        {{"axis", 0}, {"gyro_only", 0}, {"accel_only", 0}},
        "an axis points the other way",
        NegateImu},
+      {"imu_scaled",
+       {{"percent", 0.3}, {"deg", 0.05}, {"seed", 1}},
+       "scale factors and misalignment of both sensors (1-sigma)",
+       ScaleImu},
       {"frozen",
        {{"at", 5}, {"length", 0.5}, {"camera", 2}},
        "the cameras repeat one image (camera: 0 left, 1 right, 2 both)",

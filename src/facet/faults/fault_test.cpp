@@ -65,6 +65,18 @@ TEST_F(FaultTest, AGlitchIsOneSample) {
   EXPECT_EQ(num, 1);
 }
 
+TEST_F(FaultTest, AScaledImuIsOffByItsPercent) {
+  const Vector3d before = recording_.imu[3].accel;
+  const AslDataset damaged = Written("imu_scaled:percent=1,deg=0,seed=4");
+  const Vector3d after = damaged.imu()[3].accel;
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NE(after(axis), before(axis)) << axis;
+    EXPECT_NEAR(after(axis), before(axis), 0.04 * std::abs(before(axis))) << axis;
+  }
+  // The same seed is the same sensor for all samples.
+  EXPECT_EQ(damaged.imu()[3].accel, damaged.imu()[4].accel);
+}
+
 TEST_F(FaultTest, APauseHasNothing) {
   const AslDataset damaged = Written("pause:at=0.2,length=0.1");
   for (const ImuSample& sample : damaged.imu())
