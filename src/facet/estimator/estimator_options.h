@@ -8,7 +8,7 @@ namespace facet {
 
 /// How much noisier the IMU is in use than on its datasheet (vibration, scale errors, timing).
 struct ImuOptions {
-  double gyro_noise_scale = 3.0;   ///< times the calibration's gyro noise density
+  double gyro_noise_scale = 6.0;   ///< times the calibration's gyro noise density
   double accel_noise_scale = 8.0;  ///< times the calibration's accelerometer noise density
   double gyro_walk_scale = 1.0;    ///< times the gyro bias walk density
   double accel_walk_scale = 1.0;   ///< times the accelerometer bias walk density
