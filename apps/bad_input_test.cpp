@@ -270,7 +270,7 @@ TEST_F(BadInputTest, UnwritableOutput) {
 
 TEST_F(BadInputTest, FullDisk) {
   // No file may grow beyond 4 KiB: what a full disk looks like to the program.
-  const ProgramRun run = RunShell("(ulimit -f 4; trap '' XFSZ; " + std::string(kProgram) + " run " +
+  const ProgramRun run = RunShell("(ulimit -f 4; " + std::string(kProgram) + " run " +
                                   Sequence().string() + " --quiet --out " + Out().string() + ")");
   EXPECT_EQ(run.exit_code, 5);
   EXPECT_THAT(run.err, HasSubstr("cannot be written (disk full"));
@@ -279,12 +279,18 @@ TEST_F(BadInputTest, FullDisk) {
 
 TEST_F(BadInputTest, FullDiskLeavesTheEarlierResult) {
   WriteText(Out() / "summary.json", "earlier");
-  const std::string command = "(ulimit -f 4; trap '' XFSZ; " + std::string(kProgram) + " run " +
+  const std::string command = "(ulimit -f 4; " + std::string(kProgram) + " run " +
                               Sequence().string() + " --quiet --out " + Out().string();
   EXPECT_EQ(RunShell(command + ")").exit_code, 5);
   EXPECT_EQ(RunShell(command + " --mesh-every 1 --mesh-format glb)").exit_code, 5);
   EXPECT_EQ(ReadText(Out() / "summary.json"), "earlier");
   EXPECT_EQ(NumEntries(), 2) << "something was left behind";
+}
+
+TEST_F(BadInputTest, ATableThatCannotBePrinted) {
+  const ProgramRun run = RunShell("(" + std::string(kProgram) + " config > /dev/full)");
+  EXPECT_EQ(run.exit_code, 5);
+  EXPECT_THAT(run.err, HasSubstr("standard output cannot be written"));
 }
 
 TEST_F(BadInputTest, ReadOnlyFolder) {

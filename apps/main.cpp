@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The facet program: one exit code per kind of failure.
 #include <algorithm>
+#include <csignal>
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -25,8 +27,12 @@ int Fail(int code, std::string message) {
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
   try {
     facet::RunCommandLine(argc, argv);
+    std::cout.flush();
+    if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw facet::OutputError("standard output cannot be written (disk full?)");
     return kDone;
   } catch (const facet::UsageError& error) {
     return Fail(kUsage, error.what());

@@ -22,16 +22,13 @@ void Contradiction::Add(const ImuLink& link,
                         double error_sigma) {
   if (!(error_sigma > kContradictionSigma)) return;
   const NavState predicted = link.measured.Predict(begin);
-  const Vector3d turn = LogSO3(predicted.T_WB.q.conjugate() * end.T_WB.q).cwiseAbs();
+  const Vector3d turn = (end.T_WB.q * LogSO3(predicted.T_WB.q.conjugate() * end.T_WB.q)).cwiseAbs();
   const Vector3d shift = (predicted.T_WB.p - end.T_WB.p).cwiseAbs();
   const Vector3d speed = (predicted.v_WB - end.v_WB).cwiseAbs();
   if (!turn.allFinite() || !shift.allFinite() || !speed.allFinite()) return;
-  if (t_) {
-    const double dt_s = ToSeconds(end.t - *t_);
-    p_ = PositionAt(dt_s);
-    v_ *= std::exp(-dt_s / kForgets_s);
-  }
-  t_ = end.t;
+  MoveTo(end.t);
+  p_ += AstrayAt(end.T_WB.p).cwiseAbs();
+  place_ = end.T_WB.p;
   theta_ = (theta_ + turn).cwiseMin(kMostTurn);
   p_ = (p_ + shift).cwiseMin(kMostShift_m);
   v_ = (v_ + speed).cwiseMin(kMostSpeed);
@@ -41,12 +38,37 @@ Vector3d Contradiction::PositionAt(double seconds_later) const {
   return p_ + kForgets_s * (1 - std::exp(-seconds_later / kForgets_s)) * v_;
 }
 
-Matrix<15, 15> Contradiction::CovarianceAt(Timestamp t) const {
+Vector3d Contradiction::AstrayAt(const Vector3d& p_W) const {
+  return theta_.z() * Vector3d::UnitZ().cross(p_W - place_);
+}
+
+void Contradiction::MoveTo(Timestamp t) {
+  if (t_) {
+    const double dt_s = ToSeconds(t - *t_);
+    p_ = PositionAt(dt_s);
+    v_ *= std::exp(-dt_s / kForgets_s);
+  }
+  t_ = t;
+}
+
+void Contradiction::StartOver(Timestamp t) {
+  if (!t_) return;
+  const Timestamp last = *t_;
+  MoveTo(t);
+  t_ = last;  // how recent it is stays as it was
+  theta_.head<2>().setZero();
+  v_.setZero();
+}
+
+Matrix<15, 15> Contradiction::CovarianceOf(const NavState& x) const {
   Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
   if (!t_) return covariance;
-  const double dt_s = ToSeconds(t - *t_);
-  covariance.diagonal().head<3>() = theta_.cwiseAbs2();
-  covariance.diagonal().segment<3>(3) = PositionAt(dt_s).cwiseAbs2();
+  const double dt_s = ToSeconds(x.t - *t_);
+  const Matrix3d R = x.T_WB.R();
+  covariance.topLeftCorner<3, 3>() = R.transpose() * theta_.cwiseAbs2().asDiagonal() * R;
+  const Vector3d astray = AstrayAt(x.T_WB.p);
+  covariance.block<3, 3>(3, 3) = astray * astray.transpose();
+  covariance.diagonal().segment<3>(3) += PositionAt(dt_s).cwiseAbs2();
   covariance.diagonal().segment<3>(6) = (std::exp(-dt_s / kForgets_s) * v_).cwiseAbs2();
   return covariance;
 }

@@ -21,19 +21,26 @@ class Contradiction {
   /// `error_sigma`: how far they are from each other (ImuErrorSigma).
   void Add(const ImuLink& link, const NavState& begin, const NavState& end, double error_sigma);
 
-  /// What the differences so far have added up to at this time, of theta p v b_g b_a in the world
-  /// of the state. A wrong velocity moves on, and is forgotten within some seconds; where it has
-  /// led to is not.
-  Matrix<15, 15> CovarianceAt(Timestamp t) const;
+  /// What the differences so far have added up to in this state, of theta p v b_g b_a
+  /// (docs/math.md, section 4.6). A wrong velocity moves on, and is forgotten within some seconds;
+  /// a wrong heading leads astray with the distance; where they have led to is not forgotten.
+  Matrix<15, 15> CovarianceOf(const NavState& x) const;
+
+  /// The state was given up at this time: what follows has its tilt and its velocity anew.
+  void StartOver(Timestamp t);
 
   /// Whether it is so new that the state is not to be trusted.
   bool IsRecentAt(Timestamp t) const;
 
  private:
   Vector3d PositionAt(double seconds_later) const;
+  Vector3d AstrayAt(const Vector3d& p_W) const;
+  void MoveTo(Timestamp t);
 
   std::optional<Timestamp> t_;  // of the last contradiction
+  /// In the world: sizes of the differences, and where the body was at the last one.
   Vector3d theta_ = Vector3d::Zero(), p_ = Vector3d::Zero(), v_ = Vector3d::Zero();
+  Vector3d place_ = Vector3d::Zero();
 };
 
 }  // namespace facet

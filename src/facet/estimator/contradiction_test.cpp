@@ -35,7 +35,7 @@ TEST(ContradictionTest, WhatAgreesLeavesNoTrace) {
   const Leg leg = MakeLeg();
   Contradiction contradiction;
   contradiction.Add(leg.link, leg.begin, leg.end, 1.6);
-  EXPECT_EQ(contradiction.CovarianceAt(leg.end.t).norm(), 0);
+  EXPECT_EQ(contradiction.CovarianceOf(leg.end).norm(), 0);
   EXPECT_FALSE(contradiction.IsRecentAt(leg.end.t));
 }
 
@@ -48,8 +48,9 @@ TEST(ContradictionTest, TheStateIsUncertainByWhatTheyDifferIn) {
   Contradiction contradiction;
   contradiction.Add(leg.link, leg.begin, seen, 30);
   const auto sigma_at = [&](double s) {
-    return Vector<15>(
-        contradiction.CovarianceAt(leg.end.t + FromSeconds(s)).diagonal().cwiseSqrt());
+    NavState x = seen;
+    x.t = x.t + FromSeconds(s);
+    return Vector<15>(contradiction.CovarianceOf(x).diagonal().cwiseSqrt());
   };
   EXPECT_NEAR(sigma_at(0)(2), 0.05, 1e-9);
   EXPECT_NEAR(sigma_at(0)(3), 0.1, 1e-9);
@@ -62,6 +63,53 @@ TEST(ContradictionTest, TheStateIsUncertainByWhatTheyDifferIn) {
   EXPECT_FALSE(contradiction.IsRecentAt(leg.end.t + FromSeconds(1.1)));
 }
 
+// A tilt that was wrong about the world's x axis is wrong about the body's y axis after a quarter
+// turn.
+TEST(ContradictionTest, ATurnedBodyHasItsTiltElsewhere) {
+  const Leg leg = MakeLeg();
+  NavState seen = leg.end;
+  seen.T_WB.q = ExpSO3(Vector3d(0.05, 0, 0)) * seen.T_WB.q;
+  Contradiction contradiction;
+  contradiction.Add(leg.link, leg.begin, seen, 30);
+  NavState level = leg.end, turned = leg.end;
+  level.T_WB.q = Quaterniond::Identity();
+  turned.T_WB.q = ExpSO3(Vector3d(0, 0, M_PI / 2));
+  EXPECT_NEAR(std::sqrt(contradiction.CovarianceOf(level)(0, 0)), 0.05, 1e-9);
+  EXPECT_NEAR(std::sqrt(contradiction.CovarianceOf(turned)(1, 1)), 0.05, 1e-9);
+  EXPECT_NEAR(contradiction.CovarianceOf(turned)(0, 0), 0, 1e-12);
+}
+
+TEST(ContradictionTest, AWrongHeadingLeadsAstray) {
+  const Leg leg = MakeLeg();
+  NavState seen = leg.end;
+  seen.T_WB.q = ExpSO3(Vector3d(0, 0, 0.1)) * seen.T_WB.q;
+  Contradiction contradiction;
+  contradiction.Add(leg.link, leg.begin, seen, 30);
+  NavState later = seen;
+  later.T_WB.p += Vector3d(5, 0, 0);
+  EXPECT_NEAR(std::sqrt(contradiction.CovarianceOf(later)(4, 4)), 0.5, 0.01);
+  EXPECT_LT(std::sqrt(contradiction.CovarianceOf(later)(3, 3)), 0.1);
+}
+
+TEST(ContradictionTest, AfterANewStartTiltAndVelocityAreNew) {
+  const Leg leg = MakeLeg();
+  NavState seen = leg.end;
+  seen.T_WB.q = ExpSO3(Vector3d(0.05, 0, 0.1)) * seen.T_WB.q;
+  seen.v_WB += Vector3d(0, 0.6, 0);
+  Contradiction contradiction;
+  contradiction.Add(leg.link, leg.begin, seen, 30);
+  NavState later = seen;
+  later.t = later.t + FromSeconds(1.5);
+  later.T_WB.q = Quaterniond::Identity();
+  const double moved_m = std::sqrt(contradiction.CovarianceOf(later)(4, 4));
+  contradiction.StartOver(later.t);
+  const Matrix<15, 15> covariance = contradiction.CovarianceOf(later);
+  EXPECT_EQ(covariance(0, 0), 0);
+  EXPECT_NEAR(std::sqrt(covariance(2, 2)), 0.1, 1e-9);
+  EXPECT_NEAR(std::sqrt(covariance(4, 4)), moved_m, 1e-9);
+  EXPECT_EQ(covariance(7, 7), 0);
+}
+
 TEST(ContradictionTest, NeighboursAddUp) {
   const Leg leg = MakeLeg();
   NavState seen = leg.end;
@@ -69,7 +117,7 @@ TEST(ContradictionTest, NeighboursAddUp) {
   Contradiction contradiction;
   for (int k = 0; k < 3; ++k)
     contradiction.Add(leg.link, leg.begin, seen, 10);
-  EXPECT_NEAR(std::sqrt(contradiction.CovarianceAt(leg.end.t)(3, 3)), 0.3, 1e-9);
+  EXPECT_NEAR(std::sqrt(contradiction.CovarianceOf(leg.end)(3, 3)), 0.3, 1e-9);
 }
 
 TEST(ContradictionTest, WhatIsNotFiniteIsLeftOut) {
@@ -78,7 +126,7 @@ TEST(ContradictionTest, WhatIsNotFiniteIsLeftOut) {
   broken.v_WB.x() = std::numeric_limits<double>::quiet_NaN();
   Contradiction contradiction;
   contradiction.Add(leg.link, leg.begin, broken, std::numeric_limits<double>::infinity());
-  EXPECT_EQ(contradiction.CovarianceAt(leg.end.t).norm(), 0);
+  EXPECT_EQ(contradiction.CovarianceOf(leg.end).norm(), 0);
 }
 
 TEST(ContradictionTest, StaysFinite) {
@@ -88,8 +136,8 @@ TEST(ContradictionTest, StaysFinite) {
   seen.v_WB.y() = -1e200;
   Contradiction contradiction;
   contradiction.Add(leg.link, leg.begin, seen, 1e100);
-  EXPECT_TRUE(contradiction.CovarianceAt(leg.end.t).allFinite());
-  EXPECT_NEAR(std::sqrt(contradiction.CovarianceAt(leg.end.t)(3, 3)), 1e4, 1e-3);
+  EXPECT_TRUE(contradiction.CovarianceOf(leg.end).allFinite());
+  EXPECT_NEAR(std::sqrt(contradiction.CovarianceOf(leg.end)(3, 3)), 1e4, 1e-3);
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
         window_, intermediate_ ? ToImage(*intermediate_) : window_.frames.back().to_image, result);
     result.segment = segments_.id();
     result.covariance = segments_.InWorld(result.covariance, result.state) +
-                        contradiction_.CovarianceAt(result.state.t);
+                        contradiction_.CovarianceOf(result.state);
     if (contradiction_.IsRecentAt(result.state.t) && result.status == TrackingStatus::kOk) {
       result.status = TrackingStatus::kDegraded;
       result.reason = "IMU and images contradict each other";
@@ -201,8 +201,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   SetState(newest.x, newest_covariance_, NumSeenInNewest(window_), HasImu(newest), result);
   if (segments_.HasDriftedAway(newest.x, newest_covariance_)) SetLost("position unknown", result);
   if (result.status == TrackingStatus::kLost) {
-    StartOver(result.finished_keyframes);
-    result.was_reset = true;
+    StartOver(result);
     return result;
   }
   segments_.Keep(newest.x, newest_covariance_, result.num_constraining >= kMinLandmarksSeen);
@@ -228,6 +227,9 @@ EstimatorResult VioEstimator::TrackIntermediateFrame(const FrameObservations& ob
            update.num_used,
            !intermediate_->link.is_synthetic,
            result);
+  if (segments_.HasDriftedAway(intermediate_->x, newest_covariance_))
+    SetLost("position unknown", result);
+  if (result.status == TrackingStatus::kLost) StartOver(result);
   return result;
 }
 
@@ -266,13 +268,20 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
   calibration_.Walk(window_);
 }
 
-void VioEstimator::StartOver(std::vector<KeyframePose>& finished) {
-  const std::optional<ImuLink>& link = window_.frames.back().imu_link;
-  segments_.End(link ? &*link : nullptr);
-  // The newest one is what was lost.
-  for (int i = 0; i < window_.newest_frame(); ++i)
-    Report(window_, i, finished);
+void VioEstimator::StartOver(EstimatorResult& result) {
+  const WindowFrame& newest = window_.frames.back();
+  const ImuLink* to_lost = newest.imu_link ? &*newest.imu_link : nullptr;
+  int num_good = window_.newest_frame();
+  if (intermediate_) {
+    to_lost = &intermediate_->link;
+    ++num_good;
+  }
+  segments_.End(to_lost);
+  contradiction_.StartOver(result.state.t);
+  for (int i = 0; i < num_good; ++i)
+    Report(window_, i, result.finished_keyframes);
   Forget();
+  result.was_reset = true;
 }
 
 void VioEstimator::Forget() {

@@ -78,8 +78,9 @@ class VioEstimator {
   void RemoveOutliers();
   /// Marginalises what does not fit into the window.
   void Shrink(std::vector<KeyframePose>& finished);
-  /// Gives up the state; the next frame is the first one of another segment.
-  void StartOver(std::vector<KeyframePose>& finished);
+  /// Gives up the state of the newest frame, a keyframe or not; the next frame is the first one of
+  /// another segment.
+  void StartOver(EstimatorResult& result);
   /// Everything but the segments.
   void Forget();
   EstimatorResult Estimate(const FrameObservations& observations, StageTimes& times);

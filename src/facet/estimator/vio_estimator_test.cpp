@@ -189,6 +189,27 @@ TEST(VioEstimatorTest, WindowStaysWithinItsLimits) {
   EXPECT_GT(num_finished, 10u);
 }
 
+// The dark needs no keyframe to be noticed, and what has drifted away stays lost.
+TEST(VioEstimatorTest, WhoeverIsBlindForLongIsLostAlsoBetweenKeyframes) {
+  constexpr std::size_t kDarkFrom = 60;
+  for (const bool are_keyframes : {false, true}) {
+    const Outcome outcome = Estimate([&](std::size_t i, EstimatorInput& input) {
+      if (i < kDarkFrom) return;
+      input.observations.features.clear();
+      input.observations.is_keyframe = are_keyframes;
+    });
+    ASSERT_EQ(outcome.num_resets, 1) << are_keyframes;
+    std::size_t lost = 0;
+    while (!outcome.results[lost].was_reset)
+      ++lost;
+    EXPECT_GT(lost, kDarkFrom + 40);  // two seconds are bridged
+    EXPECT_EQ(outcome.results[lost].status, TrackingStatus::kLost);
+    EXPECT_EQ(outcome.results[lost].reason, "position unknown");
+    for (std::size_t i = lost; i < outcome.results.size(); ++i)
+      EXPECT_FALSE(outcome.results[i].has_state) << i;
+  }
+}
+
 // Two seconds in the dark and without IMU: the state is lost. What comes after it must not differ
 // from what a new estimator makes of the same frames with the same options, none of which is the
 // default, but for where the world begins.

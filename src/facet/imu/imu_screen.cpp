@@ -11,11 +11,6 @@ namespace facet {
 
 namespace {
 
-// Faster changes are glitches until samples confirm them: 2.5 rad/s and 40 m/s^2 from one sample to
-// the next at 200 Hz. Flights that are called aggressive reach a tenth of it.
-constexpr double kGyroJump = 500;    // rad/s^2
-constexpr double kAccelJump = 8000;  // m/s^3
-constexpr double kShortestStep_s = 0.005;
 constexpr double kJumpInUsualChanges = 40;
 constexpr std::size_t kNumToConfirm = 5;
 
@@ -37,6 +32,10 @@ constexpr double kExcessOfRange = 0.25;
 // What a sensor that repeats itself may have missed.
 constexpr double kGyroOfRepeated = 0.3;  // rad/s
 constexpr double kAccelOfRepeated = 3;   // m/s^2
+// One sensor alone may come at a lower rate and be sent again in between, but no slower than that.
+constexpr double kLongestRepeat_s = 0.05;
+// An accelerometer that stands still near nothing is dead, and gravity is what it misses.
+constexpr double kDeadAccel = 0.1;  // m/s^2
 
 bool AreEqual(const ImuSample& a, const ImuSample& b) {
   return a.gyro == b.gyro && a.accel == b.accel;
@@ -72,7 +71,8 @@ int SaturationWatch::Add(double x, double usual_change) {
   if (size * kAtLimit > limit_) limit_ = std::numeric_limits<double>::infinity();
   largest_ = std::max(largest_, size);
   if (run_ >= kNumEqual && size >= largest_ && size > least_ && usual_change > 0 &&
-      change_into_run_ > kLeastChangeIntoLimit * usual_change) {
+      change_into_run_ > kLeastChangeIntoLimit * usual_change &&
+      change_into_run_ <= std::max(jump_, kJumpInUsualChanges * usual_change)) {
     limit_ = size;
     num_at_limit_ = std::max(num_at_limit_, run_ - 1);
   }
@@ -84,6 +84,7 @@ void ImuScreen::Add(const ImuSample& sample, std::deque<ImuSample>& samples) {
   ImuSample doubted = sample;
   DoubtSaturated(doubted);
   DoubtRepeated(doubted);
+  DoubtFrozenSensor(doubted);
   newest_ = sample;
   if (samples.empty() || !IsJump(samples.back(), sample, TimeToNext(samples.back(), sample))) {
     counts_.num_cut += static_cast<int>(held_back_.size());
@@ -95,6 +96,10 @@ void ImuScreen::Add(const ImuSample& sample, std::deque<ImuSample>& samples) {
       IsJump(held_back_.back(), sample, ToSeconds(sample.t - held_back_.back().t))) {
     counts_.num_cut += static_cast<int>(held_back_.size());
     held_back_.clear();
+  }
+  if (StandsStill(samples.back(), sample)) {
+    ++counts_.num_cut;
+    return;
   }
   held_back_.push_back(doubted);
   if (held_back_.size() < kNumToConfirm) return;
@@ -138,15 +143,55 @@ void ImuScreen::DoubtRepeated(ImuSample& sample) {
   sample.accel_doubt = sample.accel_doubt.cwiseMax(growth * kAccelOfRepeated);
 }
 
+// Both at once are DoubtRepeated's.
+void ImuScreen::DoubtFrozenSensor(ImuSample& sample) {
+  const double dt_s = newest_ ? ToSeconds(sample.t - newest_->t) : 0;
+  const auto doubt = [&](bool repeats, double usual_change, double sigma, Stay& stay) -> double {
+    if (!repeats || !(usual_change > 0)) {
+      stay = {};
+      return 0;
+    }
+    ++stay.num_repeats;
+    stay.duration_s += dt_s;
+    if (stay.duration_s < kLongestRepeat_s || num_repeats_ + 1 >= kNumEqual) return 0;
+    const double growing = GrowingSigma(sigma, stay.num_repeats, stay.num_doubted);
+    stay.num_doubted = stay.num_repeats;
+    return growing;
+  };
+  const bool gyro_repeats = newest_ && newest_->gyro == sample.gyro;
+  const bool accel_repeats = newest_ && newest_->accel == sample.accel;
+  const double gyro = doubt(gyro_repeats, gyro_change_.value(), kGyroOfRepeated, gyro_stay_);
+  const double accel = doubt(accel_repeats,
+                             accel_change_.value(),
+                             sample.accel.norm() < kDeadAccel ? kGravity : kAccelOfRepeated,
+                             accel_stay_);
+  sample.gyro_doubt = sample.gyro_doubt.cwiseMax(gyro);
+  sample.accel_doubt = sample.accel_doubt.cwiseMax(accel);
+  counts_.num_repeated += gyro > 0 || accel > 0 ? 1 : 0;
+}
+
+bool ImuScreen::StandsStill(const ImuSample& believed, const ImuSample& sample) const {
+  if (held_back_.empty()) return false;
+  const auto stands = [](const Vector3d& from, const Vector3d& held, const Vector3d& to) {
+    Eigen::Index axis = 0;
+    (to - from).cwiseAbs().maxCoeff(&axis);
+    return to[axis] == held[axis] && to[axis] != from[axis];
+  };
+  const bool gyro_jumps = IsGyroJump(believed, sample, TimeToNext(believed, sample));
+  return gyro_jumps ? stands(believed.gyro, held_back_.back().gyro, sample.gyro)
+                    : stands(believed.accel, held_back_.back().accel, sample.accel);
+}
+
 void ImuScreen::Accept(const ImuSample& sample, std::deque<ImuSample>& samples) {
   if (samples.size() >= 2 && IsSpike(samples[samples.size() - 2], samples.back(), sample)) {
     samples.pop_back();
     ++counts_.num_cut;
   }
-  if (!samples.empty()) {
+  // A sensor that repeats itself says nothing about what is usual.
+  if (!samples.empty() && sample.gyro != samples.back().gyro)
     gyro_change_.Add((sample.gyro - samples.back().gyro).norm());
+  if (!samples.empty() && sample.accel != samples.back().accel)
     accel_change_.Add((sample.accel - samples.back().accel).norm());
-  }
   samples.push_back(sample);
   ++num_accepted_;
 }
@@ -156,10 +201,15 @@ double ImuScreen::TimeToNext(const ImuSample& accepted, const ImuSample& sample)
   return ToSeconds((held_back_.empty() ? sample : held_back_.front()).t - accepted.t);
 }
 
-bool ImuScreen::IsJump(const ImuSample& from, const ImuSample& to, double dt_s) const {
+bool ImuScreen::IsGyroJump(const ImuSample& from, const ImuSample& to, double dt_s) const {
   const double dt = std::max(dt_s, kShortestStep_s);
   return (to.gyro - from.gyro).norm() >
-             std::max(kGyroJump * dt, kJumpInUsualChanges * gyro_change_.value()) ||
+         std::max(kGyroJump * dt, kJumpInUsualChanges * gyro_change_.value());
+}
+
+bool ImuScreen::IsJump(const ImuSample& from, const ImuSample& to, double dt_s) const {
+  const double dt = std::max(dt_s, kShortestStep_s);
+  return IsGyroJump(from, to, dt_s) ||
          (to.accel - from.accel).norm() >
              std::max(kAccelJump * dt, kJumpInUsualChanges * accel_change_.value());
 }

@@ -18,7 +18,7 @@ namespace facet {
 struct ImuScreenCounts {
   int num_cut = 0;        ///< samples that contradict the ones before and after them
   int num_saturated = 0;  ///< samples at the end of the sensor's range
-  int num_repeated = 0;   ///< samples that repeat the one before them, digit by digit
+  int num_repeated = 0;   ///< samples of which both sensors, or one for long, repeat themselves
 };
 
 /// Median size of the last two hundred changes from sample to sample. Not thread-safe.
@@ -38,11 +38,12 @@ class UsualChange {
 };
 
 /// One axis of a sensor. Clipped values stand still where the axis has never been further out: four
-/// equal values in a row that are reached at speed, not by slowing down. Not thread-safe.
+/// equal values in a row that are reached at speed, not by slowing down, nor by a jump, which is a
+/// glitch. Not thread-safe.
 class SaturationWatch {
  public:
-  /// No sensor ends below `least`.
-  explicit SaturationWatch(double least) : least_(least) {}
+  /// No sensor ends below `least`; `jump`: from one sample to the next, beyond all motion.
+  SaturationWatch(double least, double jump) : least_(least), jump_(jump) {}
 
   /// For how many samples the axis has now stood at the end of its range; 0: it does not.
   int Add(double x, double usual_change);
@@ -51,7 +52,7 @@ class SaturationWatch {
   double limit() const { return limit_; }
 
  private:
-  double least_;
+  double least_, jump_;
   double largest_ = 0;
   double limit_ = std::numeric_limits<double>::infinity();
   double previous_ = 0;
@@ -61,7 +62,8 @@ class SaturationWatch {
 };
 
 /// Not thread-safe. Judges by the samples alone, so that a sample is judged when the next one has
-/// come, and a jump that lasts when five samples agree on it. Clean recordings pass unchanged.
+/// come, and a jump that lasts when five samples agree on it that are not the same one digit by
+/// digit. Clean recordings pass unchanged.
 class ImuScreen {
  public:
   /// Takes the next sample, in order of time. Appends to `samples` what is believed, which may be
@@ -73,28 +75,41 @@ class ImuScreen {
  private:
   void DoubtSaturated(ImuSample& sample);
   void DoubtRepeated(ImuSample& sample);
+  void DoubtFrozenSensor(ImuSample& sample);
   void Accept(const ImuSample& sample, std::deque<ImuSample>& samples);
   double TimeToNext(const ImuSample& accepted, const ImuSample& sample) const;
+  bool IsGyroJump(const ImuSample& from, const ImuSample& to, double dt_s) const;
   bool IsJump(const ImuSample& from, const ImuSample& to, double dt_s) const;
   bool IsSpike(const ImuSample& before, const ImuSample& sample, const ImuSample& after) const;
+  /// Where it has jumped away from what was believed, it repeats the sample held back before it.
+  bool StandsStill(const ImuSample& believed, const ImuSample& sample) const;
 
   /// Distance between two samples of either sensor.
   UsualChange gyro_change_, accel_change_;
-  std::array<SaturationWatch, 6> watches_{SaturationWatch(kLeastGyroRange),
-                                          SaturationWatch(kLeastGyroRange),
-                                          SaturationWatch(kLeastGyroRange),
-                                          SaturationWatch(kLeastAccelRange),
-                                          SaturationWatch(kLeastAccelRange),
-                                          SaturationWatch(kLeastAccelRange)};
+  static SaturationWatch GyroWatch() { return {kLeastGyroRange, kGyroJump * kShortestStep_s}; }
+  static SaturationWatch AccelWatch() { return {kLeastAccelRange, kAccelJump * kShortestStep_s}; }
+  std::array<SaturationWatch, 6> watches_{
+      GyroWatch(), GyroWatch(), GyroWatch(), AccelWatch(), AccelWatch(), AccelWatch()};
   std::array<int, 6> num_doubted_{};  // samples of the present stay at the end of the range
   std::optional<ImuSample> newest_;   // whether it was believed or not
   int num_repeats_ = 0;               // of the newest sample
+  /// A sensor that has stood still, the other one not.
+  struct Stay {
+    int num_repeats = 0, num_doubted = 0;
+    double duration_s = 0;
+  };
+  Stay gyro_stay_, accel_stay_;
   std::vector<ImuSample> held_back_;
   std::size_t num_accepted_ = 0;
   ImuScreenCounts counts_;
 
   static constexpr double kLeastGyroRange = 0.3;    // rad/s
   static constexpr double kLeastAccelRange = 12.0;  // m/s^2
+  // Faster changes are glitches until samples confirm them: 2.5 rad/s and 40 m/s^2 from one sample
+  // to the next at 200 Hz. Flights that are called aggressive reach a tenth of it.
+  static constexpr double kGyroJump = 500;    // rad/s^2
+  static constexpr double kAccelJump = 8000;  // m/s^3
+  static constexpr double kShortestStep_s = 0.005;
 };
 
 }  // namespace facet

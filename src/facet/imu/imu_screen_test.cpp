@@ -111,6 +111,52 @@ TEST(ImuScreenTest, SoAreAFewInARowAndTheFirstOne) {
   EXPECT_EQ(screened.samples.front().t, motion[1].t);
 }
 
+// However long: nothing that moves measures the same number again and again.
+TEST(ImuScreenTest, AGlitchThatStandsStillIsCutOut) {
+  const std::vector<ImuSample> motion = Motion(1200);
+  for (const std::size_t count : {4u, 6u, 12u, 40u}) {
+    std::vector<ImuSample> of_gyro = motion, of_accel = motion;
+    for (std::size_t i = 600; i < 600 + count; ++i) {
+      of_gyro[i].gyro.x() = 20;
+      of_accel[i].accel.y() = 160;
+    }
+    for (const auto& spoilt : {of_gyro, of_accel}) {
+      const Screened screened = Screen(spoilt);
+      EXPECT_EQ(screened.counts.num_cut, static_cast<int>(count));
+      EXPECT_EQ(screened.counts.num_saturated, 0) << count;
+      ASSERT_EQ(screened.samples.size(), motion.size() - count);
+      EXPECT_EQ(screened.samples[600].t, motion[600 + count].t);
+    }
+  }
+}
+
+TEST(ImuScreenTest, OneSensorThatDiesIsDoubtedAlone) {
+  std::vector<ImuSample> motion = Motion(1200);
+  for (std::size_t i = 600; i < 800; ++i)
+    motion[i].accel = Vector3d(0.01, 0, 0);
+  const Screened screened = Screen(motion);
+  ASSERT_EQ(screened.samples.size(), motion.size());
+  EXPECT_NEAR(screened.counts.num_repeated, 190, 3);
+  double variance = 0;
+  for (const ImuSample& sample : screened.samples) {
+    EXPECT_TRUE(sample.gyro_doubt.isZero(0));
+    variance += sample.accel_doubt.x() * sample.accel_doubt.x();
+  }
+  // As if gravity had been missed in all of the stay.
+  EXPECT_NEAR(std::sqrt(variance), 199 * kGravity, 0.01 * 199 * kGravity);
+}
+
+// Drivers that join a slow accelerometer with a fast gyroscope send its samples again.
+TEST(ImuScreenTest, ASlowSensorThatIsSentAgainIsNotDoubted) {
+  std::vector<ImuSample> motion = Motion(1200);
+  for (std::size_t i = 0; i < motion.size(); ++i)
+    motion[i].accel = motion[i - i % 6].accel;
+  const Screened screened = Screen(motion);
+  EXPECT_EQ(screened.counts.num_repeated, 0);
+  for (const ImuSample& sample : screened.samples)
+    EXPECT_FALSE(HasDoubt(sample));
+}
+
 TEST(ImuScreenTest, AJumpThatLastsIsBelieved) {
   std::vector<ImuSample> motion = Motion(600);
   for (std::size_t i = 300; i < motion.size(); ++i)

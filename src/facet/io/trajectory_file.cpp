@@ -49,6 +49,9 @@ Columns ParseColumns(const CsvReader& row, TrajectoryFormat format) {
   return columns;
 }
 
+// No recording leads further, also not in coordinates of the earth's centre.
+constexpr double kLargestPosition_m = 1e7;
+
 SE3 ParsePose(const CsvReader& row, const Columns& columns, TrajectoryFormat format) {
   const auto& c = columns.value;
   const bool w_first = format == TrajectoryFormat::kEurocCsv;
@@ -58,7 +61,13 @@ SE3 ParsePose(const CsvReader& row, const Columns& columns, TrajectoryFormat for
     throw InputError(row.Where() + ": the quaternion has norm " + std::to_string(q.norm()) +
                      " instead of 1; the columns are not those of " + Name(format));
   }
-  return {q.normalized(), {c[1], c[2], c[3]}};
+  const Vector3d p(c[1], c[2], c[3]);
+  if (p.cwiseAbs().maxCoeff() > kLargestPosition_m) {
+    throw InputError(row.Where() + ": the position is more than " +
+                     std::to_string(static_cast<int>(kLargestPosition_m / 1000)) +
+                     " km away; positions are in metres");
+  }
+  return {q.normalized(), p};
 }
 
 /// Stamp of a row; `is_ns` tells the unit that the first row of a TUM file was found to have.

@@ -106,6 +106,8 @@ TEST(TrajectoryFileTest, ErrorsNameTheLine) {
   EXPECT_THAT(ErrorOf(good + "2.0 0 0 0 0 0 0 0\n"),
               HasSubstr("t.txt:2: the quaternion has norm 0"));
   EXPECT_THAT(ErrorOf(good + "2.0 0 0 0 0 0 1 1\n"), HasSubstr("norm 1.41"));
+  EXPECT_THAT(ErrorOf(good + "2.0 0 1e300 0 0 0 0 1\n"),
+              HasSubstr("t.txt:2: the position is more than 10000 km away"));
   EXPECT_THAT(ErrorOf(good + "0.5 0 0 0 0 0 0 1\n"),
               HasSubstr("t.txt:2: the stamp runs backwards"));
 }

@@ -32,6 +32,7 @@ constexpr double kCorrelated = 1.5;
 // The least that is worth telling (a calibrated accelerometer's own scale is off by some 0.3 %),
 // and that makes a run useless.
 constexpr double kLeastDoubt = 0.01, kLeastRefusal = 0.15, kSureSigmas = 2.8;
+constexpr double kSigmaOfKnown = 0.05;
 // Early fits have poses in them that were not settled: a doubt has to last.
 constexpr int kDoubtsInARow = 3;
 constexpr double kHuberWidth = 2, kSigmaPerMedian = 1.4826;
@@ -198,7 +199,10 @@ ScaleCheck::Finding ScaleCheck::Judge() {
   if (num_legs < kLeastLegs) return Finding::kNothing;
   scale_ = Fit();
   if (!scale_) return Finding::kNothing;
-  if (num_legs <= kMostLegsForRefusal && scale_->IsOff(kLeastRefusal, kSureSigmas))
+  // Whatever changes after the size was right once is no calibration.
+  if (scale_->sigma < kSigmaOfKnown && !scale_->IsOff(kLeastRefusal, 0)) was_right_ = true;
+  if (!was_right_ && num_all_legs <= kMostLegsForRefusal &&
+      scale_->IsOff(kLeastRefusal, kSureSigmas))
     is_hopeless_ = true;
   if (is_hopeless_ && num_legs >= kLeastLegsForRefusal) return Finding::kRefusal;
   num_doubts_ = scale_->IsOff(kLeastDoubt, kSureSigmas) ? num_doubts_ + 1 : 0;

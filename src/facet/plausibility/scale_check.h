@@ -81,7 +81,7 @@ class ScaleCheck {
   std::optional<Scale> scale_;
   std::string negated_axes_;
   int num_doubts_ = 0;  // in a row
-  bool has_doubted_ = false, is_hopeless_ = false;
+  bool has_doubted_ = false, is_hopeless_ = false, was_right_ = false;
 };
 
 /// What is wrong, in words that follow "warning: ".
