@@ -17,7 +17,11 @@ using ::testing::HasSubstr;
 
 class FolderLayoutsTest : public ::testing::Test {
  protected:
-  FolderLayoutsTest() { WriteTestSequence(Sequence(), options_); }
+  // Images of noise: a start just comes about, and soon the position would be lost.
+  FolderLayoutsTest() {
+    options_.num_frames = 10;
+    WriteTestSequence(Sequence(), options_);
+  }
   fs::path Sequence() const { return folder_ / "room1"; }
   fs::path Mav0() const { return Sequence() / "mav0"; }
 
@@ -53,7 +57,9 @@ class FolderLayoutsTest : public ::testing::Test {
   }
 
   ProgramRun Run(const fs::path& recording, const std::string& out) const {
-    return RunFacet("run " + recording.string() + " --quiet --out " + (folder_ / out).string());
+    return RunFacet("run " + recording.string() +
+                    " --set estimator.imu.gyro_noise_scale=3 --quiet --out " +
+                    (folder_ / out).string());
   }
 
   TempFolder folder_;
@@ -73,7 +79,8 @@ TEST_F(FolderLayoutsTest, RightAlignedImagesGiveTheTrajectoryOfTheScaledOnes) {
 
 TEST_F(FolderLayoutsTest, APlainFolderGivesTheTrajectoryOfTheAslFolder) {
   MoveCalibration(Sequence());
-  ASSERT_EQ(Run(Sequence(), "asl").exit_code, 0);
+  const ProgramRun asl = Run(Sequence(), "asl");
+  ASSERT_EQ(asl.exit_code, 0) << asl.err;
   const fs::path flight = folder_ / "flight";
   fs::create_directories(flight);
   fs::rename(Mav0() / "cam0/data", flight / "left");
@@ -87,7 +94,7 @@ TEST_F(FolderLayoutsTest, APlainFolderGivesTheTrajectoryOfTheAslFolder) {
   const ProgramRun info = RunFacet("info " + flight.string());
   EXPECT_EQ(info.exit_code, 0) << info.err;
   EXPECT_THAT(info.out, HasSubstr("kind: folder in the plain layout"));
-  EXPECT_THAT(info.out, HasSubstr("stereo pairs         12"));
+  EXPECT_THAT(info.out, HasSubstr("stereo pairs         10"));
 }
 
 TEST_F(FolderLayoutsTest, TheSlowImuOfKittiIsRefused) {

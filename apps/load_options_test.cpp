@@ -74,7 +74,8 @@ TEST(LoadOptionsTest, EveryAllowedValueIsTakenByThePipeline) {
 }
 
 TEST(LoadOptionsTest, SavedDefaultsOfAnEarlierVersionAreTodaysDefaults) {
-  const LoadedOptions loaded = LoadOptions(SavedConfig(), {});
+  // But for the one whose value has changed since.
+  const LoadedOptions loaded = LoadOptions(SavedConfig(), {"estimator.imu.gyro_noise_scale=6"});
   EXPECT_EQ(FormatOptions(loaded.options, Audience::kExperts),
             FormatOptions(VioOptions(), Audience::kExperts));
   EXPECT_FALSE(loaded.notices.empty());

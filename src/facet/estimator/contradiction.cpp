@@ -39,7 +39,8 @@ Vector3d Contradiction::PositionAt(double seconds_later) const {
 }
 
 Vector3d Contradiction::AstrayAt(const Vector3d& p_W) const {
-  return theta_.z() * Vector3d::UnitZ().cross(p_W - place_);
+  const Vector3d astray = theta_.z() * Vector3d::UnitZ().cross(p_W - place_);
+  return astray.cwiseMin(kMostShift_m).cwiseMax(-kMostShift_m);
 }
 
 void Contradiction::MoveTo(Timestamp t) {

@@ -134,10 +134,14 @@ TEST(ContradictionTest, StaysFinite) {
   NavState seen = leg.end;
   seen.T_WB.p.x() = 1e200;
   seen.v_WB.y() = -1e200;
+  seen.T_WB.q = seen.T_WB.q * ExpSO3(Vector3d(0, 0, 1));
   Contradiction contradiction;
   contradiction.Add(leg.link, leg.begin, seen, 1e100);
   EXPECT_TRUE(contradiction.CovarianceOf(leg.end).allFinite());
   EXPECT_NEAR(std::sqrt(contradiction.CovarianceOf(leg.end)(3, 3)), 1e4, 1e-3);
+  NavState back = leg.end;
+  back.T_WB.p.y() = 1e200;
+  EXPECT_TRUE(contradiction.CovarianceOf(back).allFinite());
 }
 
 }  // namespace

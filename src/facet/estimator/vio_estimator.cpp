@@ -227,8 +227,10 @@ EstimatorResult VioEstimator::TrackIntermediateFrame(const FrameObservations& ob
            update.num_used,
            !intermediate_->link.is_synthetic,
            result);
-  if (segments_.HasDriftedAway(intermediate_->x, newest_covariance_))
+  if (update.num_used < kMinLandmarksSeen &&
+      segments_.HasDriftedAway(intermediate_->x, newest_covariance_)) {
     SetLost("position unknown", result);
+  }
   if (result.status == TrackingStatus::kLost) StartOver(result);
   return result;
 }

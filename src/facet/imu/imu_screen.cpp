@@ -52,6 +52,8 @@ double GrowingSigma(double sigma, int num_now, int num_doubted) {
 }  // namespace
 
 void UsualChange::Add(double change) {
+  // A sensor with noise that repeats itself has failed, which is not usual.
+  if (change == 0 && value_ > 0) return;
   changes_[num_ % kNumKept] = change;
   ++num_;
   if (num_ % kNumBetweenUpdates != 0) return;
@@ -187,11 +189,10 @@ void ImuScreen::Accept(const ImuSample& sample, std::deque<ImuSample>& samples) 
     samples.pop_back();
     ++counts_.num_cut;
   }
-  // A sensor that repeats itself says nothing about what is usual.
-  if (!samples.empty() && sample.gyro != samples.back().gyro)
+  if (!samples.empty()) {
     gyro_change_.Add((sample.gyro - samples.back().gyro).norm());
-  if (!samples.empty() && sample.accel != samples.back().accel)
     accel_change_.Add((sample.accel - samples.back().accel).norm());
+  }
   samples.push_back(sample);
   ++num_accepted_;
 }

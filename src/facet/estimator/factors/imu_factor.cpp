@@ -73,6 +73,9 @@ namespace {
 
 // Scale factors and misalignment, which the model does not have, of a consumer's sensor.
 constexpr double kUnknownScale = 0.003;
+// The factors count with more noise than a gyroscope has, so that its scale does not bend the
+// calibration; who asks whether it contradicts the images asks for less.
+constexpr double kGyroIsBetter = 1.5;
 
 // What is left of an error that the scale of the sensor can explain.
 Vector3d Beyond(const Vector3d& error, const Vector3d& measured) {
@@ -90,8 +93,8 @@ double ImuErrorSigma(const ImuLink& link, const NavState& i, const NavState& j) 
   error.segment<3>(3) = Beyond(error.segment<3>(3), imu.dp());
   error.segment<3>(6) = Beyond(error.segment<3>(6), imu.dv());
   const Vector<15> r = link.sqrt_info * error;
-  const double sigma =
-      std::sqrt(std::max(r.segment<3>(0).squaredNorm() / 3, r.segment<6>(3).squaredNorm() / 6));
+  const double rotation = kGyroIsBetter * std::sqrt(r.segment<3>(0).squaredNorm() / 3);
+  const double sigma = std::max(rotation, std::sqrt(r.segment<6>(3).squaredNorm() / 6));
   return std::isfinite(r.sum()) ? sigma : std::numeric_limits<double>::infinity();
 }
 

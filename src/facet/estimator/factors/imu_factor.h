@@ -21,8 +21,8 @@ Vector<15> ImuError(const ImuPreintegration& measured, const NavState& i, const 
 ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, const NavState& j);
 
 /// How far the two states are from the measured motion: RMS of its whitened errors, those of the
-/// rotation or those of position and velocity, whichever is larger. What 0.3 % of the measured
-/// motion explains is no error. Infinite if not a number.
+/// rotation (1.5 times) or those of position and velocity, whichever is larger. What 0.3 % of the
+/// measured motion explains is no error. Infinite if not a number.
 double ImuErrorSigma(const ImuLink& link, const NavState& i, const NavState& j);
 
 /// The link of a frame to the one before it. Its noise is in ImuLink::sqrt_info; no robust loss.

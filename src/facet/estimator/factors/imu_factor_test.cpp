@@ -69,8 +69,8 @@ TEST(ImuFactorTest, ErrorSigmaOfManyIsManySigmas) {
     const Vector<15> step = kSigmas * (link.sqrt_info.inverse() * noise);
     sum += ImuErrorSigma(link, i, testing::Retract(imu.Predict(i), step));
   }
-  // The larger one of two RMS of few values is somewhat above 1.
-  EXPECT_NEAR(sum / kRuns / kSigmas, 1.1, 0.15);
+  // The larger one of two RMS of few values, that of the rotation 1.5 times.
+  EXPECT_NEAR(sum / kRuns / kSigmas, 1.4, 0.15);
   NavState broken = imu.Predict(i);
   broken.v_WB.x() = std::nan("");
   EXPECT_TRUE(std::isinf(ImuErrorSigma(link, i, broken)));
