@@ -145,14 +145,13 @@ void ScaleCheck::AddRows(const Leg& first, const Leg& second, const NavState& en
     Row row;
     row.velocity = change(axis);
     row.force_by_axis = by_axis.row(axis).transpose();
-    row.force = row.force_by_axis.sum();
     row.constants << 0.5 * (T1 + T2) * Vector3d::Unit(axis), of_bias.row(axis).transpose();
     rows_.push_back(row);
   }
 }
 
 std::optional<ScaleCheck::Scale> ScaleCheck::Fit() const {
-  const auto force = [](const Row& row) { return row.force; };
+  const auto force = [](const Row& row) { return row.force_by_axis.sum(); };
   const auto velocity = [](const Row& row) { return row.velocity; };
   const auto rows = std::span(rows_).subspan(num_rows_before_);
   const auto by_force = FitLine<1>(rows, force, velocity);

@@ -61,8 +61,8 @@ class ScaleCheck {
   /// of the accelerometer, times their factors.
   static constexpr int kNumConstants = 6;
   struct Row {
-    double velocity = 0, force = 0;
-    Vector3d force_by_axis;  ///< of the accelerometer; their sum is the force
+    double velocity = 0;
+    Vector3d force_by_axis;  ///< by each axis of the accelerometer; the force is their sum
     Vector<kNumConstants> constants;
   };
   struct Leg {

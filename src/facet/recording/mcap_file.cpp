@@ -9,23 +9,14 @@
 #include "facet/io/errors.h"
 #include "facet/recording/byte_reader.h"
 #include "facet/recording/decompression.h"
+#include "facet/recording/mcap_format.h"
 
 namespace facet {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
-constexpr std::uint64_t kRecordHeader = 9;  // opcode and length
-constexpr std::uint64_t kFooter = kRecordHeader + 20;
+using namespace mcap;
 
-enum Opcode : std::uint8_t {
-  kOpFooter = 0x02,
-  kOpSchema = 0x03,
-  kOpChannel = 0x04,
-  kOpMessage = 0x05,
-  kOpChunk = 0x06,
-  kOpStatistics = 0x0B,
-  kOpDataEnd = 0x0F,
-};
+constexpr std::uint64_t kFooter = kRecordHeader + 20;
 
 std::string Text(ByteReader& reader) {
   return std::string(reader.Text(reader.Number<std::uint32_t>()));

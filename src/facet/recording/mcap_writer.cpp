@@ -9,28 +9,16 @@
 
 #include "facet/base/check.h"
 #include "facet/io/errors.h"
+#include "facet/recording/mcap_format.h"
 
 namespace facet {
 namespace {
 
+using namespace mcap;
+
 constexpr std::size_t kChunkSize = 4 << 20;
-constexpr std::size_t kRecordHeader = 9;
-
-enum Opcode : char {
-  kOpHeader = 0x01,
-  kOpFooter = 0x02,
-  kOpSchema = 0x03,
-  kOpChannel = 0x04,
-  kOpMessage = 0x05,
-  kOpChunk = 0x06,
-  kOpMessageIndex = 0x07,
-  kOpChunkIndex = 0x08,
-  kOpStatistics = 0x0B,
-  kOpDataEnd = 0x0F,
-};
-
 std::string Magic() {
-  return {"\x89MCAP0\r\n", 8};
+  return {kMagic.begin(), kMagic.end()};
 }
 
 template <class T>
@@ -46,7 +34,8 @@ std::string Sized(const std::string& bytes) {
 }
 
 std::string Record(Opcode opcode, const std::string& content) {
-  return std::string(1, opcode) + Raw(static_cast<std::uint64_t>(content.size())) + content;
+  return std::string(1, static_cast<char>(opcode)) +
+         Raw(static_cast<std::uint64_t>(content.size())) + content;
 }
 
 std::string Pairs(const std::map<std::uint16_t, std::uint64_t>& values) {
@@ -142,7 +131,7 @@ void McapWriter::WriteChunk() {
   const std::string head = Raw(open_.first) + Raw(open_.last) + Raw(open_.raw_size) + Raw(crc) +
                            Sized(CompressionName()) + Raw(open_.compressed_size);
   open_.size = kRecordHeader + head.size() + stored.size();
-  Write(std::string(1, kOpChunk) + Raw(open_.size - kRecordHeader) + head);
+  Write(std::string(1, static_cast<char>(kOpChunk)) + Raw(open_.size - kRecordHeader) + head);
   Write(stored);
   WriteMessageIndices(open_);
   chunks_.push_back(open_);
