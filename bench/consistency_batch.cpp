@@ -77,7 +77,7 @@ void BatchProblem::AddObservations(const FrameObservations& observations) {
 void BatchProblem::RelinearizeImu() {
   for (std::size_t j = 1; j < window_.frames.size(); ++j) {
     ImuLink& link = window_.frames[j].imu_link.value();
-    link.measured.Reintegrate(window_.frames[j - 1].x.bias);
+    link.measured.Reintegrate(window_.frames[j - 1].x.bias, window_.GyroScale());
     link.sqrt_info = ImuSqrtInfo(link.measured, bias_walk_);
   }
 }

@@ -70,6 +70,7 @@ std::vector<Quantity> QuantitiesOf(const StereoRig& rig) {
   Quantity clock{CalibrationPart::kClock, "time offset", "ms"};
   clock.gradient(kTimeOffset) = 1e3;
   out.push_back(std::move(clock));
+  AddAxes(CalibrationPart::kGyroscope, "scale of the gyroscope about", "%", kGyroScale, 100, out);
   return out;
 }
 

@@ -11,13 +11,14 @@ namespace facet {
 
 /// What is measured together, and wrong together, when a rig was not calibrated with care.
 enum class CalibrationPart {
-  kLenses,    ///< lenses, and the turn of the cameras against each other
-  kBaseline,  ///< the distance between the cameras
-  kMount,     ///< the cameras on the IMU
-  kClock,     ///< time offset of the cameras
+  kLenses,     ///< lenses, and the turn of the cameras against each other
+  kBaseline,   ///< the distance between the cameras
+  kMount,      ///< the cameras on the IMU
+  kClock,      ///< time offset of the cameras
+  kGyroscope,  ///< scale of its axes
 };
 
-inline constexpr int kNumCalibrationParts = 4;
+inline constexpr int kNumCalibrationParts = 5;
 
 /// One thing that a calibration says.
 struct CalibrationDeviation {
@@ -29,8 +30,9 @@ struct CalibrationDeviation {
   double prior_sigma = 0;  ///< 1-sigma of `value` before anything was measured
 };
 
-/// Focal lengths, principal points, baseline, directions, places and clock. `delta`: how far they
-/// are from `nominal`; the covariances: of `delta` now and before anything was measured.
+/// Focal lengths, principal points, baseline, directions, places, clock and scale of the gyroscope.
+/// `delta`: how far they are from `nominal`; the covariances: of `delta` now and before anything
+/// was measured.
 std::vector<CalibrationDeviation> CalibrationDeviations(const StereoRig& nominal,
                                                         const CalibrationVector& delta,
                                                         const CalibrationMatrix& covariance,

@@ -48,14 +48,17 @@ TEST_F(CalibrationDeviationTest, BaselineIsLongerInItsOwnDirection) {
   EXPECT_NEAR(gross[0].value, 2, 1e-9);
 }
 
-TEST_F(CalibrationDeviationTest, AnglesPlacesAndClock) {
+TEST_F(CalibrationDeviationTest, AnglesPlacesClockAndScales) {
   delta_(kStereoRotation + 2) = -0.2 * kDegree;
   delta_(kMountRotation) = 0.5 * kDegree;
   delta_(kMountTranslation + 1) = 0.012;
   delta_(kTimeOffset) = -0.01;
-  EXPECT_EQ(Words(),
-            "right camera against the left one about z -0.2 deg, cameras on the IMU about x +0.5 "
-            "deg, cameras on the IMU along y +12 mm, time offset -10 ms");
+  delta_(kGyroScale + 2) = 0.01;
+  EXPECT_EQ(
+      Words(),
+      "right camera against the left one about z -0.2 deg, cameras on the IMU about x +0.5 "
+      "deg, cameras on the IMU along y +12 mm, time offset -10 ms, scale of the gyroscope about "
+      "z +1 %");
 }
 
 }  // namespace

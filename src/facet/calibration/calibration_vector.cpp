@@ -12,6 +12,7 @@ CalibrationVector CalibrationDifference(const StereoRig& from, const StereoRig& 
   delta.segment<3>(kMountRotation) = LogSO3(mount.q);
   delta.segment<3>(kMountTranslation) = mount.p;
   delta(kTimeOffset) = ToSeconds(to.time_offset) - ToSeconds(from.time_offset);
+  delta.tail<3>() = to.gyro_scale - from.gyro_scale;
   return delta;
 }
 

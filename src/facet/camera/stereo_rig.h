@@ -15,6 +15,9 @@ struct StereoRig {
   std::array<SE3, 2> T_BC;             ///< camera to body
   /// t_imu = t_camera + time_offset (Kalibr's timeshift_cam_imu).
   Duration time_offset;
+  /// By what share the gyroscope reads too much on each of its axes; not zero if a former run has
+  /// estimated it.
+  Vector3d gyro_scale = Vector3d::Zero();
   /// Of all this, in the order of CalibrationVector (calibration/calibration_vector.h); null: not
   /// known.
   std::shared_ptr<const MatrixXd> covariance;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "facet/estimator/factors/imu_factor.h"
 #include "facet/geometry/so3.h"
 
 namespace facet {

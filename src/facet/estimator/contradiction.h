@@ -10,10 +10,6 @@
 
 namespace facet {
 
-/// IMU and images contradict each other beyond this (ImuErrorSigma of a keyframe). What it finds
-/// and where it is wrong: docs/notebook/faults.md, from "A blind set of ten faults" on.
-inline constexpr double kContradictionSigma = 4;
-
 /// Not thread-safe.
 class Contradiction {
  public:

@@ -242,15 +242,19 @@ struct CalibrationOptions {
   bool lens = true;   ///< intrinsics of both cameras and the transform between them
   bool mount = true;  ///< the cameras on the IMU
   bool time = true;   ///< clock of the cameras against the IMU's
+  bool gyro = true;   ///< scale of the gyroscope's axes
   /// White noise of the corners with which lenses and stereo pair were calibrated; scales all their
   /// errors together.
   double board_noise_px = 0.2;
   double mount_rotation_deg = 0.1;     ///< 1-sigma of the length
   double mount_translation_m = 0.003;  ///< 1-sigma of the length
   double time_s = 0.001;               ///< 1-sigma
+  double gyro_scale_percent = 0.3;     ///< 1-sigma, each axis
 
-  static CalibrationOptions Held() { return {.lens = false, .mount = false, .time = false}; }
-  bool IsHeld() const { return !lens && !mount && !time; }
+  static CalibrationOptions Held() {
+    return {.lens = false, .mount = false, .time = false, .gyro = false};
+  }
+  bool IsHeld() const { return !lens && !mount && !time && !gyro; }
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -258,6 +262,7 @@ struct CalibrationOptions {
     v.Field("mount", mount, Range{}, "estimate where the cameras are on the IMU", Audience::kUsers);
     v.Field(
         "time", time, Range{}, "estimate the cameras' clock against the IMU's", Audience::kUsers);
+    v.Field("gyro", gyro, Range{}, "estimate the scale of the gyroscope's axes", Audience::kUsers);
     v.Field("board_noise_px",
             board_noise_px,
             Range{1e-3, 20},
@@ -272,6 +277,10 @@ struct CalibrationOptions {
             Range{1e-6, 1},
             "error of the cameras' place on the IMU, 1-sigma [m]");
     v.Field("time_s", time_s, Range{1e-7, 0.1}, "error of the cameras' clock, 1-sigma [s]");
+    v.Field("gyro_scale_percent",
+            gyro_scale_percent,
+            Range{1e-4, 10},
+            "error of the scale of each axis of the gyroscope, 1-sigma [%]");
   }
 };
 

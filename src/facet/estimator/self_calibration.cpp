@@ -14,6 +14,8 @@ constexpr Duration kStepEvery{10'000'000'000};
 // Share of the first uncertainty, 1-sigma, that a random step has. More than a tenth makes long
 // runs worse; with this it has added up to half of the first uncertainty after an hour.
 constexpr double kStepShare = 0.03;
+// A fault of a sensor passes, an error of the calibration does not.
+constexpr Duration kMaxDoubt{5'000'000'000};
 // After a large step.
 constexpr Duration kSettles{5'000'000'000};
 // Of each part. Landmarks and velocities of the time before a step still fit the wrong calibration,
@@ -31,7 +33,7 @@ CalibrationMatrix BaselineCovariance(const StereoRig& rig, double share) {
 // the baseline free, the size of the world would rest on the accelerometer alone.
 CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
   constexpr double kFocal = 0.01, kCentre_px = 5, kTurn = 0.3 * kDegree, kBaseline = 0.02;
-  constexpr double kMountTurn = 0.5 * kDegree, kMount_m = 0.01, kTime_s = 0.01;
+  constexpr double kMountTurn = 0.5 * kDegree, kMount_m = 0.01, kTime_s = 0.01, kScale = 0.01;
   CalibrationMatrix covariance = CalibrationMatrix::Zero();
   const auto add = [&](const CalibrationVector& sigmas) {
     covariance += sigmas * sigmas.transpose();
@@ -64,6 +66,9 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
     case CalibrationPart::kClock:
       add_each(kTimeOffset, 1, kTime_s);
       break;
+    case CalibrationPart::kGyroscope:
+      add_each(kGyroScale, 3, kScale);
+      break;
   }
   return covariance;
 }
@@ -90,13 +95,22 @@ void SelfCalibration::TakeClock(const SlidingWindow& window, const WindowSolver&
 void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solver) {
   if (!window.calibration) return;
   const Timestamp now = window.frames.back().x.t;
-  if (kept_ && now - kept_->t < kKeepEvery) return;
+  if (is_doubted_ || (kept_ && now - kept_->t < kKeepEvery)) return;
   kept_ = Kept{now,
                window.calibration->delta(),
                solver.CalibrationCovariance(),
                window.calibration->Refined()};
   if (freed_at_ && now - *freed_at_ < kSettles) return;
   gross_deviations_ = GrossDeviations(rig_, kept_->delta, kept_->covariance, *start_covariance_);
+}
+
+void SelfCalibration::Doubt(Timestamp now, bool is_contradicted) {
+  if (!is_contradicted) {
+    contradicted_since_.reset();
+  } else if (!contradicted_since_) {
+    contradicted_since_ = now;
+  }
+  is_doubted_ = is_contradicted && now - *contradicted_since_ < kMaxDoubt;
 }
 
 // Each part once, however many things in it are wrong.
@@ -117,6 +131,7 @@ std::optional<CalibrationMatrix> SelfCalibration::LargeStep() {
 void SelfCalibration::Walk(SlidingWindow& window) {
   if (!window.calibration) return;
   const Timestamp now = window.frames.back().x.t;
+  if (is_doubted_) return;
   const bool is_settled = !freed_at_ || now - *freed_at_ >= kSettles;
   if (const auto step = is_settled ? LargeStep() : std::nullopt) {
     TakeRandomStep(*step, window.prior);

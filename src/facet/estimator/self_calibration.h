@@ -37,6 +37,11 @@ class SelfCalibration {
   /// if lenses and stereo pair are estimated.
   void DoubtBaseline(double share) { doubted_share_ = share; }
 
+  /// After a keyframe's solve: whether IMU and images have contradicted each other within the last
+  /// second. Until that has lasted for some seconds a sensor was wrong and not the calibration: no
+  /// part of it is kept, called wrong or freed meanwhile.
+  void Doubt(Timestamp now, bool is_contradicted);
+
   /// What is wrong by more than a careful calibration leaves, as last kept. Empty until a large
   /// step was taken and has settled.
   std::vector<CalibrationDeviation> Gross() const {
@@ -84,6 +89,8 @@ class SelfCalibration {
   std::array<int, kNumCalibrationParts> num_large_steps_{};
   std::optional<Timestamp> freed_at_;  // when it took the last one
   std::vector<CalibrationDeviation> gross_deviations_;
+  std::optional<Timestamp> contradicted_since_;
+  bool is_doubted_ = false;
 };
 
 }  // namespace facet

@@ -38,15 +38,19 @@ Calibrated Fly(
     const Motion& motion,
     std::uint64_t seed,
     double duration_s,
-    const Mistake& mistake = [](StereoRig&) {}) {
+    const Mistake& mistake = [](StereoRig&) {},
+    const Vector3d& gyro_scale = Vector3d::Zero()) {
   FeatureSimulatorOptions options;
   options.max_tracks = 70;
   options.duration_s = duration_s;
   std::vector<NavState> poses = MakeFlight(duration_s + 2, 2);
   motion(poses);
-  const SimulatedRun run =
-      SimulateFeatures(SplineTrajectory::Fit(poses), EurocRig(), options, seed);
+  SimulatedRun run = SimulateFeatures(SplineTrajectory::Fit(poses), EurocRig(), options, seed);
+  for (ImuSample& sample : run.imu)
+    sample.gyro = sample.gyro.cwiseQuotient(Vector3d::Ones() - gyro_scale);
+  run.rig.gyro_scale = gyro_scale;
   StereoRig written = *DrawCalibration(run.rig, seed);
+  written.gyro_scale.setZero();
   mistake(written);
   const ImuBuffer imu = testing::ImuOf(run);
   VioEstimator estimator(written, ImuNoise{}, {});
@@ -95,9 +99,19 @@ TEST(SelfCalibrationTest, AtRestNothingIsLearntThatCannotBeSeen) {
     // Nothing tells the common focal length from the distances, nor the clock.
     EXPECT_GT(flown.sigma(0), 0.5 * flown.sigma_before(0)) << seed;
     EXPECT_GT(flown.sigma(kMountTranslation), 0.5 * flown.sigma_before(kMountTranslation)) << seed;
+    EXPECT_GT(flown.sigma(kGyroScale), 0.9 * flown.sigma_before(kGyroScale)) << seed;
     EXPECT_LT(std::abs(flown.error(0) - flown.error_before(0)), 2.5 * flown.sigma_before(0));
   }
   EXPECT_LT(nees, 1.8);
+}
+
+TEST(SelfCalibrationTest, AGyroscopeThatReadsTooMuchIsFound) {
+  const Vector3d scale(0.005, -0.004, 0.006);
+  const Calibrated flown = Fly(
+      AsFlown, 2, 20, [](StereoRig&) {}, scale);
+  EXPECT_LT(flown.error.tail<3>().norm(), 0.3 * scale.norm());
+  EXPECT_LT(flown.error.tail<3>().cwiseQuotient(flown.sigma.tail<3>()).norm(), 4);
+  EXPECT_LT(MeanSquare(flown.error, flown.sigma), 2.5);
 }
 
 TEST(SelfCalibrationTest, AClockThatIsFarOffIsFoundAndTheLensesAreLeftAlone) {

@@ -35,7 +35,7 @@ std::optional<double> NewestImuError(const SlidingWindow& window) {
   const std::optional<ImuLink>& link = window.frames.back().imu_link;
   if (!link || link->is_synthetic) return std::nullopt;
   const auto newest = window.frames.rbegin();
-  return ImuErrorSigma(*link, std::next(newest)->x, newest->x);
+  return ImuErrorSigma(*link, std::next(newest)->x, newest->x, window.GyroScale());
 }
 
 void Report(const SlidingWindow& window, int i, std::vector<KeyframePose>& finished) {
@@ -119,6 +119,7 @@ void VioEstimator::AppendFrame(const FrameObservations& observations, const ImuI
     return;
   }
   const NavState last = intermediate_ ? intermediate_->x : window_.frames.back().x;
+  imu_.SetGyroScale(window_.GyroScale());
   std::optional<ImuLink> passing;
   if (intermediate_) passing = std::move(intermediate_->link);
   intermediate_.reset();
@@ -205,6 +206,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
     return result;
   }
   segments_.Keep(newest.x, newest_covariance_, result.num_constraining >= kMinLandmarksSeen);
+  calibration_.Doubt(newest.x.t, contradiction_.IsRecentAt(newest.x.t));
   calibration_.Keep(window_, optimizer_.solver());
   ScopedStage stage(times, Stage::kMarginalize);
   updater_.SetReference(window_, newest_covariance_, optimizer_.noise());

@@ -33,8 +33,8 @@ void ImuPreintegration::Append(const ImuPreintegration& next) {
     Add(next.samples_[i], next.step_noise_[i]);
 }
 
-void ImuPreintegration::Reintegrate(const ImuBias& bias) {
-  ImuPreintegration fresh(bias, noise_);
+void ImuPreintegration::Reintegrate(const ImuBias& bias, const Vector3d& gyro_scale) {
+  ImuPreintegration fresh(bias, noise_, gyro_scale);
   fresh.Append(*this);
   *this = std::move(fresh);
 }
@@ -57,7 +57,8 @@ void ImuPreintegration::Add(const ImuSample& sample, const StepNoise& noise) {
 // biases is in docs/math.md, section 2.
 void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b, const StepNoise& step_noise) {
   const double dt = ToSeconds(b.t - a.t);
-  const Vector3d w = 0.5 * (a.gyro + b.gyro) - bias_.b_g;
+  const Vector3d gyro = 0.5 * (a.gyro + b.gyro);
+  const Vector3d w = gyro - gyro_scale_.cwiseProduct(gyro) - bias_.b_g;
   const Vector3d a0 = a.accel - bias_.b_a;
   const Vector3d a1 = b.accel - bias_.b_a;
   const Quaterniond q_step = ExpSO3(w * dt);
@@ -93,12 +94,12 @@ void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b, const StepN
   const bool is_gap = dt > step_noise.max_step_s;
   const double gap_w = is_gap ? noise_.gyro_in_gap : 0.0;
   const double gap_a = is_gap ? noise_.accel_in_gap : 0.0;
-  const double gyro = noise_.gyro * step_noise.scale;
-  const double accel = noise_.accel * step_noise.scale;
+  const double gyro_noise = noise_.gyro * step_noise.scale;
+  const double accel_noise = noise_.accel * step_noise.scale;
   const double integration = noise_.integration * step_noise.scale;
   Vector<6> variance;
-  variance.head<3>().setConstant(gyro * gyro / dt + gap_w * gap_w);
-  variance.tail<3>().setConstant(accel * accel / dt + gap_a * gap_a);
+  variance.head<3>().setConstant(gyro_noise * gyro_noise / dt + gap_w * gap_w);
+  variance.tail<3>().setConstant(accel_noise * accel_noise / dt + gap_a * gap_a);
   variance.head<3>() += b.gyro_doubt.cwiseAbs2();
   variance.tail<3>() += b.accel_doubt.cwiseAbs2();
 
@@ -108,6 +109,7 @@ void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b, const StepN
   covariance_.block<3, 3>(3, 3).diagonal().array() +=
       integration * integration * dt + sigma_p_gap * sigma_p_gap;
   J_bias_ = A * J_bias_ - B;
+  J_scale_ = A * J_scale_ - B.leftCols<3>() * gyro.asDiagonal();
 
   dp_ += dv_ * dt + 0.5 * dt * dt * acceleration;
   dv_ += dt * acceleration;

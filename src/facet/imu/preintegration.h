@@ -38,8 +38,11 @@ struct StepNoise {
 class ImuPreintegration {
  public:
   ImuPreintegration() = default;
-  ImuPreintegration(const ImuBias& bias, const PreintegrationNoise& noise)
-      : bias_(bias), noise_(noise) {}
+  /// `gyro_scale`: by what share the gyroscope reads too much on each of its axes.
+  ImuPreintegration(const ImuBias& bias,
+                    const PreintegrationNoise& noise,
+                    const Vector3d& gyro_scale = Vector3d::Zero())
+      : bias_(bias), gyro_scale_(gyro_scale), noise_(noise) {}
 
   /// Extends the interval by the samples, with the same noise for each of their steps. CHECKs that
   /// they are in order of time and that the first one has the stamp of the last one that is already
@@ -51,12 +54,13 @@ class ImuPreintegration {
   /// CHECKs as Integrate does.
   void Append(const ImuPreintegration& next);
 
-  /// Integrates the stored samples again about another bias.
-  void Reintegrate(const ImuBias& bias);
+  /// Integrates the stored samples again about another bias and scale.
+  void Reintegrate(const ImuBias& bias, const Vector3d& gyro_scale);
 
   /// Length of the interval [s].
   double dt() const { return dt_s_; }
   const ImuBias& bias() const { return bias_; }
+  const Vector3d& gyro_scale() const { return gyro_scale_; }
   const std::vector<ImuSample>& samples() const { return samples_; }
   const Quaterniond& dR() const { return dR_; }
   const Vector3d& dp() const { return dp_; }
@@ -68,8 +72,12 @@ class ImuPreintegration {
   /// d (theta, p, v) / d (b_g, b_a) at bias().
   const Matrix<9, 6>& BiasJacobian() const { return J_bias_; }
 
+  /// d (theta, p, v) / d (scale of the gyroscope) at gyro_scale().
+  const Matrix<9, 3>& ScaleJacobian() const { return J_scale_; }
+
   /// State at the end of the interval, from the state at its start, with the biases of `start`
-  /// (first-order correction). Its stamp is the start's plus the length of the interval.
+  /// (first-order correction) and gyro_scale(). Its stamp is the start's plus the length of the
+  /// interval.
   NavState Predict(const NavState& start) const;
 
  private:
@@ -77,6 +85,7 @@ class ImuPreintegration {
   void Step(const ImuSample& a, const ImuSample& b, const StepNoise& noise);
 
   ImuBias bias_;
+  Vector3d gyro_scale_ = Vector3d::Zero();
   PreintegrationNoise noise_;
   std::vector<ImuSample> samples_;
   std::vector<StepNoise> step_noise_;  // of the step that ends at the sample of the same index
@@ -86,6 +95,7 @@ class ImuPreintegration {
   Vector3d dv_ = Vector3d::Zero();
   Matrix<9, 9> covariance_ = Matrix<9, 9>::Zero();
   Matrix<9, 6> J_bias_ = Matrix<9, 6>::Zero();
+  Matrix<9, 3> J_scale_ = Matrix<9, 3>::Zero();
 };
 
 }  // namespace facet

@@ -104,6 +104,20 @@ TEST(PreintegrationTest, BiasJacobianMatchesNumericDerivative) {
   testing::ExpectJacobian<9, 6>(nominal.BiasJacobian(), f, 1e-8, 1e-4);
 }
 
+TEST(PreintegrationTest, ScaleJacobianMatchesNumericDerivative) {
+  const auto samples = AnalyticMotion().Samples(0, 0.5);
+  const ImuBias bias{Vector3d(0.01, -0.02, 0.03), Vector3d(-0.1, 0.2, 0.05)};
+  const auto integrated = [&](const Vector3d& gyro_scale) {
+    ImuPreintegration result(bias, {}, gyro_scale);
+    result.Integrate(samples);
+    return result;
+  };
+  const Vector3d gyro_scale(0.01, -0.02, 0.005);
+  const ImuPreintegration nominal = integrated(gyro_scale);
+  const auto f = [&](const Vector3d& d) { return Difference(integrated(gyro_scale + d), nominal); };
+  testing::ExpectJacobian<9, 3>(nominal.ScaleJacobian(), f, 1e-8, 1e-4);
+}
+
 TEST(PreintegrationTest, PredictCorrectsForTheBiasToFirstOrder) {
   const AnalyticMotion motion;
   const auto samples = motion.Samples(0, 0.2);
@@ -125,7 +139,7 @@ TEST(PreintegrationTest, ReintegratingEqualsAFreshIntegration) {
   const auto samples = AnalyticMotion().Samples(0, 0.3);
   const ImuBias bias{Vector3d(0.02, 0.01, -0.03), Vector3d(0.3, -0.2, 0.1)};
   ImuPreintegration again = Integrated(samples);
-  again.Reintegrate(bias);
+  again.Reintegrate(bias, Vector3d::Zero());
   const ImuPreintegration fresh = Integrated(samples, bias);
   EXPECT_EQ(Difference(again, fresh).norm(), 0);
   EXPECT_EQ((again.Covariance() - fresh.Covariance()).norm(), 0);
@@ -159,7 +173,7 @@ TEST(PreintegrationTest, EachStepKeepsItsNoiseWhenIntervalsAreJoinedOrIntegrated
   EXPECT_EQ(Difference(joined, Integrated(samples)).norm(), 0) << "noise moves nothing";
 
   const Matrix<9, 9> before = joined.Covariance();
-  joined.Reintegrate(ImuBias{});
+  joined.Reintegrate(ImuBias{}, Vector3d::Zero());
   EXPECT_EQ((joined.Covariance() - before).norm(), 0);
 }
 

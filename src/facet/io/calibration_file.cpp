@@ -147,6 +147,7 @@ Calibration ReadKalibrCalibration(const fs::path& camchain, const fs::path& imu_
   }
   CheckBaseline(result.rig, camchain.string());
   result.rig.time_offset = offsets[0];
+  result.rig.gyro_scale = ReadGyroScale(yaml);
   result.rig.covariance = ReadCovariance(yaml);
   if (std::abs(ToSeconds(offsets[1]) - ToSeconds(offsets[0])) > kMaxTimeOffsetDifferenceS) {
     result.warnings.push_back(camchain.string() +

@@ -62,7 +62,8 @@ std::string Camera(const StereoRig& rig, std::size_t c) {
 std::string Covariance(const MatrixXd& covariance) {
   std::string text =
       "# Of the deviations of the parameters; rotations in rad, about the axes of the left camera\n"
-      "# (stereo) and of the IMU (mount); translations in m, time in s.\n"
+      "# (stereo) and of the IMU (mount); translations in m, time in s;\n"
+      "# scales are shares.\n"
       "covariance:\n  parameters: [";
   for (const char* name : kCalibrationNames)
     text += (name == kCalibrationNames.front() ? "" : ", ") + std::string(name);
@@ -78,6 +79,9 @@ std::string Covariance(const MatrixXd& covariance) {
 
 std::string CalibrationYaml(const StereoRig& rig) {
   std::string text = Camera(rig, 0) + Camera(rig, 1);
+  if (!rig.gyro_scale.isZero(0))
+    text += "# By what share the gyroscope reads too much on each axis.\ngyro_scale: " +
+            List(rig.gyro_scale) + "\n";
   if (rig.covariance) text += Covariance(*rig.covariance);
   return text;
 }

@@ -21,6 +21,7 @@ using ::testing::HasSubstr;
 StereoRig RigWithCovariance() {
   StereoRig rig = EurocRig();
   rig.time_offset = Duration{-1'234'567};
+  rig.gyro_scale = Vector3d(0.003, -0.001, 0.002);
   MatrixXd A = MatrixXd::Identity(kNumCalibration, kNumCalibration);
   A.diagonal(-1).setConstant(0.3);
   rig.covariance = std::make_shared<const MatrixXd>(1e-6 * A * A.transpose());
@@ -59,6 +60,13 @@ TEST_F(CalibrationWriterTest, IsReadBack) {
   EXPECT_LT((*read.covariance - *rig.covariance).norm(), 1e-10 * rig.covariance->norm());
 }
 
+TEST_F(CalibrationWriterTest, AScaleThatIsNoneIsRefused) {
+  const std::string good = CalibrationYaml(RigWithCovariance());
+  EXPECT_THAT(ErrorOf(Replaced(good, "[0.003, -0.001", "[0.003")), HasSubstr("three numbers"));
+  EXPECT_THAT(ErrorOf(Replaced(good, "[0.003, ", "[1.003, ")), HasSubstr("too much"));
+  EXPECT_TRUE(ReadBack(CalibrationYaml(EurocRig())).gyro_scale.isZero(0));
+}
+
 TEST_F(CalibrationWriterTest, WithoutACovarianceThereIsNone) {
   EXPECT_FALSE(ReadBack(CalibrationYaml(EurocRig())).covariance);
 }
@@ -70,7 +78,8 @@ TEST_F(CalibrationWriterTest, ACovarianceThatIsNoneIsRefused) {
               HasSubstr("symmetric"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [-1e-06, 3e-07")),
               HasSubstr("positive"));
-  EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07,", "- [1e-06,")), HasSubstr("29"));
+  EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07,", "- [1e-06,")),
+              HasSubstr("32 x 32 has 1024"));
   EXPECT_EQ(ErrorOf(good), "");
 }
 

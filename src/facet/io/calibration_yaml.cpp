@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kMaxRotationError = 1e-3;
 constexpr double kMaxLeverArmM = 10;
+constexpr double kMaxGyroScale = 0.2;
 
 DistortionModel ParseDistortion(const YamlFile& yaml, const YAML::Node& camera) {
   if (!YamlFile::Has(camera, "distortion_model")) {
@@ -132,6 +133,18 @@ CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera) {
   return CameraModel(k);
 }
 
+Vector3d ReadGyroScale(const YamlFile& yaml) {
+  if (!YamlFile::Has(yaml.root(), "gyro_scale")) return Vector3d::Zero();
+  const YAML::Node node = yaml.root()["gyro_scale"];
+  const std::vector<double> values = yaml.Numbers(node);
+  if (values.size() != 3) yaml.Fail(node, "a scale has three numbers, one for each axis");
+  const Vector3d scale = Eigen::Map<const Vector3d>(values.data());
+  if (!(scale.cwiseAbs().maxCoeff() < kMaxGyroScale)) {
+    yaml.Fail(node, "a scale is the share by which an axis reads too much, such as 0.003");
+  }
+  return scale;
+}
+
 std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml) {
   if (!YamlFile::Has(yaml.root(), "covariance")) return nullptr;
   const YAML::Node node = yaml.root()["covariance"];
@@ -149,7 +162,9 @@ std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml) {
   constexpr std::size_t kSize = kCalibrationNames.size();
   if (values.size() != kSize * kSize) {
     yaml.Fail(rows,
-              "a matrix of 29 x 29 has 841 numbers, here are " + std::to_string(values.size()));
+              "a matrix of " + std::to_string(kSize) + " x " + std::to_string(kSize) + " has " +
+                  std::to_string(kSize * kSize) + " numbers, here are " +
+                  std::to_string(values.size()));
   }
   const CalibrationMatrix matrix = Eigen::Map<const CalibrationMatrix>(values.data());
   const CalibrationVector scale = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

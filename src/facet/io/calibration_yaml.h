@@ -19,6 +19,9 @@ SE3 ReadRigid(const YamlFile& yaml, const YAML::Node& parent, const std::string&
 /// Resolution, camera_model (pinhole), intrinsics (fu fv cu cv) and distortion.
 CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera);
 
+/// The `gyro_scale` that a run has written with its calibration; zero if there is none.
+Vector3d ReadGyroScale(const YamlFile& yaml);
+
 /// The `covariance` that a run has written with its calibration (calibration_writer.h), in the
 /// order of CalibrationVector; null if there is none. Refuses what is no covariance of these
 /// parameters.

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "facet/estimator/contradiction.h"
+#include "facet/estimator/factors/imu_factor.h"
 
 namespace facet {
 

@@ -11,46 +11,66 @@ namespace facet {
 
 static_assert(Factor<ImuFactor>);
 
-Vector<15> ImuError(const ImuPreintegration& measured, const NavState& i, const NavState& j) {
+namespace {
+
+// What the measured motion changes by since its bias and scale have changed.
+Vector<9> Correction(const ImuPreintegration& measured,
+                     const ImuBias& bias,
+                     const Vector3d& gyro_scale) {
+  Vector<6> db;
+  db << bias.b_g - measured.bias().b_g, bias.b_a - measured.bias().b_a;
+  return measured.BiasJacobian() * db +
+         measured.ScaleJacobian() * (gyro_scale - measured.gyro_scale());
+}
+
+}  // namespace
+
+Vector<15> ImuError(const ImuPreintegration& measured,
+                    const NavState& i,
+                    const NavState& j,
+                    const Vector3d& gyro_scale) {
   const double T = measured.dt();
   const Vector3d g = GravityInWorld();
-  const Vector3d db_g = i.bias.b_g - measured.bias().b_g;
-  const Vector3d db_a = i.bias.b_a - measured.bias().b_a;
-  const Matrix<9, 6>& Jb = measured.BiasJacobian();
+  const Vector<9> correction = Correction(measured, i.bias, gyro_scale);
   const Quaterniond q_i_inv = i.T_WB.q.conjugate();
 
-  const Quaterniond dR = measured.dR() * ExpSO3(Jb.block<3, 3>(0, 0) * db_g);
+  const Quaterniond dR = measured.dR() * ExpSO3(correction.head<3>());
   Vector<15> r;
   r.segment<3>(0) = LogSO3(dR.conjugate() * (q_i_inv * j.T_WB.q));
   r.segment<3>(3) = q_i_inv * (j.T_WB.p - i.T_WB.p - i.v_WB * T - 0.5 * g * T * T) - measured.dp() -
-                    Jb.block<3, 3>(3, 0) * db_g - Jb.block<3, 3>(3, 3) * db_a;
-  r.segment<3>(6) = q_i_inv * (j.v_WB - i.v_WB - g * T) - measured.dv() -
-                    Jb.block<3, 3>(6, 0) * db_g - Jb.block<3, 3>(6, 3) * db_a;
+                    correction.segment<3>(3);
+  r.segment<3>(6) = q_i_inv * (j.v_WB - i.v_WB - g * T) - measured.dv() - correction.tail<3>();
   r.segment<3>(9) = j.bias.b_g - i.bias.b_g;
   r.segment<3>(12) = j.bias.b_a - i.bias.b_a;
   return r;
 }
 
-ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, const NavState& j) {
+ImuResidual LinearizeImu(const ImuPreintegration& measured,
+                         const NavState& i,
+                         const NavState& j,
+                         const Vector3d& gyro_scale) {
   const double T = measured.dt();
   const Vector3d g = GravityInWorld();
   const Matrix<9, 6>& Jb = measured.BiasJacobian();
+  const Matrix<9, 3>& Js = measured.ScaleJacobian();
   const Matrix3d R_BiW = i.T_WB.R().transpose();
   const Matrix3d R_WBj = j.T_WB.R();
 
   ImuResidual out;
-  out.r = ImuError(measured, i, j);
+  out.r = ImuError(measured, i, j, gyro_scale);
   const Vector3d r_theta = out.r.head<3>();
   const Matrix3d Jr_inv = RightJacobianInverseSO3(r_theta);
-  const Vector3d rotation_correction = Jb.block<3, 3>(0, 0) * (i.bias.b_g - measured.bias().b_g);
+  // d r_theta / d (the angles that the measured rotation is corrected by).
+  const Matrix3d J_correction =
+      -Jr_inv * ExpSO3(r_theta).toRotationMatrix().transpose() *
+      RightJacobianSO3(Correction(measured, i.bias, gyro_scale).head<3>());
 
   Matrix<15, 15>& Ji = out.J_i;
   Matrix<15, 15>& Jj = out.J_j;
   Ji.setZero();
   Jj.setZero();
   Ji.block<3, 3>(0, 0) = -Jr_inv * (R_BiW * R_WBj).transpose();
-  Ji.block<3, 3>(0, 9) = -Jr_inv * ExpSO3(r_theta).toRotationMatrix().transpose() *
-                         RightJacobianSO3(rotation_correction) * Jb.block<3, 3>(0, 0);
+  Ji.block<3, 3>(0, 9) = J_correction * Jb.block<3, 3>(0, 0);
   Jj.block<3, 3>(0, 0) = Jr_inv;
 
   Ji.block<3, 3>(3, 0) = Hat(R_BiW * (j.T_WB.p - i.T_WB.p - i.v_WB * T - 0.5 * g * T * T));
@@ -66,6 +86,8 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured, const NavState& i, c
 
   Ji.block<6, 6>(9, 9) = -Matrix<6, 6>::Identity();
   Jj.block<6, 6>(9, 9) = Matrix<6, 6>::Identity();
+
+  out.J_scale << J_correction * Js.topRows<3>(), -Js.bottomRows<6>(), Matrix<6, 3>::Zero();
   return out;
 }
 
@@ -86,9 +108,12 @@ Vector3d Beyond(const Vector3d& error, const Vector3d& measured) {
 
 }  // namespace
 
-double ImuErrorSigma(const ImuLink& link, const NavState& i, const NavState& j) {
+double ImuErrorSigma(const ImuLink& link,
+                     const NavState& i,
+                     const NavState& j,
+                     const Vector3d& gyro_scale) {
   const ImuPreintegration& imu = link.measured;
-  Vector<15> error = ImuError(imu, i, j);
+  Vector<15> error = ImuError(imu, i, j, gyro_scale);
   error.segment<3>(0) = Beyond(error.segment<3>(0), LogSO3(imu.dR()));
   error.segment<3>(3) = Beyond(error.segment<3>(3), imu.dp());
   error.segment<3>(6) = Beyond(error.segment<3>(6), imu.dv());
@@ -100,20 +125,23 @@ double ImuErrorSigma(const ImuLink& link, const NavState& i, const NavState& j) 
 
 Vector<15> ImuFactor::Error() const {
   const ImuLink& link = *frame_j_.imu_link;
-  return link.sqrt_info * ImuError(link.measured, frame_i_.x, frame_j_.x);
+  return link.sqrt_info * ImuError(link.measured, frame_i_.x, frame_j_.x, gyro_scale_);
 }
 
 double ImuFactor::AddTo(NormalEquations& equations) const {
   const ImuLink& link = *frame_j_.imu_link;
   const Vector<15> r = Error();
-  const ImuResidual linear = LinearizeImu(link.measured, frame_i_.lin, frame_j_.lin);
+  const ImuResidual linear = LinearizeImu(link.measured, frame_i_.lin, frame_j_.lin, gyro_scale_);
   Matrix<15, 30> J;
   J.leftCols<15>() = link.sqrt_info * linear.J_i;
   J.rightCols<15>() = link.sqrt_info * linear.J_j;
-  equations.AddRows(
-      {Variable::Pose(j_ - 1), Variable::Motion(j_ - 1), Variable::Pose(j_), Variable::Motion(j_)},
-      J,
-      r);
+  const std::initializer_list<Variable> states = {
+      Variable::Pose(j_ - 1), Variable::Motion(j_ - 1), Variable::Pose(j_), Variable::Motion(j_)};
+  equations.AddRows(states, J, r);
+  if (equations.layout.calibration_column >= 0) {
+    const Matrix<15, 3> J_scale = link.sqrt_info * linear.J_scale;
+    equations.AddCalibrationColumns(kGyroScale, J_scale, r, states, J);
+  }
   return 0.5 * r.squaredNorm();
 }
 

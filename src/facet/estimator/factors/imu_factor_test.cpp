@@ -37,16 +37,22 @@ TEST(ImuFactorTest, JacobiansMatchNumericDerivatives) {
     const ImuPreintegration imu = RandomInterval(rng.Uniform(0.05, 0.6), rng);
     const NavState i = RandomState(rng);
     const NavState j = NearPrediction(imu, i, rng);
-    const ImuResidual linear = LinearizeImu(imu, i, j);
-    EXPECT_EQ(linear.r, ImuError(imu, i, j));
+    const Vector3d scale = 0.02 * rng.Normal3();
+    const ImuResidual linear = LinearizeImu(imu, i, j, scale);
+    EXPECT_EQ(linear.r, ImuError(imu, i, j, scale));
     testing::ExpectJacobian<15, 15>(
         linear.J_i,
-        [&](const Vector<15>& d) { return ImuError(imu, testing::Retract(i, d), j); },
+        [&](const Vector<15>& d) { return ImuError(imu, testing::Retract(i, d), j, scale); },
         1e-8,
         1e-5);
     testing::ExpectJacobian<15, 15>(
         linear.J_j,
-        [&](const Vector<15>& d) { return ImuError(imu, i, testing::Retract(j, d)); },
+        [&](const Vector<15>& d) { return ImuError(imu, i, testing::Retract(j, d), scale); },
+        1e-8,
+        1e-5);
+    testing::ExpectJacobian<15, 3>(
+        linear.J_scale,
+        [&](const Vector3d& d) { return ImuError(imu, i, j, scale + d); },
         1e-8,
         1e-5);
   }
@@ -58,7 +64,7 @@ TEST(ImuFactorTest, ErrorSigmaOfManyIsManySigmas) {
   const ImuPreintegration imu = RandomInterval(0.2, rng);
   const ImuLink link{imu, ImuSqrtInfo(imu, testing::DefaultBiasWalk())};
   const NavState i = RandomState(rng);
-  EXPECT_LT(ImuErrorSigma(link, i, imu.Predict(i)), 1e-6);
+  EXPECT_LT(ImuErrorSigma(link, i, imu.Predict(i), imu.gyro_scale()), 1e-6);
   double sum = 0;
   constexpr int kRuns = 200;
   constexpr double kSigmas = 100;
@@ -67,13 +73,13 @@ TEST(ImuFactorTest, ErrorSigmaOfManyIsManySigmas) {
     for (int k = 0; k < 15; ++k)
       noise[k] = rng.Normal();
     const Vector<15> step = kSigmas * (link.sqrt_info.inverse() * noise);
-    sum += ImuErrorSigma(link, i, testing::Retract(imu.Predict(i), step));
+    sum += ImuErrorSigma(link, i, testing::Retract(imu.Predict(i), step), imu.gyro_scale());
   }
   // The larger one of two RMS of few values, that of the rotation 1.5 times.
   EXPECT_NEAR(sum / kRuns / kSigmas, 1.4, 0.15);
   NavState broken = imu.Predict(i);
   broken.v_WB.x() = std::nan("");
-  EXPECT_TRUE(std::isinf(ImuErrorSigma(link, i, broken)));
+  EXPECT_TRUE(std::isinf(ImuErrorSigma(link, i, broken, imu.gyro_scale())));
 }
 
 TEST(ImuFactorTest, AScaleFactorOfTheSensorIsNoError) {
@@ -89,8 +95,8 @@ TEST(ImuFactorTest, AScaleFactorOfTheSensorIsNoError) {
       j.T_WB.p += share * (i.T_WB.q * imu.dp());
       return j;
     };
-    EXPECT_LT(ImuErrorSigma(link, i, turned_by(0.0029)), 1e-3);
-    EXPECT_GT(ImuErrorSigma(link, i, turned_by(0.05)), 4);
+    EXPECT_LT(ImuErrorSigma(link, i, turned_by(0.0029), imu.gyro_scale()), 1e-3);
+    EXPECT_GT(ImuErrorSigma(link, i, turned_by(0.05), imu.gyro_scale()), 4);
   }
 }
 
@@ -99,8 +105,30 @@ TEST(ImuFactorTest, ResidualVanishesAtThePrediction) {
   for (int run = 0; run < 50; ++run) {
     const ImuPreintegration imu = RandomInterval(0.3, rng);
     const NavState i = RandomState(rng);
-    EXPECT_LT(ImuError(imu, i, imu.Predict(i)).norm(), 1e-13);
+    EXPECT_LT(ImuError(imu, i, imu.Predict(i), imu.gyro_scale()).norm(), 1e-13);
   }
+}
+
+// What a sensor that reads too much says fits a state that moves less, once its scale is known.
+TEST(ImuFactorTest, TheScaleExplainsASensorThatReadsTooMuch) {
+  Rng rng(5);
+  const Vector3d scale(0.01, -0.02, 0.015);
+  const testing::TestMotion motion = testing::TestMotion::Random(rng);
+  ImuPreintegration right, wrong;
+  std::vector<ImuSample> samples;
+  for (int i = 0; i <= 60; ++i)
+    samples.push_back(motion.ImuAt(i / 200.0, {}));
+  right.Integrate(samples);
+  for (ImuSample& sample : samples)
+    sample.gyro = sample.gyro.cwiseQuotient(Vector3d::Ones() - scale);
+  wrong.Integrate(samples);
+  const NavState i = RandomState(rng), j = right.Predict(i);
+  const Vector<15> unexplained = ImuError(wrong, i, j, Vector3d::Zero());
+  EXPECT_GT(unexplained.head<3>().norm(), 1e-3);
+  const Vector<15> first_order = ImuError(wrong, i, j, scale);
+  EXPECT_LT(first_order.head<3>().norm(), 0.03 * unexplained.head<3>().norm());
+  wrong.Reintegrate({}, scale);
+  EXPECT_LT(ImuError(wrong, i, j, wrong.gyro_scale()).norm(), 1e-12);
 }
 
 TEST(ImuFactorTest, ResidualIsPredictedMinusMeasured) {
@@ -109,7 +137,7 @@ TEST(ImuFactorTest, ResidualIsPredictedMinusMeasured) {
   const NavState i = RandomState(rng);
   const Matrix3d R_BiW = i.T_WB.R().transpose();
   const Vector<15> step = testing::RandomStep({0.2, 0.3, 0.4, 0.05, 0.1}, rng);
-  const Vector<15> r = ImuError(imu, i, testing::Retract(imu.Predict(i), step));
+  const Vector<15> r = ImuError(imu, i, testing::Retract(imu.Predict(i), step), imu.gyro_scale());
   EXPECT_LT((r.segment<3>(0) - step.segment<3>(0)).norm(), 1e-13);
   EXPECT_LT((r.segment<3>(3) - R_BiW * step.segment<3>(3)).norm(), 1e-13);
   EXPECT_LT((r.segment<3>(6) - R_BiW * step.segment<3>(6)).norm(), 1e-13);

@@ -42,8 +42,29 @@ struct NormalEquations {
     }
   }
 
-  /// The same in parts of fixed size, for factors of which there are many: these allocate nothing.
-  /// First each variable's own columns, then the products of two variables.
+  /// Besides the rows of AddRows: their columns `J` of the calibration, from its column `first` on.
+  template <class CalibrationJacobian, class Residual, class Jacobian>
+  void AddCalibrationColumns(int first,
+                             const CalibrationJacobian& J,
+                             const Residual& r,
+                             std::initializer_list<Variable> variables,
+                             const Jacobian& J_variables) {
+    constexpr int kSize = CalibrationJacobian::ColsAtCompileTime;
+    const int column = layout.calibration_column + first;
+    H.block<kSize, kSize>(column, column) += J.transpose() * J;
+    b.segment<kSize>(column) += J.transpose() * r;
+    const Matrix<Jacobian::ColsAtCompileTime, kSize> product = J_variables.transpose() * J;
+    int row = 0;
+    for (const Variable& v : variables) {
+      const int size = SizeOf(v.kind);
+      H.block(layout.ColumnOf(v), column, size, kSize) += product.middleRows(row, size);
+      H.block(column, layout.ColumnOf(v), kSize, size) += product.middleRows(row, size).transpose();
+      row += size;
+    }
+  }
+
+  /// The same as AddRows in parts of fixed size, for factors of which there are many: these
+  /// allocate nothing. First each variable's own columns, then the products of two variables.
   template <class Jacobian, class Residual>
   void AddSquare(Variable variable, const Jacobian& J, const Residual& r) {
     constexpr int kSize = Jacobian::ColsAtCompileTime;

@@ -239,7 +239,8 @@ void FrameUpdater::AddImu(const ImuLink& imu,
                           const NavState& reference,
                           const NavState& frame,
                           System& system) {
-  const ImuResidual linear = LinearizeImu(imu.measured, reference, frame);
+  const ImuResidual linear =
+      LinearizeImu(imu.measured, reference, frame, imu.measured.gyro_scale());
   Matrix<15, 30> J;
   J.leftCols<15>().noalias() = imu.sqrt_info * linear.J_i;
   J.rightCols<15>().noalias() = imu.sqrt_info * linear.J_j;

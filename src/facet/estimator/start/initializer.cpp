@@ -84,7 +84,7 @@ void SolveGyroBias(SlidingWindow& window) {
     const Vector3d step = H.ldlt().solve(b);
     for (WindowFrame& frame : window.frames) {
       frame.x.bias.b_g += step;
-      if (frame.imu_link) frame.imu_link->measured.Reintegrate(frame.x.bias);
+      if (frame.imu_link) frame.imu_link->measured.Reintegrate(frame.x.bias, window.GyroScale());
     }
   }
 }

@@ -30,6 +30,7 @@ CalibrationMatrix OfACarefulCalibration(const StereoRig& rig, const CalibrationO
   set(kMountRotation, 3, per_axis * options.mount_rotation_deg * kDegree);
   set(kMountTranslation, 3, per_axis * options.mount_translation_m);
   set(kTimeOffset, 1, options.time_s);
+  set(kGyroScale, 3, 0.01 * options.gyro_scale_percent);
   return covariance;
 }
 
@@ -45,6 +46,7 @@ CalibrationMatrix StartCovariance(const StereoRig& rig, const CalibrationOptions
   if (!options.lens) hold(0, kNumRigParameters);
   if (!options.mount) hold(kMountRotation, 6);
   if (!options.time) hold(kTimeOffset, 1);
+  if (!options.gyro) hold(kGyroScale, 3);
   covariance.diagonal().array() += kHeldSigma * kHeldSigma;
   return covariance;
 }

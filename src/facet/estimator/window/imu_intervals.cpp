@@ -16,6 +16,8 @@ constexpr double kNoImuNoiseScale = 300.0;
 // Bias change that makes an interval worth integrating again.
 constexpr double kRelinearizeGyro = 2e-3;   // rad/s
 constexpr double kRelinearizeAccel = 2e-2;  // m/s^2
+// And change of the gyroscope's scale.
+constexpr double kRelinearizeScale = 1e-3;
 
 // Whether the samples can be integrated: finite, in order of time, from t0 to t1 or nearly so.
 bool IsUsable(const std::vector<ImuSample>& samples, Timestamp t0, Timestamp t1) {
@@ -62,7 +64,7 @@ PredictedFrame ImuIntervals::Next(const NavState& last,
   PredictedFrame frame;
   frame.link.is_synthetic = is_synthetic;
   ImuPreintegration& measured = frame.link.measured;
-  measured = ImuPreintegration(last.bias, noise_);
+  measured = ImuPreintegration(last.bias, noise_, gyro_scale_);
   measured.Integrate(samples, noise);
   frame.x = measured.Predict(last);
   frame.x.t = t;
@@ -83,15 +85,18 @@ ImuLink ImuIntervals::Join(ImuLink first, const ImuLink& second) const {
 }
 
 void ImuIntervals::Relinearize(SlidingWindow& window) const {
+  const Vector3d gyro_scale = window.GyroScale();
   for (std::size_t j = 1; j < window.frames.size(); ++j) {
     std::optional<ImuLink>& link = window.frames[j].imu_link;
     if (!link) continue;
     const ImuBias& bias = window.frames[j - 1].x.bias;
-    if ((bias.b_g - link->measured.bias().b_g).norm() < kRelinearizeGyro &&
-        (bias.b_a - link->measured.bias().b_a).norm() < kRelinearizeAccel) {
+    const ImuPreintegration& measured = link->measured;
+    if ((bias.b_g - measured.bias().b_g).norm() < kRelinearizeGyro &&
+        (bias.b_a - measured.bias().b_a).norm() < kRelinearizeAccel &&
+        (gyro_scale - measured.gyro_scale()).norm() < kRelinearizeScale) {
       continue;
     }
-    link->measured.Reintegrate(bias);
+    link->measured.Reintegrate(bias, gyro_scale);
     UpdateSqrtInfo(*link);
   }
 }

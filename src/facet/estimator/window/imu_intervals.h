@@ -34,10 +34,13 @@ class ImuIntervals {
                       Timestamp t,
                       const ImuInterval& imu);
 
+  /// What intervals are integrated with from here on.
+  void SetGyroScale(const Vector3d& gyro_scale) { gyro_scale_ = gyro_scale; }
+
   /// One link for two intervals that follow each other.
   ImuLink Join(ImuLink first, const ImuLink& second) const;
 
-  /// Integrates the links again whose biases have moved too far for the first order.
+  /// Integrates the links again whose biases or scale have moved too far for the first order.
   void Relinearize(SlidingWindow& window) const;
 
  private:
@@ -46,6 +49,7 @@ class ImuIntervals {
   PreintegrationNoise noise_;
   BiasWalk bias_walk_;
   Duration time_offset_;
+  Vector3d gyro_scale_ = Vector3d::Zero();
   Timestamp end_;  // of the newest interval, by the clock of the IMU
 };
 

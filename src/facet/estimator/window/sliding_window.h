@@ -39,6 +39,9 @@ class SlidingWindow {
   /// T_WC0 when the frame's image is taken.
   SE3 LeftCameraAt(int frame) const;
 
+  /// By what share the gyroscope reads too much at present; zero without a calibration.
+  Vector3d GyroScale() const { return calibration ? calibration->gyro_scale() : Vector3d::Zero(); }
+
   int newest_frame() const { return static_cast<int>(frames.size()) - 1; }
 
   /// Null if the landmark is not in the window.

@@ -27,7 +27,7 @@ constexpr int SizeOf(Variable::Kind kind) {
     case Variable::Kind::kPlane:
       return 3;
     case Variable::Kind::kCalibration:
-      return 29;
+      return 32;
     case Variable::Kind::kPose:
       return 6;
     case Variable::Kind::kMotion:

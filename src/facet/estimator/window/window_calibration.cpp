@@ -38,6 +38,7 @@ std::optional<Matrix<3, kNumCalibration>> PointJacobian(const StereoRig& rig,
   J.middleCols<3>(kMountRotation) = -Hat(X_B);
   J.middleCols<3>(kMountTranslation).setIdentity();
   J.col(kTimeOffset) = rates.w_B.cross(X_B) + rates.v_B;
+  J.rightCols<3>().setZero();
   return J;
 }
 
@@ -63,7 +64,12 @@ StereoRig WindowCalibration::Refined() const {
   if (!rig) rig = nominal_;
   rig->T_BC = T_BC_;
   rig->time_offset = nominal_.time_offset + FromSeconds(delta_(kTimeOffset));
+  rig->gyro_scale = nominal_.gyro_scale + delta_.tail<3>();
   return *rig;
+}
+
+Vector3d WindowCalibration::gyro_scale() const {
+  return nominal_.gyro_scale + delta_.tail<3>();
 }
 
 SE3 WindowCalibration::AtImage(const SE3& T_WB, const BodyRates& rates) const {

@@ -49,6 +49,9 @@ class WindowCalibration {
   /// Camera to body at present.
   const SE3& T_BC(int camera) const { return T_BC_[static_cast<std::size_t>(camera)]; }
 
+  /// By what share the gyroscope reads too much at present.
+  Vector3d gyro_scale() const;
+
   /// Where the body is when the image is taken, if it is at T_WB at the nominal stamp.
   SE3 AtImage(const SE3& T_WB, const BodyRates& rates) const;
 

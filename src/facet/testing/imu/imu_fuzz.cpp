@@ -128,7 +128,7 @@ class ImuStream {
     Require(std::abs(integral.dR().norm() - 1) < 1e-6, "the rotation is not of unit norm");
     Require(integral.Covariance().diagonal().minCoeff() >= 0, "a negative variance");
     Require(IsFinite(integral.Predict(NavState())), "the prediction is not finite");
-    integral.Reintegrate(ImuBias());
+    integral.Reintegrate(ImuBias(), Vector3d::Zero());
     Require(IsFinite(integral), "the integral about another bias is not finite");
   }
 
