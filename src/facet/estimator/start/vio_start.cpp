@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "facet/estimator/factors/imu_factor.h"
 #include "facet/estimator/start/initializer.h"
 #include "facet/estimator/window/landmark_depth.h"
 #include "facet/estimator/window/window_policy.h"
@@ -25,6 +26,15 @@ constexpr int kFewestStartFrames = 4;
 constexpr double kEnoughSpan_s = 0.28;
 // A start needs gravity: at most this many intervals of its window may be without IMU.
 constexpr int kMaxSyntheticIntervals = 1;
+// A glitch of the IMU and images that stand still pass; an IMU or a calibration that is wrong does
+// not, and what refuses those needs a state to judge.
+constexpr double kMaxDoubt_s = 2;
+// How far the gyroscope and the images alone may be apart between two frames [rad], and the largest
+// bias of a gyroscope [rad/s]. Where they are further apart, a solution with both gives up either.
+constexpr double kMaxTurnError = 0.01;
+constexpr double kMaxGyroBias = 0.3;
+
+constexpr const char* kDoubt = "IMU and images contradict each other";
 
 bool HasSyntheticImu(const WindowFrame& frame) {
   return frame.imu_link && frame.imu_link->is_synthetic;
@@ -53,6 +63,37 @@ void DropFirstFrame(SlidingWindow& window) {
 void DropUselessBeginning(SlidingWindow& window) {
   while (window.frames.size() > 1 && (HasSyntheticImu(window.frames[1]) || IsDark(0, window)))
     DropFirstFrame(window);
+}
+
+// The largest `error(link, begin, end)` of all intervals with an IMU.
+template <class Error>
+double LargestOfIntervals(const SlidingWindow& window, const Error& error) {
+  double largest = 0;
+  for (std::size_t j = 1; j < window.frames.size(); ++j) {
+    const std::optional<ImuLink>& link = window.frames[j].imu_link;
+    if (!link || link->is_synthetic) continue;
+    largest = std::max(largest, error(*link, window.frames[j - 1].x, window.frames[j].x));
+  }
+  return largest;
+}
+
+// With the first values, whose directions are those of the images alone.
+bool DoesGyroscopeAgree(const SlidingWindow& window) {
+  if (window.frames.back().x.bias.b_g.norm() > kMaxGyroBias) return false;
+  const double turn = LargestOfIntervals(
+      window, [&](const ImuLink& link, const NavState& begin, const NavState& end) {
+        return ImuError(link.measured, begin, end, window.GyroScale()).head<3>().norm();
+      });
+  return turn < kMaxTurnError;
+}
+
+// With the solution.
+bool DoesImuAgree(const SlidingWindow& window) {
+  const double sigma = LargestOfIntervals(
+      window, [&](const ImuLink& link, const NavState& begin, const NavState& end) {
+        return ImuErrorSigma(link, begin, end, window.GyroScale());
+      });
+  return sigma < kContradictionSigma;
 }
 
 // 1-sigma of roll or pitch of the newest frame, whichever is larger [rad].
@@ -124,12 +165,18 @@ StartAttempt VioStart::Try(const std::optional<SE3>& predicted,
   attempt.num_constraining = static_cast<int>(
       std::count_if(window.landmarks().begin(), window.landmarks().end(), IsConstraining));
   if (!HasEnoughFrames(window)) return attempt;
+  if (!first_try_) first_try_ = window.frames.back().x.t;
   attempt.reason = FindFirstValues(attempt.num_constraining, window);
+  // A start has no earlier states that would say what is wrong: better one a little later.
+  const bool may_wait = ToSeconds(window.frames.back().x.t - *first_try_) < kMaxDoubt_s;
+  if (attempt.reason.empty() && may_wait && !DoesGyroscopeAgree(window)) attempt.reason = kDoubt;
   if (attempt.reason.empty()) {
     Solve(imu, optimizer, window, attempt);
     const double tilt = TiltSigma(attempt.covariance, window);
-    if (tilt < options_.start.max_tilt_deg * kDegree ||
-        SpanOf(window) >= options_.start.max_wait_s) {
+    if (may_wait && !DoesImuAgree(window)) {
+      attempt.reason = kDoubt;
+    } else if (tilt < options_.start.max_tilt_deg * kDegree ||
+               SpanOf(window) >= options_.start.max_wait_s) {
       MoveNewestFrameTo(StartPose(window.frames.back().x, predicted), window);
       // The covariance belongs to the origin and heading that were fixed when it was computed.
       optimizer.Solve(window, 1);
@@ -139,8 +186,9 @@ StartAttempt VioStart::Try(const std::optional<SE3>& predicted,
       if (attempt.has_failed) attempt.reason = "numerical failure";
       attempt.has_started = has_state_ = !attempt.has_failed;
       return attempt;
+    } else {
+      attempt.reason = "tilt not known well enough";
     }
-    attempt.reason = "tilt not known well enough";
   }
   // The oldest frames may be what spoils the start (a blackout, a jump): let them go.
   if (static_cast<int>(window.frames.size()) >= 3 * options_.start.min_frames)

@@ -68,6 +68,7 @@ class VioStart {
 
   StereoRig rig_;
   EstimatorOptions options_;
+  std::optional<Timestamp> first_try_;
   bool has_state_ = false;
   bool is_over_ = false;
 };

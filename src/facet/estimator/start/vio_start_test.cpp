@@ -60,6 +60,8 @@ class Recording {
   struct Frame {
     bool is_dark = false;
     bool has_imu = true;
+    Vector3d gyro_error = Vector3d::Zero();  // of the samples up to this frame [rad/s]
+    bool is_repeated = false;                // the image is that of the first frame
   };
   // The next frame; tries to start while there is no state.
   StartAttempt Add(const Frame& frame) {
@@ -68,7 +70,9 @@ class Recording {
     next.id = FrameId{num_frames_};
     next.is_keyframe = next.is_reported = true;
     next.x.t = Timestamp{} + FromSeconds(t);
-    const ImuInterval imu = frame.has_imu ? Samples(t - kStep_s, t) : ImuInterval{};
+    ImuInterval imu = frame.has_imu ? Samples(t - kStep_s, t) : ImuInterval{};
+    for (ImuSample& sample : imu.samples)
+      sample.gyro += frame.gyro_error;
     if (window.frames.empty()) {
       imu_.Begin(next.x.t);
       VioStart::AppendFirstFrame(next, imu, options_.start, window);
@@ -78,7 +82,7 @@ class Recording {
       next.imu_link = std::move(predicted.link);
       window.frames.push_back(next);
     }
-    if (!frame.is_dark) Observe(motion_.At(t));
+    if (!frame.is_dark) Observe(motion_.At(frame.is_repeated ? 0 : t));
     return start.has_state() ? StartAttempt{} : start.Try(start_pose, imu_, optimizer, window);
   }
   // Until it starts, but no more than so many; the last attempt.
@@ -139,6 +143,55 @@ double TiltError(const NavState& x, const NavState& truth) {
 
 Matrix<15, 15> CovarianceOfTilt(double sigma_rad) {
   return sigma_rad * sigma_rad * Matrix<15, 15>::Identity();
+}
+
+// What would be a state with a wrong heading and a wrong bias.
+TEST(VioStartTest, WaitsUntilAGlitchOfTheGyroscopeHasLeftTheWindow) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Recording recording(SlowMotion(seed));
+    recording.Add({});
+    recording.Add({});
+    StartAttempt attempt;
+    for (int i = 0; i < 3; ++i)
+      attempt = recording.Add({.gyro_error = Vector3d(2, -1, 3)});
+    std::string reason;
+    int num_frames = 5;
+    while (!attempt.has_started && num_frames++ < 60) {
+      attempt = recording.Add({});
+      if (!attempt.has_started) reason = attempt.reason;
+    }
+    ASSERT_TRUE(attempt.has_started) << reason;
+    EXPECT_EQ(reason, "IMU and images contradict each other");
+    const NavState& newest = recording.window.frames.back().x;
+    const NavState truth = recording.Truth();
+    const Vector3d v_B = newest.T_WB.q.conjugate() * newest.v_WB;
+    EXPECT_LT((v_B - truth.T_WB.q.conjugate() * truth.v_WB).norm(), 0.02) << seed;
+    EXPECT_LT(newest.bias.b_g.norm(), 0.01) << seed;
+  }
+}
+
+TEST(VioStartTest, WaitsUntilImagesThatRepeatTheFirstHaveLeftTheWindow) {
+  Recording recording(SlowMotion(2));
+  StartAttempt attempt;
+  for (int i = 0; i < 12; ++i) {
+    attempt = recording.Add({.is_repeated = true});
+    EXPECT_FALSE(attempt.has_started);
+  }
+  for (int i = 0; i < 30 && !attempt.has_started; ++i)
+    attempt = recording.Add({});
+  ASSERT_TRUE(attempt.has_started) << attempt.reason;
+  EXPECT_LT(recording.window.frames.back().x.bias.b_g.norm(), 0.01);
+}
+
+// Whoever judges sensors and calibration needs a state.
+TEST(VioStartTest, DoesNotWaitForEverForAnImuThatIsWrong) {
+  Recording recording(SlowMotion(3));
+  StartAttempt attempt;
+  int num_frames = 0;
+  while (!attempt.has_started && num_frames < 100)
+    attempt = recording.Add({.gyro_error = (++num_frames % 2 == 0 ? 1 : -1) * Vector3d(2, 1, -2)});
+  EXPECT_TRUE(attempt.has_started) << attempt.reason;
+  EXPECT_GT(num_frames, 40);
 }
 
 TEST(VioStartTest, TheFirstFrameIsUprightAndHeld) {
