@@ -8,29 +8,6 @@
 namespace facet {
 namespace {
 
-/// Element i of the van der Corput sequence: well spread in [0, 1) for any count.
-double RadicalInverse(int i, int base) {
-  double result = 0, digit = 1.0 / base;
-  for (; i > 0; i /= base, digit /= base)
-    result += digit * (i % base);
-  return result;
-}
-
-/// Offsets of the rays of a pixel, normally distributed, cut off at two and a half sigma. They are
-/// symmetric, in pairs of opposite ones: otherwise the whole image would be displaced.
-std::vector<Eigen::Vector2f> LensOffsets(int count, double blur_px) {
-  std::vector<Eigen::Vector2f> offsets;
-  for (int i = 1; i <= count / 2; ++i) {
-    const double r = std::min(2.5, std::sqrt(-2 * std::log(1 - RadicalInverse(i, 2))));
-    const double angle = std::numbers::pi * RadicalInverse(i, 3);
-    const Vector2d offset(blur_px * r * std::cos(angle), blur_px * r * std::sin(angle));
-    offsets.push_back(offset.cast<float>());
-    offsets.push_back(-offset.cast<float>());
-  }
-  if (count % 2 == 1) offsets.push_back(Eigen::Vector2f::Zero());
-  return offsets;
-}
-
 /// Turns the pattern of the rays by another angle in each pixel of a tile. With the same pattern
 /// everywhere all pixels along an upright edge would err in the same direction.
 class PatternTurns {
@@ -182,19 +159,19 @@ float ImageRenderer::Shade(const RayPacket& packet,
   return radiance;
 }
 
-void ImageRenderer::AddSample(const CameraRays& camera,
-                              const View& view,
-                              const Sample& sample,
-                              cv::Mat1f& sum) const {
+void ImageRenderer::AddRay(const CameraRays& camera,
+                           const View& view,
+                           const PixelRay& ray,
+                           cv::Mat1f& sum) const {
   RayPacket packet;
   for (int y = 0; y < camera.height(); ++y) {
     float* row = sum[y];
     for (int x = 0; x < camera.width(); x += RayPacket::kSize) {
-      Fill(camera, view, sample.offset_px, x, y, 1, packet);
+      Fill(camera, view, ray.offset_px, x, y, 1, packet);
       const int count = std::min(RayPacket::kSize, camera.width() - x);
       for (int lane = 0; lane < count; ++lane) {
         if (camera.IsValid(x + lane, y)) {
-          row[x + lane] += Shade(packet, lane, camera.pixel_angle(), sample.level_rounding);
+          row[x + lane] += Shade(packet, lane, camera.pixel_angle(), ray.level_rounding);
         }
       }
     }
@@ -206,14 +183,10 @@ cv::Mat1f ImageRenderer::Render(const CameraRays& camera,
                                 double blur_px) const {
   cv::Mat1f sum(camera.height(), camera.width(), 0.0F);
   const int count = static_cast<int>(T_WC.size());
-  // Neighbours in time get distant offsets: 7 is coprime to every count that is no multiple of it.
-  const int stride = count % 7 == 0 ? 5 : 7;
-  const std::vector<Eigen::Vector2f> offsets = LensOffsets(count, blur_px);
-  for (int i = 0; i < count; ++i) {
-    const SE3& T = T_WC[static_cast<std::size_t>(i)];
-    const View view{T.R().cast<float>(), T.p.cast<float>()};
-    const float rounding = (static_cast<float>(i) + 0.5F) / static_cast<float>(count);
-    AddSample(camera, view, {offsets[static_cast<std::size_t>(i * stride % count)], rounding}, sum);
+  const std::vector<PixelRay> rays = PixelRays(count, blur_px);
+  for (std::size_t i = 0; i < T_WC.size(); ++i) {
+    const View view{T_WC[i].R().cast<float>(), T_WC[i].p.cast<float>()};
+    AddRay(camera, view, rays[i], sum);
   }
   sum *= 1.0 / count;
   return sum;

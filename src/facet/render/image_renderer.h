@@ -11,6 +11,7 @@
 #include "facet/render/camera_rays.h"
 #include "facet/render/lighting.h"
 #include "facet/render/materials.h"
+#include "facet/render/pixel_rays.h"
 #include "facet/render/ray_scene.h"
 
 namespace facet {
@@ -53,17 +54,10 @@ class ImageRenderer {
     Eigen::Matrix3f R_WC;
     Eigen::Vector3f p_WC;
   };
-  /// One of the rays of each pixel: where it goes through the pixel, and how its mip level is
-  /// rounded, from 0 (down) to 1 (up).
-  struct Sample {
-    Eigen::Vector2f offset_px = Eigen::Vector2f::Zero();
-    float level_rounding = 0.5F;
-  };
-
-  void AddSample(const CameraRays& camera,
-                 const View& view,
-                 const Sample& sample,
-                 cv::Mat1f& sum) const;
+  void AddRay(const CameraRays& camera,
+              const View& view,
+              const PixelRay& ray,
+              cv::Mat1f& sum) const;
   void Fill(const CameraRays& camera,
             const View& view,
             const Eigen::Vector2f& offset_px,

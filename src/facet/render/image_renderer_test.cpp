@@ -201,6 +201,25 @@ TEST(ImageRendererTest, RaysBesidePixelCentresGoWhereTheCameraModelSays) {
   }
 }
 
+// Backwards in time the same rays go: neither their places nor the levels of the texture that they
+// see have a trend, which would displace a moving image along its motion.
+TEST(PixelRaysTest, AreTheSameForwardsAndBackwardsInTime) {
+  for (const int count : {1, 2, 3, 4, 8, 14, 15, 24, 28}) {
+    const std::vector<PixelRay> rays = PixelRays(count, 0.5);
+    ASSERT_EQ(rays.size(), static_cast<std::size_t>(count));
+    double squares = 0, roundings = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const PixelRay& mirrored = rays[rays.size() - 1 - i];
+      EXPECT_EQ(rays[i].offset_px, -mirrored.offset_px) << count;
+      EXPECT_EQ(rays[i].level_rounding, mirrored.level_rounding) << count;
+      squares += rays[i].offset_px.squaredNorm() / (2 * count);
+      roundings += rays[i].level_rounding / count;
+    }
+    EXPECT_NEAR(roundings, 0.5, 1e-6) << count;
+    if (count >= 14) EXPECT_NEAR(std::sqrt(squares), 0.5, 0.1) << count;
+  }
+}
+
 TEST(ImageRendererTest, MotionDuringTheExposureBlursTheBorder) {
   const StereoRig rig = EurocRig();
   const CameraRays camera(rig.cameras[0]);
