@@ -64,6 +64,7 @@ struct InputProblems {
   int num_turned = 0;       // right images
   Duration largest_turned;  // difference of the stamps
   int num_refused_imu = 0;
+  int num_stray_imu = 0;
   ImuScreenCounts imu_screen;
 };
 
@@ -343,6 +344,7 @@ class SequenceRunner {
     record.planes = std::move(result.planes);
     record.estimated_calibration = std::move(result.calibration);
     problems_.num_refused_imu = result.num_refused_imu;
+    problems_.num_stray_imu = result.num_stray_imu;
     problems_.imu_screen = result.imu_screen;
   }
 
@@ -404,6 +406,11 @@ class SequenceRunner {
     if (problems_.num_refused_imu > 0) {
       warnings.push_back(std::to_string(problems_.num_refused_imu) +
                          " IMU samples were refused (not finite or not in order)");
+    }
+    if (problems_.num_stray_imu > 0) {
+      warnings.push_back(std::to_string(problems_.num_stray_imu) +
+                         " IMU samples have stamps far ahead of the ones around them and were left "
+                         "out (clock, driver?)");
     }
     if (problems_.imu_screen.num_cut > 0) {
       warnings.push_back(std::to_string(problems_.imu_screen.num_cut) +

@@ -149,6 +149,20 @@ TEST_F(FacadeTest, ImagesMayGoAfterTheCall) {
   EXPECT_TRUE(has_pose);
 }
 
+// A live run has no file whose lines could be sorted.
+TEST_F(FacadeTest, OneImuStampFarInTheFutureDoesNotStopTheImu) {
+  api::Odometry odometry(TestCalibration());
+  api::State last;
+  int num_frames = 0;
+  Fly(odometry, [&](const api::State& state) {
+    last = state;
+    if (++num_frames == 20)
+      odometry.AddImu({state.t_ns + 3'600'000'000'000, {0, 0, 0}, {0, 0, 9.81}});
+  });
+  EXPECT_EQ(last.status, api::Status::kOk) << last.reason;
+  EXPECT_TRUE(last.has_pose);
+}
+
 TEST_F(FacadeTest, MissingImagesAreNoCrash) {
   api::Odometry odometry(TestCalibration());
   const api::State state = odometry.AddStereo(0, {}, {});

@@ -38,6 +38,7 @@ MotionPrediction FrontStage::Predict(Timestamp t) {
   MotionPrediction prediction;
   const ScopedStage stage(prediction.times, Stage::kImu);
   TakeFeedback();
+  imu_.TimeIsAt(t + rig_.time_offset);
   prediction.imu = IntervalTo(t + rig_.time_offset);
   prediction.hint = MakeHint(prediction.imu);
   return prediction;

@@ -28,6 +28,7 @@ class FrontStage {
   /// In order of time (IMU clock); refuses and counts what is not finite or not in order.
   void AddImu(const ImuSample& sample);
   int num_refused_imu() const { return num_refused_imu_; }
+  int num_stray_imu() const { return imu_.num_stray(); }
   const ImuScreenCounts& imu_screen_counts() const { return imu_.screen_counts(); }
   void AddFeedback(Feedback feedback) { feedback_.push_back(std::move(feedback)); }
 
