@@ -2,6 +2,7 @@
 // The facade gives what the pipeline gives, and says what is wrong. That facet/facet.h is C++17 and
 // links into a shared library is tested by package_test.
 #include <algorithm>
+#include <limits>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -193,6 +194,15 @@ TEST(FacadeErrorTest, SaysWhatIsWrong) {
   api::Calibration no_noise = TestCalibration();
   no_noise.gyro_noise = 0;
   EXPECT_THAT(ErrorOf(no_noise), HasSubstr("noise"));
+  api::Calibration absurd = TestCalibration();
+  absurd.time_offset_s = 1e300;
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("time_offset_s"));
+  absurd = TestCalibration();
+  absurd.right.T_BC.p[0] = 1e300;
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("T_BC"));
+  absurd = TestCalibration();
+  absurd.accel_walk = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("noise"));
   api::Odometry::Options options;
   options.overrides = {"frontend.max_feature=7"};
   EXPECT_THAT(ErrorOf(TestCalibration(), options), HasSubstr("unknown key"));
