@@ -10,6 +10,7 @@
 #include "facet/pipeline/tracked_frame.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/plausibility/calibration_check.h"
+#include "facet/plausibility/dead_imu_check.h"
 
 namespace facet {
 
@@ -45,13 +46,14 @@ class FrontStage {
   ImuInterval IntervalTo(Timestamp t_imu) const;
   FrontendHint MakeHint(const ImuInterval& now);
   void TakeFeedback();
-  std::string CheckCalibration(const StereoFrame& frame, const TrackedFrame& tracked);
+  std::string CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked);
   void ForgetOldImu();
 
   StereoRig rig_;
   double max_gap_s_;
   StereoFrontend frontend_;
   bool check_calibration_;
+  DeadImuCheck dead_imu_;
   CalibrationCheck calibration_;
   ImuBuffer imu_;
   int num_refused_imu_ = 0;
