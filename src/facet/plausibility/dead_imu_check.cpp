@@ -16,8 +16,9 @@ constexpr double kStretch_s = 1.5;
 constexpr double kRounding = 1e-9;
 // Whatever the body does, for so long the mean is not further from gravity (SpecificForceCheck).
 constexpr double kLeastForce = 0.5 * kGravity, kMostForce = 2 * kGravity;
-// Median motion of the landmarks since an older frame, and of how many.
-constexpr double kMoved_px = 3;
+// Median motion of the landmarks since an older frame, and of how many. What a camera at rest sees
+// moves by a tenth.
+constexpr double kMoved_px = 1;
 constexpr std::size_t kLeastShared = 10;
 
 bool IsSame(const Vector3d& a, const Vector3d& b) {
