@@ -30,10 +30,10 @@ void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
   f.num_planes = output.num_planes;
   f.num_constraints = output.num_constraints;
   frames_.push_back(f);
-  num_resets_ += output.was_reset ? 1 : 0;
-  num_imu_gaps_ += output.imu_gaps;
-  num_repeated_images_ += output.is_image_repeated ? 1 : 0;
-  num_blank_images_ += output.is_image_blank ? 1 : 0;
+  resets_.Add(output.t, output.was_reset ? 1 : 0);
+  imu_gaps_.Add(output.t, output.imu_gaps);
+  repeated_images_.Add(output.t, output.is_image_repeated ? 1 : 0);
+  blank_images_.Add(output.t, output.is_image_blank ? 1 : 0);
   for (const KeyframePose& k : output.finished_keyframes)
     keyframes_.push_back({k.t, k.T_WB});
   if (output.snapshot) last_snapshot_ = output.snapshot;
@@ -68,8 +68,8 @@ void RunRecorder::Finish(const std::vector<KeyframePose>& window) {
 void RunRecorder::MoveInto(RunRecord& record) {
   record.frames = std::move(frames_);
   record.keyframes = std::move(keyframes_);
-  record.num_resets = num_resets_;
-  record.num_imu_gaps = num_imu_gaps_;
+  record.num_resets = resets_.num;
+  record.num_imu_gaps = imu_gaps_.num;
   if (last_mesh_) {
     record.mesh = last_mesh_->mesh;
     if (record.planes) UseCurrentPlaneIds(*record.planes, record.mesh->plane_ids);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "warning_log.h"
+
 #include "facet/io/result_writer.h"
 #include "facet/pipeline/vio_output.h"
 
@@ -33,10 +35,10 @@ class RunRecorder {
   /// Moves frames, keyframes, landmarks and counts into the record.
   void MoveInto(RunRecord& record);
 
-  int num_imu_gaps() const { return num_imu_gaps_; }
-  int num_repeated_images() const { return num_repeated_images_; }
-  int num_blank_images() const { return num_blank_images_; }
-  int num_resets() const { return num_resets_; }
+  const Occurrences& imu_gaps() const { return imu_gaps_; }
+  const Occurrences& repeated_images() const { return repeated_images_; }
+  const Occurrences& blank_images() const { return blank_images_; }
+  const Occurrences& resets() const { return resets_; }
 
  private:
   void AddMesh(const std::shared_ptr<const MeshSnapshot>& snapshot);
@@ -47,10 +49,7 @@ class RunRecorder {
   std::shared_ptr<const MeshSnapshot> last_mesh_;
   std::vector<double> mesh_areas_m2_, view_areas_m2_;
   std::optional<Timestamp> last_good_;
-  int num_resets_ = 0;
-  int num_imu_gaps_ = 0;
-  int num_repeated_images_ = 0;
-  int num_blank_images_ = 0;
+  Occurrences resets_, imu_gaps_, repeated_images_, blank_images_;
 };
 
 }  // namespace facet

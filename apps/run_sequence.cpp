@@ -13,10 +13,12 @@
 
 #include "run_recorder.h"
 #include "start_trouble.h"
+#include "warning_log.h"
 #include <sys/resource.h>
 
 #include "facet/base/check.h"
 #include "facet/io/errors.h"
+#include "facet/pipeline/refusal.h"
 #include "facet/recording/frame_decoder.h"
 #include "facet/recording/image_turner.h"
 
@@ -64,6 +66,7 @@ struct InputProblems {
   int num_turned = 0;       // right images
   Duration largest_turned;  // difference of the stamps
   int num_refused_imu = 0;
+  int num_stray_imu = 0;
   ImuScreenCounts imu_screen;
 };
 
@@ -202,7 +205,8 @@ class SequenceRunner {
     TakeResult(vio_.result());
     run_.record.peak_rss_mb = PeakRssMb();
     run_.record.warnings = recording_.Warnings();
-    std::ranges::move(vio_warnings_, std::back_inserter(run_.record.warnings));
+    std::ranges::move(vio_warnings_.Texts(run_.record.first_pair),
+                      std::back_inserter(run_.record.warnings));
     SummarizeProblems();
     if (run_.end == RunEnd::kComplete) JudgeDamage();
     if (run_.end == RunEnd::kComplete) JudgeTracking();
@@ -295,7 +299,7 @@ class SequenceRunner {
       frame.cost.latency_ms = MsSince(frame.arrival);
       recorder_.Add(output, frame.cost);
       start_trouble_.AddOutput(output);
-      if (!output.warning.empty()) vio_warnings_.push_back(output.warning);
+      if (!output.warning.empty()) vio_warnings_.Add(output.t, output.warning);
       if (refusal_.empty()) refusal_ = output.refusal;
       goes_on = observer_(num_frames_, std::max(num_expected_, num_frames_), output) && goes_on &&
                 refusal_.empty();
@@ -343,6 +347,7 @@ class SequenceRunner {
     record.planes = std::move(result.planes);
     record.estimated_calibration = std::move(result.calibration);
     problems_.num_refused_imu = result.num_refused_imu;
+    problems_.num_stray_imu = result.num_stray_imu;
     problems_.imu_screen = result.imu_screen;
   }
 
@@ -350,11 +355,12 @@ class SequenceRunner {
     run_.end = refusal_.empty() ? RunEnd::kStopped : RunEnd::kRefused;
     const std::string after = std::to_string(num_frames_) + " of " +
                               std::to_string(std::max(num_expected_, num_frames_)) + " frames";
+    const bool is_calibration = refusal_.starts_with(kWrongCalibration);
     run_.message = refusal_.empty()
                        ? "stopped after " + after
-                       : run_.record.calibration +
-                             ": the calibration cannot be right: " + refusal_ + " (stopped after " +
-                             after + "; check_calibration=false goes on with it)";
+                       : (is_calibration ? run_.record.calibration : run_.record.sequence) + ": " +
+                             refusal_ + " (stopped after " + after +
+                             "; check_calibration=false goes on with it)";
   }
 
   /// Unusable images are like missing ones, unless there is nothing else.
@@ -391,19 +397,27 @@ class SequenceRunner {
                     1e3 * ToSeconds(problems_.largest_turned));
       warnings.emplace_back(text);
     }
-    if (recorder_.num_resets() > 0) {
-      warnings.push_back(
-          "the estimator was lost and started over " + std::to_string(recorder_.num_resets()) +
-          " times: a new segment begins there (`segment` in states.csv), and it is as "
-          "uncertain as its sigmas say");
+    const auto when_last = [&](const Occurrences& what) {
+      return what.WhenLast(run_.record.first_pair);
+    };
+    if (const Occurrences& resets = recorder_.resets(); resets.num > 0) {
+      warnings.push_back("the estimator was lost and started over " + std::to_string(resets.num) +
+                         " times" + when_last(resets) +
+                         ": a new segment begins there (`segment` in states.csv), and it is as "
+                         "uncertain as its sigmas say");
     }
-    if (recorder_.num_imu_gaps() > 0) {
-      warnings.push_back("the IMU has " + std::to_string(recorder_.num_imu_gaps()) +
-                         " holes; poses in them are marked 'no IMU' or have larger sigmas");
+    if (const Occurrences& gaps = recorder_.imu_gaps(); gaps.num > 0) {
+      warnings.push_back("the IMU has " + std::to_string(gaps.num) + " holes" + when_last(gaps) +
+                         "; poses in them are marked 'no IMU' or have larger sigmas");
     }
     if (problems_.num_refused_imu > 0) {
       warnings.push_back(std::to_string(problems_.num_refused_imu) +
                          " IMU samples were refused (not finite or not in order)");
+    }
+    if (problems_.num_stray_imu > 0) {
+      warnings.push_back(std::to_string(problems_.num_stray_imu) +
+                         " IMU samples have stamps far ahead of the ones around them and were left "
+                         "out (clock, driver?)");
     }
     if (problems_.imu_screen.num_cut > 0) {
       warnings.push_back(std::to_string(problems_.imu_screen.num_cut) +
@@ -420,15 +434,17 @@ class SequenceRunner {
                          " IMU samples repeat the one before digit by digit; the estimate trusts "
                          "them less");
     }
-    if (recorder_.num_repeated_images() > 0) {
-      warnings.push_back(std::to_string(recorder_.num_repeated_images()) + of_all +
-                         " left images repeat the one before although the camera moves; they were "
-                         "not used");
+    if (const Occurrences& repeated = recorder_.repeated_images(); repeated.num > 0) {
+      warnings.push_back(std::to_string(repeated.num) + of_all +
+                         " left images repeat an earlier one although the camera moves; they were "
+                         "not used (driver, buffers?)" +
+                         when_last(repeated));
     }
-    if (recorder_.num_blank_images() > 0) {
-      warnings.push_back(std::to_string(recorder_.num_blank_images()) + of_all +
+    if (const Occurrences& blank = recorder_.blank_images(); blank.num > 0) {
+      warnings.push_back(std::to_string(blank.num) + of_all +
                          " left images have one grey value everywhere, most of them black ones "
-                         "(lens covered, exposure?)");
+                         "(lens covered, exposure?)" +
+                         when_last(blank));
     }
     if (run_.record.num_dropped > 0) {
       warnings.push_back(std::to_string(run_.record.num_dropped) + " frames arrived while busy");
@@ -479,7 +495,7 @@ class SequenceRunner {
   std::vector<ImuSample> unfed_imu_;
   std::deque<PendingFrame> pending_;
   int num_frames_ = 0, num_expected_ = 0;
-  std::vector<std::string> vio_warnings_;
+  WarningLog vio_warnings_;
   InputProblems problems_;
   std::string refusal_;  // of the calibration
 };

@@ -35,7 +35,7 @@ struct RunRange {
 enum class RunEnd {
   kComplete,
   kStopped,     ///< by the observer
-  kRefused,     ///< the calibration cannot be right
+  kRefused,     ///< the calibration cannot be right, or a sensor is dead
   kNotStarted,  ///< no frame got a pose
   kDamaged,     ///< the recording cannot be read to its end
   kLost         ///< the last second or more has no pose

@@ -32,7 +32,7 @@ struct FakeVio {
   int first_pose = 2, lost_from = 1000, reset_at = -1;
   std::chrono::milliseconds busy{0};
   bool is_late = false;
-  std::string warning;  // with the fifth frame
+  std::string warning;  // with every fifth frame
   std::optional<VioOutput> late;
 
   VioOutput Process(const StereoFrame& frame) {
@@ -51,7 +51,7 @@ struct FakeVio {
     output.reason = output.has_pose ? "" : "too few tracks";
     output.is_keyframe = i % 4 == 0;
     output.was_reset = i == reset_at;
-    if (i == 4) output.warning = warning;
+    if (i % 5 == 4) output.warning = warning;
     // Each keyframe leaves the window one keyframe later.
     if (output.is_keyframe && i >= 4) {
       output.finished_keyframes.push_back(
@@ -281,7 +281,8 @@ TEST_F(RunSequenceTest, WarningsOfTheEstimator) {
   vio_.warning = "are the cameras swapped?";
   vio_.reset_at = 6;
   EXPECT_THAT(Run().record.warnings,
-              testing::ElementsAre("are the cameras swapped?", HasSubstr("started over 1 times")));
+              testing::ElementsAre("are the cameras swapped? (2 times, the last at 0.5 s)",
+                                   HasSubstr("started over 1 times, the last at 0.3 s: a new")));
 }
 
 TEST_F(RunSequenceTest, StopsWhenAskedTo) {

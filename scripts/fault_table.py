@@ -27,8 +27,9 @@ ROOT = Path(__file__).resolve().parent.parent
 FAULTS = [
     "imu_glitch:gyro=35", "imu_glitch:gyro=100,axis=2", "imu_glitch:gyro=0,accel=160", "imu_glitch:samples=3,gyro=35",
     "imu_gap:length=0.1", "imu_gap:length=0.3", "imu_gap:length=0.5", "imu_clip:gyro=0.6", "imu_frozen:length=0.3",
-    "frozen:length=0.06", "frozen:length=0.5", "frozen:length=2", "repeated:share=0.1", "frozen:length=2,camera=0",
-    "frozen:length=2,camera=1", "dropped:share=0.3", "no_camera:length=3,camera=1", "no_camera:length=1,camera=2",
+    "frozen:length=0.06", "frozen:length=0.5", "frozen:length=2", "repeated:share=0.1", "older:share=0.1",
+    "exchanged:share=0.1", "frozen:length=2,camera=0", "frozen:length=2,camera=1", "dropped:share=0.3",
+    "no_camera:length=3,camera=1", "no_camera:length=1,camera=2",
     "pause:length=1", "pause:length=3", "black:length=1", "black:length=7", "overexposed:length=2",
     "covered:length=3", "noisy:length=3",
     "object:share=0.2", "object:share=0.3", "object:share=0.3,depth=0.7,crossing=1.5",

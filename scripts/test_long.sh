@@ -1,12 +1,15 @@
 #!/bin/sh
-# scripts/test_long.sh [PART]...: what takes too long for every change; without arguments all parts. One line per part in
-# runs/test-long/results.txt, with the commit. Each part is tried even if another failed; exit code 1 if any did.
+# scripts/test_long.sh [PART]...: what takes too long for every change; without arguments all parts but fuzz-totals.
+# One line per part in runs/test-long/results.txt, with the commit. Each part is tried even if another failed; exit code
+# 1 if any did.
 #
 #   headers   every header and source compiles alone, without precompiled headers          about 15 minutes on two cores
 #   asan      every test under the address and undefined-behaviour sanitizers              about 90
 #   tsan      what runs on two threads under the thread sanitizer                          about 20
 #   fuzz      readers of files, bags, IMU streams and the estimator under libFuzzer, a sixth of
 #             FUZZ_SECONDS each (default 600)                                              about 25
+#   fuzz-totals   the same by number: ten million executions for text, a million for images, PLY,
+#             bags and IMU streams, a hundred thousand for the estimator                   some hours
 #   soak      flights of minutes: nothing lost, memory and time per frame stay level       about 15
 #   large     an MCAP file of 2 GB is read: speed, and memory that stays level              about 1
 set -u
@@ -58,35 +61,62 @@ fuzz_build() {
     cmake --build "$folder" --target "$@"
 }
 
-# fuzz_target NAME SECONDS PROGRAM [ARGUMENT]...: from the good inputs and from what earlier runs found.
+# fuzz_target NAME LIMIT PROGRAM [ARGUMENT]...: from the good inputs and from what earlier runs found, until LIMIT
+# (-max_total_time=S or -runs=N). The readers' files are written to memory: a disk takes ten times as long as reading
+# them. Entropic schedules and stack traces of all allocations cost more than the targets; a finding that is run alone
+# without ASAN_OPTIONS has its traces.
 fuzz_target() {
-  name=$1 seconds=$2 program=$3
+  name=$1 limit=$2 program=$3
   shift 3
-  echo "-- $name, $seconds s"
+  echo "-- $name, $limit"
   rm -rf "$out/seeds/$name"
   mkdir -p "$out/seeds/$name" "$out/found/$name"
+  scratch=$(mktemp -d "$([ -w /dev/shm ] && echo /dev/shm || echo "${TMPDIR:-/tmp}")/facet-fuzz-XXXXXX")
   "$program" --write-seeds="$out/seeds/$name" "$@" &&
-    "$program" "$out/found/$name" "$out/seeds/$name" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 \
-      -artifact_prefix="$out/$name-" -print_final_stats=1 "$@"
+    TMPDIR=$scratch ASAN_OPTIONS=malloc_context_size=1:quarantine_size_mb=16 \
+      "$program" "$out/found/$name" "$out/seeds/$name" "$limit" -timeout=20 -rss_limit_mb=4096 -entropic=0 \
+      -print_funcs=0 -artifact_prefix="$out/$name-" -print_final_stats=1 "$@" 2>&1 | tee "$out/fuzz-$name.log"
+  done=$(sed -n 's/^stat::number_of_executed_units: *//p' "$out/fuzz-$name.log")
+  executions="${executions:+$executions, }$name ${done:-0}"
+  rm -rf "$scratch"
+  grep -q "^Done " "$out/fuzz-$name.log"  # not after a finding
+}
+
+fuzz_all() {
+  fuzz_text="config,camera,kalibr,image list,imu,trajectory,states,truth,planes,true planes,json"
+  fuzz_text="$fuzz_text,kitti calibration,kitti times,kitti oxts"
+  executions=
+  fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \
+    reader_fuzzer recording_fuzzer imu_fuzzer estimator_fuzzer &&
+    fuzz_build build-fuzz-fast Release fuzzer-no-link,signed-integer-overflow,float-cast-overflow,bounds,shift \
+      estimator_fuzzer || return 1
+  # fuzz_limit NAME: what fuzz and fuzz-totals differ in. Text formats are lines: longer files only repeat them.
+  fuzz_target text "$(fuzz_limit text)" build-fuzz/reader_fuzzer -max_len=4000 "--only=$fuzz_text" &&
+    fuzz_target ply "$(fuzz_limit ply)" build-fuzz/reader_fuzzer -max_len=4000 --only=ply &&
+    fuzz_target image "$(fuzz_limit image)" build-fuzz/reader_fuzzer -max_len=4000 --only=image &&
+    fuzz_target recording "$(fuzz_limit recording)" build-fuzz/recording_fuzzer -max_len=20000 &&
+    fuzz_target imu "$(fuzz_limit imu)" build-fuzz/imu_fuzzer -max_len=200 &&
+    fuzz_target estimator "$(fuzz_limit estimator)" build-fuzz-fast/estimator_fuzzer -max_len=80 &&
+    build-fuzz/estimator_fuzzer "$out/found/estimator" "$out/seeds/estimator" -runs=0 -timeout=60 || return 1
+  echo "executions: $executions"
 }
 
 # The estimator is fifty times as slow under the sanitizers: the fuzzer looks for ways through it without them, then
 # every way that it found is taken once with them.
 fuzz() {
-  share=$((${FUZZ_SECONDS:-600} / 6))
-  text="config,camera,kalibr,image list,imu,trajectory,states,truth,planes,true planes,json"
-  text="$text,kitti calibration,kitti times,kitti oxts"
-  fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \
-    reader_fuzzer recording_fuzzer imu_fuzzer estimator_fuzzer &&
-    fuzz_build build-fuzz-fast Release fuzzer-no-link,signed-integer-overflow,float-cast-overflow,bounds,shift \
-      estimator_fuzzer &&
-    fuzz_target text "$share" build-fuzz/reader_fuzzer -max_len=20000 "--only=$text" &&
-    fuzz_target ply "$share" build-fuzz/reader_fuzzer -max_len=4000 --only=ply &&
-    fuzz_target image "$share" build-fuzz/reader_fuzzer -max_len=4000 --only=image &&
-    fuzz_target recording "$share" build-fuzz/recording_fuzzer -max_len=20000 &&
-    fuzz_target imu "$share" build-fuzz/imu_fuzzer -max_len=200 &&
-    fuzz_target estimator "$share" build-fuzz-fast/estimator_fuzzer -max_len=80 &&
-    build-fuzz/estimator_fuzzer "$out/found/estimator" "$out/seeds/estimator" -runs=0 -timeout=60
+  fuzz_limit() { echo "-max_total_time=$((${FUZZ_SECONDS:-600} / 6))"; }
+  fuzz_all
+}
+
+fuzz_totals() {
+  fuzz_limit() {
+    case $1 in
+      text) echo -runs=10000000 ;;
+      estimator) echo -runs=100000 ;;
+      *) echo -runs=1000000 ;;
+    esac
+  }
+  fuzz_all
 }
 
 soak() {
@@ -101,6 +131,7 @@ large() {
 for name in "$@"; do
   case $name in
     headers | asan | tsan | fuzz | soak | large) part "$name" "$name" ;;
+    fuzz-totals) part "$name" fuzz_totals ;;
     *)
       echo "test_long: '$name' is no part; see the head of $0" >&2
       exit 2

@@ -153,10 +153,29 @@ bool AllFinite(const CameraIntrinsics& k) {
          });
 }
 
-/// Whether a distorted point has a preimage as far as the radial part can tell.
-bool IsInField(const CameraIntrinsics& k, const Vector2d& px, double max_radius) {
+/// What is wrong with the distortion at a point that every camera must see; empty: nothing.
+std::string WhatIsWrongAt(const CameraIntrinsics& k, const Vector2d& px, double max_radius) {
+  // No lens does more: magnify as much, or be as skew.
+  constexpr double kMostMagnified = 5;
+  constexpr double kMostSkew = 0.25;  // of the image
   const Vector2d xy_d((px.x() - k.cx) / k.fx, (px.y() - k.cy) / k.fy);
-  return UndistortRadially(k, xy_d, max_radius).has_value();
+  const std::optional<Vector2d> xy = UndistortRadially(k, xy_d, max_radius);
+  std::ostringstream text;
+  if (!xy) {
+    text << "the distortion is singular inside the image: it folds over at "
+         << std::atan(max_radius) * 57.29577951308232 << " deg from the axis";
+  } else if (!(kMostMagnified * xy->norm() >= xy_d.norm())) {
+    text << "no lens distorts so much: half way to the border the image would be magnified more "
+            "than "
+         << kMostMagnified << " times";
+  } else {
+    const Vector2d tangential = Distort(k, *xy, nullptr) - xy_d;
+    const Vector2d px_off = tangential.cwiseProduct(Vector2d(k.fx, k.fy));
+    if (px_off.norm() <= kMostSkew * std::max(k.width, k.height)) return {};
+    text << "no lens is so skew: the last two coefficients move a point half way to the border by "
+         << px_off.norm() << " px";
+  }
+  return text.str();
 }
 
 }  // namespace
@@ -185,10 +204,8 @@ std::string CameraModel::WhatIsWrong(const CameraIntrinsics& k) {
                                  Vector2d(k.width, k.cy),
                                  Vector2d(k.cx, 0),
                                  Vector2d(k.cx, k.height)}) {
-      if (IsInField(k, 0.5 * (Vector2d(k.cx, k.cy) + side), max_radius)) continue;
-      text << "the distortion is singular inside the image: it folds over at "
-           << std::atan(max_radius) * 57.29577951308232 << " deg from the axis";
-      break;
+      text << WhatIsWrongAt(k, 0.5 * (Vector2d(k.cx, k.cy) + side), max_radius);
+      if (!text.str().empty()) break;
     }
   }
   return text.str();

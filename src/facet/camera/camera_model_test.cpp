@@ -180,6 +180,18 @@ TEST(CameraModelTest, SaysWhatIsWrong) {
   expect_wrong("does not fit", [](CameraIntrinsics& k) { k.fy = 0.458; });
   expect_wrong("principal point", [](CameraIntrinsics& k) { k.cx = 1e4; });
   expect_wrong("singular", [](CameraIntrinsics& k) { k.coefficients[0] = -5; });
+  for (const double absurd : {1e6, 1e30, 1e300}) {
+    for (const double sign : {1.0, -1.0}) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        expect_wrong(i < 2 ? "" : "skew",
+                     [&](CameraIntrinsics& k) { k.coefficients[i] = sign * absurd; });
+      }
+    }
+    expect_wrong("magnified", [&](CameraIntrinsics& k) { k.coefficients[0] = absurd; });
+  }
+  CameraIntrinsics fisheye = Fisheye();
+  fisheye.coefficients[3] = 1e300;
+  EXPECT_NE(CameraModel::WhatIsWrong(fisheye), "");
 }
 
 TEST(CameraModelTest, KnowsItsBorder) {

@@ -2,6 +2,7 @@
 // The facade gives what the pipeline gives, and says what is wrong. That facet/facet.h is C++17 and
 // links into a shared library is tested by package_test.
 #include <algorithm>
+#include <limits>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -149,6 +150,20 @@ TEST_F(FacadeTest, ImagesMayGoAfterTheCall) {
   EXPECT_TRUE(has_pose);
 }
 
+// A live run has no file whose lines could be sorted.
+TEST_F(FacadeTest, OneImuStampFarInTheFutureDoesNotStopTheImu) {
+  api::Odometry odometry(TestCalibration());
+  api::State last;
+  int num_frames = 0;
+  Fly(odometry, [&](const api::State& state) {
+    last = state;
+    if (++num_frames == 20)
+      odometry.AddImu({state.t_ns + 3'600'000'000'000, {0, 0, 0}, {0, 0, 9.81}});
+  });
+  EXPECT_EQ(last.status, api::Status::kOk) << last.reason;
+  EXPECT_TRUE(last.has_pose);
+}
+
 TEST_F(FacadeTest, MissingImagesAreNoCrash) {
   api::Odometry odometry(TestCalibration());
   const api::State state = odometry.AddStereo(0, {}, {});
@@ -179,6 +194,15 @@ TEST(FacadeErrorTest, SaysWhatIsWrong) {
   api::Calibration no_noise = TestCalibration();
   no_noise.gyro_noise = 0;
   EXPECT_THAT(ErrorOf(no_noise), HasSubstr("noise"));
+  api::Calibration absurd = TestCalibration();
+  absurd.time_offset_s = 1e300;
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("time_offset_s"));
+  absurd = TestCalibration();
+  absurd.right.T_BC.p[0] = 1e300;
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("T_BC"));
+  absurd = TestCalibration();
+  absurd.accel_walk = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("noise"));
   api::Odometry::Options options;
   options.overrides = {"frontend.max_feature=7"};
   EXPECT_THAT(ErrorOf(TestCalibration(), options), HasSubstr("unknown key"));

@@ -76,7 +76,12 @@ StereoRig RigOf(const Calibration& calibration) {
   StereoRig rig;
   rig.cameras = {Internal(calibration.left, "left"), Internal(calibration.right, "right")};
   rig.T_BC = {Internal(calibration.left.T_BC), Internal(calibration.right.T_BC)};
+  if (!(std::abs(calibration.time_offset_s) <= 1))
+    throw Error("time_offset_s must be seconds, from -1 to 1");
   rig.time_offset = FromSeconds(calibration.time_offset_s);
+  for (const SE3& T_BC : rig.T_BC) {
+    if (!(T_BC.p.norm() <= 10)) throw Error("T_BC: the position must be metres, up to 10");
+  }
   if (!(rig.baseline_m() > 1e-3)) throw Error("the cameras are at the same place");
   return rig;
 }
@@ -89,7 +94,8 @@ facet::ImuNoise NoiseOf(const Calibration& calibration) {
   noise.accel_walk = calibration.accel_walk;
   for (const double density :
        {noise.gyro_noise, noise.gyro_walk, noise.accel_noise, noise.accel_walk}) {
-    if (!(density > 0)) throw Error("the IMU's noise densities must be above 0");
+    if (!(density > 0 && density < 1e5))
+      throw Error("the IMU's noise densities must be above 0 and below 1e5");
   }
   return noise;
 }

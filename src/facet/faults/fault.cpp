@@ -170,6 +170,32 @@ void RepeatImages(const Values& value, RecordingCopy& recording) {
   }
 }
 
+// An old buffer is handed out in place of the image.
+void SendOlder(const Values& value, RecordingCopy& recording) {
+  Rng rng(static_cast<std::uint64_t>(value.at("seed")));
+  const auto back = static_cast<std::size_t>(std::max(1.0, value.at("back")));
+  const auto recorded = recording.images;
+  for (std::size_t i = back; i < recorded[0].size(); ++i) {
+    if (rng.Uniform() >= value.at("share")) continue;
+    for (std::size_t camera = 0; camera < recorded.size(); ++camera) {
+      if (i < recorded[camera].size())
+        recording.images[camera][i].file = recorded[camera][i - back].file;
+    }
+  }
+}
+
+// Two neighbours in time, with the stamps of each other.
+void ExchangeImages(const Values& value, RecordingCopy& recording) {
+  Rng rng(static_cast<std::uint64_t>(value.at("seed")));
+  for (std::size_t i = 1; i < recording.images[0].size(); ++i) {
+    if (rng.Uniform() >= value.at("share")) continue;
+    for (auto& images : recording.images) {
+      if (i < images.size()) std::swap(images[i].file, images[i - 1].file);
+    }
+    ++i;
+  }
+}
+
 void DropImages(const Values& value, RecordingCopy& recording) {
   Rng rng(static_cast<std::uint64_t>(value.at("seed")));
   std::map<std::int64_t, bool> is_dropped;
@@ -289,6 +315,14 @@ const std::vector<FaultKind>& Kinds() {
        {{"share", 0.1}, {"seed", 1}},
        "images that repeat the one before",
        RepeatImages},
+      {"older",
+       {{"share", 0.1}, {"back", 10}, {"seed", 1}},
+       "images that are those of `back` frames before",
+       SendOlder},
+      {"exchanged",
+       {{"share", 0.1}, {"seed", 1}},
+       "images that have changed places with the one before",
+       ExchangeImages},
       {"dropped", {{"share", 0.3}, {"seed", 1}}, "images that are missing", DropImages},
       {"no_camera",
        {{"at", 5}, {"length", 3}, {"camera", 1}},

@@ -99,6 +99,25 @@ TEST_F(FaultTest, OneCameraMayBeMissingOrFrozen) {
   EXPECT_NE(recording_.images[1][7].file, recording_.images[1][6].file);
 }
 
+TEST_F(FaultTest, ImagesComeInAWrongOrder) {
+  const RecordingCopy clean = recording_;
+  PlantFault("older:share=1,back=3", recording_);
+  EXPECT_EQ(recording_.images[0][2].file, clean.images[0][2].file);
+  for (std::size_t i = 3; i < clean.images[0].size(); ++i) {
+    EXPECT_EQ(recording_.images[0][i].file, clean.images[0][i - 3].file);
+    EXPECT_EQ(recording_.images[1][i].file, clean.images[1][i - 3].file);
+    EXPECT_EQ(recording_.images[0][i].t, clean.images[0][i].t);
+  }
+  recording_ = clean;
+  PlantFault("exchanged:share=1", recording_);
+  for (std::size_t i = 0; i + 1 < clean.images[0].size(); i += 2) {
+    for (const std::size_t camera : {0, 1}) {
+      EXPECT_EQ(recording_.images[camera][i].file, clean.images[camera][i + 1].file);
+      EXPECT_EQ(recording_.images[camera][i + 1].file, clean.images[camera][i].file);
+    }
+  }
+}
+
 TEST_F(FaultTest, ImagesAreEditedWhereTheFaultIs) {
   AslDataset damaged = Written("black:at=0.2,length=0.1,camera=0");
   cv::Mat left, right;

@@ -52,14 +52,15 @@ bool RepeatedImage::Add(const cv::Mat& image, const Motion& motion) {
   since_first_.T_prev_now = since_first_.T_prev_now * motion.T_prev_now;
   since_first_.mean_inverse_depth = motion.mean_inverse_depth;
   since_first_.rotation_slack += motion.rotation_slack;
-  return HasMoved() || (num_different_ >= kNumDifferent && num_same_ <= kNumNotNeeded);
+  return MustHaveChanged(since_first_, focal_px_) ||
+         (num_different_ >= kNumDifferent && num_same_ <= kNumNotNeeded);
 }
 
-bool RepeatedImage::HasMoved() const {
-  const SE3& T = since_first_.T_prev_now;
-  const double rotation = LogSO3(T.q).norm() - since_first_.rotation_slack;
-  return focal_px_ * rotation > kMaxRotation_px ||
-         focal_px_ * T.p.norm() * since_first_.mean_inverse_depth > kMaxTranslation_px;
+bool MustHaveChanged(const RepeatedImage::Motion& since, double focal_px) {
+  const SE3& T = since.T_prev_now;
+  const double rotation = LogSO3(T.q).norm() - since.rotation_slack;
+  return focal_px * rotation > kMaxRotation_px ||
+         focal_px * T.p.norm() * since.mean_inverse_depth > kMaxTranslation_px;
 }
 
 }  // namespace facet

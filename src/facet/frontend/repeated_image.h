@@ -17,10 +17,10 @@ bool AreSameImage(const cv::Mat& a, const cv::Mat& b);
 /// Whether all pixels have the same value. Costs next to nothing for others.
 bool IsBlank(const cv::Mat& image);
 
-/// The left camera. At rest an image may come again and again (clean or compressed images do), so
-/// it counts as repeated only if the camera has moved since it first came, or if it is one of the
-/// first few after images that differed. Not thread-safe. References the pixels of the newest
-/// image.
+/// The left camera. An image that came earlier is found by ImageHistory. At rest an image may come
+/// again and again (clean or compressed images do), so it counts as repeated only if the camera has
+/// moved since it first came, or if it is one of the first few after images that differed. Not
+/// thread-safe. References the pixels of the newest image.
 class RepeatedImage {
  public:
   /// What is known of the camera's motion since the previous frame.
@@ -40,8 +40,6 @@ class RepeatedImage {
   bool is_same() const { return is_same_; }
 
  private:
-  bool HasMoved() const;
-
   double focal_px_;
   cv::Mat newest_;
   bool is_same_ = false;
@@ -49,5 +47,8 @@ class RepeatedImage {
   int num_different_ = 0;  // images in a row before those that were not
   Motion since_first_;     // since the image first came
 };
+
+/// Whether the camera has moved so far that its image cannot be the same.
+bool MustHaveChanged(const RepeatedImage::Motion& since, double focal_px);
 
 }  // namespace facet

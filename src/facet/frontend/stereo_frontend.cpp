@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "facet/frontend/feature_detector.h"
+#include "facet/frontend/image_history.h"
 #include "facet/frontend/keyframe_stereo.h"
 #include "facet/frontend/repeated_image.h"
 #include "facet/frontend/support_places.h"
@@ -41,7 +42,10 @@ struct StereoFrontend::Impl {
 
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
   void TakeHint(const FrontendHint& hint);
-  bool IsRepeated(const StereoFrame& frame, const FrontendHint& hint, double interval_s);
+  bool IsRepeated(const StereoFrame& frame,
+                  bool is_blank,
+                  const FrontendHint& hint,
+                  double interval_s);
   void FollowTracks(const cv::Mat& left, bool is_motion_known, FrontendResult& result);
   void DetectNew(const cv::Mat& left, FrontendResult& result);
   void MatchStereo(const cv::Mat& right, FrontendResult& result);
@@ -73,6 +77,7 @@ struct StereoFrontend::Impl {
   std::optional<Timestamp> newest_t;
   struct Repetitions {
     RepeatedImage left;
+    ImageHistory all_left;
     cv::Mat newest_right;
     bool is_right_repeated = false;
   } repetitions;
@@ -88,7 +93,10 @@ StereoFrontend::Impl::Impl(const StereoRig& stereo_rig, const FrontendOptions& f
       stereo(rig, options),
       keyframe_policy(options.keyframe),
       support_places(options.support),
-      repetitions{RepeatedImage(rig.cameras[0].mean_focal_px()), {}, false} {}
+      repetitions{RepeatedImage(rig.cameras[0].mean_focal_px()),
+                  ImageHistory(rig.cameras[0].mean_focal_px()),
+                  {},
+                  false} {}
 
 void StereoFrontend::Impl::TakeHint(const FrontendHint& hint) {
   motion.T_Bprev_Bnow = motion.T_Bprev_Bnow * SE3(hint.R_prev_now, hint.p_prev_now);
@@ -101,6 +109,7 @@ void StereoFrontend::Impl::TakeHint(const FrontendHint& hint) {
 }
 
 bool StereoFrontend::Impl::IsRepeated(const StereoFrame& frame,
+                                      bool is_blank,
                                       const FrontendHint& hint,
                                       double interval_s) {
   const SE3& T_BC = rig.T_BC[0];
@@ -113,12 +122,14 @@ bool StereoFrontend::Impl::IsRepeated(const StereoFrame& frame,
     if (!track.id.IsValid() || !track.inverse_depth) continue;
     moved.mean_inverse_depth += (*track.inverse_depth - moved.mean_inverse_depth) / ++num;
   }
-  const bool is_repeated = repetitions.left.Add(frame.left, moved);
+  const bool repeats_last = repetitions.left.Add(frame.left, moved);
+  // Black images are all the same.
+  const bool came_before = repetitions.all_left.Add(is_blank ? cv::Mat() : frame.left, moved);
   // Where the left image changes, the right one has to.
   repetitions.is_right_repeated =
       !repetitions.left.is_same() && AreSameImage(repetitions.newest_right, frame.right);
   repetitions.newest_right = frame.right;
-  return is_repeated;
+  return repeats_last || came_before;
 }
 
 void StereoFrontend::Impl::FollowTracks(const cv::Mat& left,
@@ -237,7 +248,7 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
   result.image_ok = IsUsable(frame.left, rig.cameras[0]);
   if (!result.image_ok) return result;
   result.is_blank = IsBlank(frame.left);
-  const bool is_repeated = IsRepeated(frame, hint, interval_s);
+  const bool is_repeated = IsRepeated(frame, result.is_blank, hint, interval_s);
   result.is_repeated = is_repeated && !result.is_blank;
   if (is_repeated) return result;
   stereo.Clear();

@@ -64,7 +64,7 @@ struct FrontendResult {
   int num_stereo = 0;        ///< observations with a right pixel
   bool right_ok = false;     ///< keyframes: there was a right image that could be used
   bool image_ok = true;      ///< false: no left image, or one of the wrong size or type
-  /// The left image is the previous one although the camera has moved: it was not used.
+  /// The left image is one of the last hundred although the camera has moved: it was not used.
   bool is_repeated = false;
   /// The left image has one grey value everywhere (lens covered, no light, exposure). Such a one is
   /// not called repeated, but is not used either where it is.

@@ -301,6 +301,26 @@ TEST_F(FrontendTest, ABlackOrWhiteImageLosesEverythingQuietly) {
 }
 
 // A covered lens is no frozen camera.
+TEST_F(FrontendTest, AnOlderImageIsNotUsed) {
+  StereoFrontend frontend(rig_, Options());
+  StageTimes times;
+  FrontendHint turning;
+  turning.R_prev_now = ExpSO3(Vector3d(0, 0.01, 0));
+  turning.is_motion_known = true;
+  const StereoFrame old = FrameAt(0);
+  for (int i = 0; i < 5; ++i)
+    EXPECT_FALSE(frontend.Process(FrameAt(i), turning, times).is_repeated) << i;
+  StereoFrame frame = FrameAt(5);
+  frame.left = old.left.clone();
+  frame.right = old.right.clone();
+  const FrontendResult repeated = frontend.Process(frame, turning, times);
+  EXPECT_TRUE(repeated.is_repeated);
+  EXPECT_TRUE(repeated.observations.features.empty());
+  const FrontendResult next = frontend.Process(FrameAt(6), turning, times);
+  EXPECT_FALSE(next.is_repeated);
+  EXPECT_GT(next.observations.features.size(), 40U);
+}
+
 TEST_F(FrontendTest, BlackImagesAreBlankAndNotRepeated) {
   StereoFrontend frontend(rig_, Options());
   StageTimes times;

@@ -16,6 +16,10 @@ constexpr std::size_t kNumSteps = 200;
 constexpr double kUsualSteps = 1.5;
 // Whatever the sensor does: a longer step is a hole.
 constexpr double kLongestStep_s = 0.15;
+// After a longer step a stamp may be wrong. It is right when so many samples go on from there: a
+// tenth of a second of a usual sensor, longer than damage to a bus or a driver's buffer lasts.
+constexpr double kLongestCertainStep_s = kLongestStep_s;
+constexpr std::size_t kNumToConfirm = 20;
 
 bool IsUsable(const Vector3d& x) {
   // The comparison is false for NaN.
@@ -36,12 +40,52 @@ ImuSample Interpolate(const ImuSample& a, const ImuSample& b, Timestamp t) {
 
 ImuBuffer::AddResult ImuBuffer::Add(const ImuSample& sample) {
   if (!IsUsable(sample.gyro) || !IsUsable(sample.accel)) return AddResult::kNotFinite;
+  // The only sample so far may have been the wrong one.
+  if (newest_ && steps_s_.empty() && ToSeconds(*newest_ - sample.t) > kLongestCertainStep_s) {
+    samples_.clear();
+    screen_ = ImuScreen();
+    newest_.reset();
+    num_stray_ += 1 + static_cast<int>(waiting_.size());
+    waiting_.clear();
+  }
   if (newest_ && sample.t <= *newest_) return AddResult::kNotInOrder;
+  if (newest_ && ToSeconds(sample.t - *newest_) > kLongestCertainStep_s) {
+    Wait(sample);
+  } else {
+    LeaveOutWaiting();
+    Take(sample);
+  }
+  return AddResult::kAdded;
+}
+
+void ImuBuffer::TimeIsAt(Timestamp t) {
+  if (!waiting_.empty() && waiting_.front().t <= t) TakeWaiting();
+}
+
+void ImuBuffer::Take(const ImuSample& sample) {
   if (newest_) steps_s_.push_back(ToSeconds(sample.t - *newest_));
   if (steps_s_.size() > kNumSteps) steps_s_.pop_front();
   newest_ = sample.t;
   screen_.Add(sample, samples_);
-  return AddResult::kAdded;
+}
+
+void ImuBuffer::Wait(const ImuSample& sample) {
+  const bool goes_on = !waiting_.empty() && sample.t > waiting_.back().t &&
+                       ToSeconds(sample.t - waiting_.back().t) <= kLongestCertainStep_s;
+  if (!goes_on) LeaveOutWaiting();
+  waiting_.push_back(sample);
+  if (waiting_.size() >= kNumToConfirm) TakeWaiting();
+}
+
+void ImuBuffer::TakeWaiting() {
+  for (const ImuSample& sample : waiting_)
+    Take(sample);
+  waiting_.clear();
+}
+
+void ImuBuffer::LeaveOutWaiting() {
+  num_stray_ += static_cast<int>(waiting_.size());
+  waiting_.clear();
 }
 
 ImuInterval ImuBuffer::Between(Timestamp t0,

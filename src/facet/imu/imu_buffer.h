@@ -24,7 +24,9 @@ struct ImuInterval {
 };
 
 /// Not thread-safe. Accepts any content: what is not finite, not in order or a duplicate is
-/// refused; what contradicts the samples around it is cut out (ImuScreen).
+/// refused; what contradicts the samples around it is cut out (ImuScreen). A stamp that is far
+/// ahead waits until samples that follow it, or another sensor (TimeIsAt), show that the time has
+/// come there; if the samples go on from before instead, it is left out.
 class ImuBuffer {
  public:
   /// kNotFinite: not a number, or beyond kMaxMagnitude (its squares would soon overflow).
@@ -34,6 +36,13 @@ class ImuBuffer {
   static constexpr double kMaxMagnitude = 1e5;
 
   AddResult Add(const ImuSample& sample);
+
+  /// Another sensor's clock says that it is t, in the IMU's time: what was measured up to then need
+  /// not wait for confirmation. Call it before Between for an interval that ends at t.
+  void TimeIsAt(Timestamp t);
+
+  /// Samples that were left out because their stamps were far ahead of the samples around them.
+  int num_stray() const { return num_stray_; }
 
   /// What was cut out or doubted.
   const ImuScreenCounts& screen_counts() const { return screen_.counts(); }
@@ -61,10 +70,16 @@ class ImuBuffer {
 
  private:
   Duration LongestUsualStep() const;
+  void Take(const ImuSample& sample);
+  void Wait(const ImuSample& sample);
+  void TakeWaiting();
+  void LeaveOutWaiting();
 
   std::deque<ImuSample> samples_;
   ImuScreen screen_;
-  std::optional<Timestamp> newest_;  // of all samples that were not refused
+  std::optional<Timestamp> newest_;  // of all samples that were taken
+  std::vector<ImuSample> waiting_;   // behind a step that is no clock's, in order
+  int num_stray_ = 0;
   std::deque<double> steps_s_;  // between the newest samples, also those that were dropped since
 };
 

@@ -180,6 +180,64 @@ TEST(ImuBufferTest, RefusesWhatIsNotFiniteOrNotInOrder) {
   EXPECT_EQ(buffer.size(), 2u);
 }
 
+TEST(ImuBufferTest, AStampFarInTheFutureIsLeftOut) {
+  for (const double ahead_ms : {200.0, 3000.0, 1e7}) {
+    ImuBuffer buffer = EveryFiveMs(100);
+    buffer.Add(Sample(495 + ahead_ms));
+    for (int i = 100; i < 200; ++i)
+      EXPECT_EQ(buffer.Add(Sample(5.0 * i)), ImuBuffer::AddResult::kAdded) << ahead_ms;
+    EXPECT_EQ(buffer.last_stamp(), Ms(995));
+    EXPECT_EQ(buffer.num_stray(), 1);
+    const ImuInterval interval = Between(buffer, 480, 520);
+    EXPECT_FALSE(interval.has_hole) << ahead_ms;
+    EXPECT_EQ(interval.samples.size(), 9u) << ahead_ms;
+  }
+}
+
+TEST(ImuBufferTest, AStampFarInTheFutureThatComesFirstIsLeftOut) {
+  ImuBuffer buffer;
+  buffer.Add(Sample(1e7));
+  for (int i = 0; i < 100; ++i)
+    buffer.Add(Sample(5.0 * i));
+  EXPECT_EQ(buffer.size(), 100u);
+  EXPECT_EQ(buffer.num_stray(), 1);
+}
+
+TEST(ImuBufferTest, SeveralStrayStampsAreLeftOutInWhateverOrder) {
+  ImuBuffer buffer = EveryFiveMs(100);
+  for (const double ms : {9000.0, 9005.0, 7000.0, 8000.0})
+    buffer.Add(Sample(ms));
+  for (int i = 100; i < 200; ++i) {
+    buffer.Add(Sample(5.0 * i));
+    if (i % 10 == 0) buffer.Add(Sample(5000 + 5.0 * i));
+  }
+  EXPECT_EQ(buffer.size(), 200u);
+  EXPECT_EQ(buffer.num_stray(), 14);
+}
+
+TEST(ImuBufferTest, AClockThatJumpsIsAGap) {
+  ImuBuffer buffer = EveryFiveMs(100);  // up to 495 ms
+  for (int i = 0; i < 100; ++i)
+    buffer.Add(Sample(1e6 + 5.0 * i));
+  EXPECT_EQ(buffer.num_stray(), 0);
+  EXPECT_EQ(buffer.size(), 200u);
+  EXPECT_EQ(Between(buffer, 490, 1e6 + 10).gaps, 1);
+  // From there on the old time is over.
+  EXPECT_EQ(buffer.Add(Sample(500)), ImuBuffer::AddResult::kNotInOrder);
+}
+
+TEST(ImuBufferTest, AfterAPauseAnImageOfTheSameTimeConfirmsTheFirstSamples) {
+  ImuBuffer buffer = EveryFiveMs(100);  // up to 495 ms
+  for (const double ms : {3000.0, 3005.0, 3010.0})
+    buffer.Add(Sample(ms));
+  EXPECT_EQ(buffer.last_stamp(), Ms(495));
+  buffer.TimeIsAt(Ms(2999));
+  EXPECT_EQ(buffer.last_stamp(), Ms(495));
+  buffer.TimeIsAt(Ms(3007));
+  EXPECT_EQ(buffer.last_stamp(), Ms(3010));
+  EXPECT_EQ(Between(buffer, 3000, 3007).samples.size(), 3u);
+}
+
 TEST(ImuBufferTest, DropBeforeKeepsWhatInterpolationNeeds) {
   ImuBuffer buffer = EveryFiveMs(10);
   buffer.DropBefore(Ms(22));

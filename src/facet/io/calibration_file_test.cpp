@@ -187,6 +187,11 @@ TEST_F(CalibrationFileTest, CameraErrorsNameFileAndLine) {
       {"radial-tangential", "fov", "'fov' is not supported"},
       {", 1.76187114e-05]", "]", "3 distortion coefficients, 4 are expected"},
       {"rate_hz: 20", "rate_hz: [20", "not valid YAML"},
+      {"[-0.28340811,", "[1e300,", "sensor.yaml:14: unusable camera: no lens distorts so much"},
+      {"1.76187114e-05]", "1e300]", "sensor.yaml:14: unusable camera: no lens is so skew"},
+      {"1.76187114e-05]", "1e999]", "sensor.yaml:14: '1e999' where a finite number is expected"},
+      {"intrinsics: [100.5", "intrinsics: [1e300", "sensor.yaml:12: unusable camera: focal"},
+      {"resolution: [160, 120]", "resolution: [1e300, 120]", "sensor.yaml:10: unusable camera"},
   };
   for (const Damage& damage : cases) {
     WriteText(Sensor(1), good);
@@ -206,6 +211,26 @@ TEST_F(CalibrationFileTest, CoefficientsNeedAModel) {
     ADD_FAILURE() << "accepted";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("no 'distortion_model'"));
+  }
+}
+
+TEST_F(CalibrationFileTest, AbsurdNumbersOfTheImuNameFileAndLine) {
+  const std::string good = TestImuYaml();
+  const Damage cases[] = {
+      {"gyroscope_noise_density: 1.6968e-04",
+       "gyroscope_noise_density: 1e300",
+       "imu0/sensor.yaml:8: 'gyroscope_noise_density' is 1e300"},
+      {"gyroscope_noise_density: 1.6968e-04",
+       "gyroscope_noise_density: 1e-300",
+       "imu0/sensor.yaml:8: 'gyroscope_noise_density' is 1e-300"},
+      {"gyroscope_noise_density: 1.6968e-04", "gyroscope_noise_density: inf", ":8: 'inf'"},
+      {"rate_hz: 200", "rate_hz: 0", "'rate_hz' must be a rate"},
+      {"rate_hz: 200", "rate_hz: 1e300", "'rate_hz' must be a rate"},
+  };
+  for (const Damage& damage : cases) {
+    WriteText(Imu(), good);
+    ReplaceInFile(Imu(), damage.from, damage.to);
+    EXPECT_THAT(Error(), HasSubstr(damage.message));
   }
 }
 

@@ -15,6 +15,10 @@ namespace {
 constexpr double kMaxRotationError = 1e-3;
 constexpr double kMaxLeverArmM = 10;
 constexpr double kMaxGyroScale = 0.2;
+constexpr double kMaxSide_px = 65536;
+// Densities that far from those of a usual sensor are no units' mistake.
+constexpr double kMostTimesUsual = 1e7;
+constexpr double kMaxRate_hz = 1e6;
 
 DistortionModel ParseDistortion(const YamlFile& yaml, const YAML::Node& camera) {
   if (!YamlFile::Has(camera, "distortion_model")) {
@@ -76,6 +80,8 @@ double RequireDensity(const YamlFile& yaml,
                       std::vector<std::string>& warnings) {
   const double value = yaml.RequireNumber(node, key);
   if (value <= 0) yaml.Fail(node[key], "'" + key + "' must be greater than 0");
+  if (value > kMostTimesUsual * expected || value < expected / kMostTimesUsual)
+    yaml.Fail(node[key], "'" + key + "' is " + node[key].Scalar() + ", and no IMU's");
   if (value > 300 * expected || value < expected / 300) {
     warnings.push_back(yaml.Where(node[key]) + ": '" + key + "' is " +
                        std::to_string(value / expected) +
@@ -114,6 +120,10 @@ CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera) {
   const YAML::Node resolution = yaml.Require(camera, "resolution");
   const std::vector<double> size = yaml.Numbers(resolution);
   if (size.size() != 2) yaml.Fail(resolution, "'resolution' must be [width, height]");
+  for (const double side : size) {
+    if (!(side >= 1 && side <= kMaxSide_px))
+      yaml.Fail(resolution, "unusable camera: 'resolution' must be from 1 to 65536 pixels");
+  }
   k.width = static_cast<int>(std::lround(size[0]));
   k.height = static_cast<int>(std::lround(size[1]));
 
@@ -122,6 +132,8 @@ CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera) {
   if (f.size() != 4) yaml.Fail(intrinsics, "'intrinsics' must be [fu, fv, cu, cv]");
   k.fx = f[0], k.fy = f[1], k.cx = f[2], k.cy = f[3];
 
+  const std::string pinhole_problem = CameraModel::WhatIsWrong(k);
+  if (!pinhole_problem.empty()) yaml.Fail(intrinsics, "unusable camera: " + pinhole_problem);
   k.distortion = ParseDistortion(yaml, camera);
   if (k.distortion != DistortionModel::kNone) {
     const std::vector<double> c = ReadCoefficients(yaml, camera);
@@ -129,7 +141,11 @@ CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera) {
       k.coefficients[i] = c[i];
   }
   const std::string problem = CameraModel::WhatIsWrong(k);
-  if (!problem.empty()) yaml.Fail(intrinsics, "unusable camera: " + problem);
+  if (!problem.empty()) {
+    const bool is_kalibr = YamlFile::Has(camera, "distortion_coeffs");
+    yaml.Fail(camera[is_kalibr ? "distortion_coeffs" : "distortion_coefficients"],
+              "unusable camera: " + problem);
+  }
   return CameraModel(k);
 }
 
@@ -187,7 +203,10 @@ ImuNoise ReadImuNoise(const YamlFile& yaml, std::vector<std::string>& warnings) 
   n.accel_walk =
       RequireDensity(yaml, node, "accelerometer_random_walk", usual.accel_walk, warnings);
   for (const char* key : {"rate_hz", "update_rate"}) {
-    if (YamlFile::Has(node, key)) n.rate_hz = yaml.RequireNumber(node, key);
+    if (!YamlFile::Has(node, key)) continue;
+    n.rate_hz = yaml.RequireNumber(node, key);
+    if (!(n.rate_hz > 0 && n.rate_hz <= kMaxRate_hz))
+      yaml.Fail(node[key], "'" + std::string(key) + "' must be a rate in Hz, above 0");
   }
   return n;
 }

@@ -70,7 +70,6 @@ std::string CalibrationWatch::Add(const CalibrationEvidence& evidence) {
 }
 
 std::string CalibrationWatch::FromStretch(const CalibrationEvidence& evidence) {
-  if (has_warned_) return {};
   if (evidence.num_stereo && evidence.num_features >= kMinFeatures) {
     stereo_share_.Add(evidence.t,
                       static_cast<double>(*evidence.num_stereo) / evidence.num_features);
@@ -85,8 +84,7 @@ std::string CalibrationWatch::FromStretch(const CalibrationEvidence& evidence) {
   } else if (sigma && *sigma > kMaxImuErrorSigma) {
     warning = ImuWarning(*sigma);
   }
-  has_warned_ = !warning.empty();
-  return warning;
+  return stretches_.Begins(evidence.t, !warning.empty()) ? warning : std::string();
 }
 
 std::string ContradictionWarning(double sigma) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "facet/base/types.h"
+#include "facet/pipeline/episodes.h"
 
 namespace facet {
 
@@ -24,8 +25,9 @@ struct CalibrationEvidence {
 /// Not thread-safe.
 class CalibrationWatch {
  public:
-  /// What is probably wrong and what to do, once: with the keyframe that completes a stretch in
-  /// which three quarters agree on it; and once what the estimator has found. Otherwise empty.
+  /// What is probably wrong and what to do: with the keyframe that completes a stretch in which
+  /// three quarters agree on it, and again if it comes again after half a minute; and once in a run
+  /// what the estimator has found. Otherwise empty.
   std::string Add(const CalibrationEvidence& evidence);
 
  private:
@@ -48,7 +50,8 @@ class CalibrationWatch {
 
   std::string FromStretch(const CalibrationEvidence& evidence);
 
-  bool has_warned_ = false, has_named_ = false;
+  Episodes stretches_{Duration{30'000'000'000}};
+  bool has_named_ = false;
   RecentValues stereo_share_, imu_error_sigma_;
 };
 

@@ -68,6 +68,19 @@ TEST(CalibrationWatchTest, WarnsOnceWhenTheImuNeverFits) {
               ElementsAre(AllOf(HasSubstr("by 30 times"), HasSubstr("timeshift_cam_imu"))));
 }
 
+TEST(CalibrationWatchTest, WarnsAgainWhenItComesAgainLater) {
+  Keyframes keyframes;
+  keyframes.Add(10, kOneEye);
+  keyframes.Add(60, kGood);
+  keyframes.Add(10, kWrongImu);
+  keyframes.Add(20, kGood);
+  keyframes.Add(10, kWrongImu);
+  keyframes.Add(60, kGood);
+  keyframes.Add(10, kOneEye);
+  EXPECT_THAT(keyframes.warnings(),
+              ElementsAre(HasSubstr("right image"), HasSubstr("IMU"), HasSubstr("right image")));
+}
+
 TEST(CalibrationWatchTest, NamesTheImagesWhenBothAreWrong) {
   Keyframes keyframes;
   keyframes.Add(60, {{}, 100, 0, kInfinity, {}});

@@ -5,6 +5,7 @@
 
 #include "facet/camera/camera_model.h"
 #include "facet/imu/preintegration.h"
+#include "facet/pipeline/refusal.h"
 
 namespace facet {
 
@@ -38,6 +39,7 @@ MotionPrediction FrontStage::Predict(Timestamp t) {
   MotionPrediction prediction;
   const ScopedStage stage(prediction.times, Stage::kImu);
   TakeFeedback();
+  imu_.TimeIsAt(t + rig_.time_offset);
   prediction.imu = IntervalTo(t + rig_.time_offset);
   prediction.hint = MakeHint(prediction.imu);
   return prediction;
@@ -53,16 +55,19 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   if (!tracked.frontend.in_order) return tracked;
   previous_t_ = frame.t + rig_.time_offset;
   has_previous_ = true;
-  tracked.refusal = CheckCalibration(frame, tracked);
+  tracked.refusal = CheckSensors(frame, tracked);
   ForgetOldImu();
   return tracked;
 }
 
-std::string FrontStage::CheckCalibration(const StereoFrame& frame, const TrackedFrame& tracked) {
+std::string FrontStage::CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked) {
   if (!check_calibration_) return {};
   const FrontendResult& seen = tracked.frontend;
+  std::string dead = dead_imu_.Add(tracked.imu.samples, seen.observations.features);
+  if (!dead.empty()) return dead;
   const bool is_usable = seen.image_ok && !seen.is_repeated && !seen.is_blank;
-  return calibration_.Add(is_usable ? frame.left : cv::Mat(), tracked.imu);
+  const std::string wrong = calibration_.Add(is_usable ? frame.left : cv::Mat(), tracked.imu);
+  return wrong.empty() ? wrong : kWrongCalibration + wrong;
 }
 
 // What is still needed: the time since the feedback in use, and since the frames whose feedback may

@@ -10,6 +10,7 @@
 #include "facet/pipeline/tracked_frame.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/plausibility/calibration_check.h"
+#include "facet/plausibility/dead_imu_check.h"
 
 namespace facet {
 
@@ -28,6 +29,7 @@ class FrontStage {
   /// In order of time (IMU clock); refuses and counts what is not finite or not in order.
   void AddImu(const ImuSample& sample);
   int num_refused_imu() const { return num_refused_imu_; }
+  int num_stray_imu() const { return imu_.num_stray(); }
   const ImuScreenCounts& imu_screen_counts() const { return imu_.screen_counts(); }
   void AddFeedback(Feedback feedback) { feedback_.push_back(std::move(feedback)); }
 
@@ -44,13 +46,14 @@ class FrontStage {
   ImuInterval IntervalTo(Timestamp t_imu) const;
   FrontendHint MakeHint(const ImuInterval& now);
   void TakeFeedback();
-  std::string CheckCalibration(const StereoFrame& frame, const TrackedFrame& tracked);
+  std::string CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked);
   void ForgetOldImu();
 
   StereoRig rig_;
   double max_gap_s_;
   StereoFrontend frontend_;
   bool check_calibration_;
+  DeadImuCheck dead_imu_;
   CalibrationCheck calibration_;
   ImuBuffer imu_;
   int num_refused_imu_ = 0;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "facet/estimator/factors/imu_factor.h"
+#include "facet/pipeline/refusal.h"
 
 namespace facet {
 
@@ -68,11 +69,9 @@ std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
   evidence.imu_error_sigma = imu_error_sigma;
   evidence.gross_deviations = InWords(estimator_.GrossDeviations());
   std::string warning = calibration_.Add(evidence);
-  if (warning.empty() && !has_contradicted_ && imu_error_sigma &&
-      *imu_error_sigma > kContradictionSigma) {
-    has_contradicted_ = true;
+  const bool contradicts = imu_error_sigma && *imu_error_sigma > kContradictionSigma;
+  if (contradictions_.Begins(observations.t, contradicts) && warning.empty())
     warning = ContradictionWarning(*imu_error_sigma);
-  }
   return warning;
 }
 
@@ -93,10 +92,11 @@ void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
       estimator_.DoubtBaseline(scale_.scale()->value() - 1);
       return;
     case ScaleCheck::Finding::kRefusal:
-      if (out.refusal.empty()) out.refusal = InWords(*scale_.scale());
+      if (out.refusal.empty()) out.refusal = kWrongCalibration + InWords(*scale_.scale());
       return;
     case ScaleCheck::Finding::kAxesTheOtherWay:
-      if (out.refusal.empty()) out.refusal = NegatedAxesInWords(scale_.negated_axes());
+      if (out.refusal.empty())
+        out.refusal = kWrongCalibration + NegatedAxesInWords(scale_.negated_axes());
       return;
   }
 }

@@ -9,6 +9,7 @@
 
 #include "facet/estimator/vio_estimator.h"
 #include "facet/pipeline/calibration_watch.h"
+#include "facet/pipeline/episodes.h"
 #include "facet/pipeline/tracked_frame.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/pipeline/vio_output.h"
@@ -47,7 +48,7 @@ class PoseStage {
   VioEstimator estimator_;
   CalibrationWatch calibration_;
   bool check_calibration_;
-  bool has_contradicted_ = false;
+  Episodes contradictions_{Duration{10'000'000'000}};
   ScaleCheck scale_;
   std::optional<Timestamp> scale_since_;  // its poses are all of after this change of calibration
   std::optional<Feedback> feedback_;

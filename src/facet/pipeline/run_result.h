@@ -25,6 +25,7 @@ struct RunResult {
   /// With what was learnt of it, and its covariance; empty if it is held, or nothing was learnt.
   std::optional<StereoRig> calibration;
   int num_refused_imu = 0;  ///< samples that were not finite or not in order
+  int num_stray_imu = 0;    ///< samples whose stamps were far ahead of the ones around them
   ImuScreenCounts imu_screen;
 };
 

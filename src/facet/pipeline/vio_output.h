@@ -36,13 +36,13 @@ struct VioOutput {
   int num_planes = 0;                       ///< in the estimator
   int num_constraints = 0;                  ///< landmarks that lie on planes, once per plane
   int imu_gaps = 0;                         ///< IMU holes since the previous frame
-  bool is_image_repeated = false;           ///< the frozen image of a moving camera; not used
+  bool is_image_repeated = false;           ///< came before, but the camera has moved; not used
   bool is_image_blank = false;              ///< the left image has one grey value everywhere
   bool was_reset = false;  ///< the state was given up after this frame; the next one starts again
-  /// What is probably wrong with the calibration and what to do; set once in a run, else empty.
+  /// What is probably wrong and what to do; set when it begins or comes again later; else empty.
   std::string warning;
-  /// Why the calibration cannot be right, once in a run, else empty: whoever sees it should stop,
-  /// for what the run finds from here on, and found before, is worth nothing.
+  /// Why calibration or IMU cannot be right, once in a run, else empty: whoever sees it should
+  /// stop, for what the run finds from here on, and found before, is worth nothing.
   std::string refusal;
   /// Keyframes that left the window with this frame, with their final (smoothed) poses.
   std::vector<KeyframePose> finished_keyframes;

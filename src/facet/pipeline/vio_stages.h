@@ -24,6 +24,7 @@ struct VioStages {
     result.planes = scene.Planes();
     result.calibration = pose.Calibration();
     result.num_refused_imu = front.num_refused_imu();
+    result.num_stray_imu = front.num_stray_imu();
     result.imu_screen = front.imu_screen_counts();
     return result;
   }

@@ -15,7 +15,14 @@ namespace facet {
 namespace {
 
 // The address sanitizer keeps what was freed for a while.
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__)  // GCC
+#define FACET_HAS_QUARANTINE
+#elif defined(__has_feature)  // clang
+#if __has_feature(address_sanitizer)
+#define FACET_HAS_QUARANTINE
+#endif
+#endif
+#ifdef FACET_HAS_QUARANTINE
 constexpr double kQuarantineMb = 256;
 #else
 constexpr double kQuarantineMb = 0;

@@ -100,6 +100,7 @@ class ImuStream {
 
   void Cut(Timestamp t0, Timestamp t1) {
     const Duration max_gap{bytes_.Byte() * 1'000'000LL};
+    if (bytes_.Flag()) buffer_.TimeIsAt(t1);
     const ImuInterval interval = buffer_.Between(t0, t1, max_gap, max_gap);
     Require(interval.gaps >= 0 && interval.longest_gap.ns >= 0, "a hole of negative length");
     if (interval.samples.empty()) return;

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How fast the calibration is forgotten: the random steps of SelfCalibration, against what
+// docs/math.md (section 10) says of them, and their limits.
+#include <cmath>
+#include <set>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "facet/calibration/drawn_calibration.h"
+#include "facet/estimator/self_calibration.h"
+#include "facet/estimator/start/start_calibration.h"
+#include "facet/estimator/vio_estimator.h"
+#include "facet/sim/euroc_rig.h"
+#include "facet/sim/feature_simulator.h"
+#include "facet/testing/estimator/spoilt_run.h"
+
+namespace facet {
+namespace {
+
+// A run that has learnt the calibration to a tenth of its first uncertainty, and learns no more.
+class WalkTest : public ::testing::Test {
+ protected:
+  explicit WalkTest(const CalibrationOptions& options = {})
+      : rig_(EurocRig()), start_(StartCovariance(rig_, options)), calibration_(rig_, options) {
+    calibration_.Begin(window_);
+    window_.prior.blocks = {MarginalPrior::Block::OfCalibration(0)};
+    window_.prior.H = (0.01 * start_).inverse();
+    window_.prior.b = VectorXd::Zero(kNumCalibration);
+    window_.frames.emplace_back();
+  }
+
+  // A keyframe at this time.
+  void WalkAt(double seconds) {
+    window_.frames.back().x.t = Timestamp{1'400'000'000'000'000'000} + FromSeconds(seconds);
+    calibration_.Walk(window_);
+  }
+
+  MatrixXd Covariance() const { return window_.prior.H.inverse(); }
+
+  // The largest difference, in units of the first uncertainty.
+  double OffFrom(const MatrixXd& expected) const {
+    const VectorXd sigma = start_.diagonal().cwiseSqrt();
+    return (Covariance() - expected).cwiseQuotient(sigma * sigma.transpose()).cwiseAbs().maxCoeff();
+  }
+
+  // Variance along the line between the cameras.
+  double BaselineVariance() const {
+    const Vector3d along = rig_.T_C1C0().p.normalized();
+    return along.dot(Covariance().block<3, 3>(kStereoTranslation, kStereoTranslation) * along);
+  }
+
+  StereoRig rig_;
+  CalibrationMatrix start_;
+  SelfCalibration calibration_;
+  SlidingWindow window_;
+};
+
+class HeldLensesTest : public WalkTest {
+ protected:
+  HeldLensesTest() : WalkTest({.lens = false}) {}
+};
+
+TEST_F(WalkTest, NothingIsForgottenWithinTenSeconds) {
+  for (double t_s = 0; t_s < 9.9; t_s += 0.2)
+    WalkAt(t_s);
+  EXPECT_LT(OffFrom(0.01 * start_), 1e-6);
+}
+
+TEST_F(WalkTest, EveryTenSecondsThreePercentOfTheFirstUncertaintyAreAdded) {
+  WalkAt(0);
+  for (int step = 1; step <= 3; ++step) {
+    WalkAt(10.0 * step);
+    EXPECT_LT(OffFrom((0.01 + step * 0.03 * 0.03) * start_), 1e-6) << step;
+  }
+}
+
+// However often keyframes come.
+TEST_F(WalkTest, AfterAnHourHalfOfTheFirstUncertaintyHasAddedUp) {
+  for (double t_s = 0; t_s <= 3600; t_s += 0.5)
+    WalkAt(t_s);
+  for (int i = 0; i < kNumCalibration; ++i) {
+    const double share = std::sqrt(Covariance()(i, i) / start_(i, i) - 0.01);
+    EXPECT_GT(share, 0.45) << kCalibrationNames[static_cast<std::size_t>(i)];
+    EXPECT_LT(share, 0.6) << kCalibrationNames[static_cast<std::size_t>(i)];
+  }
+}
+
+TEST_F(WalkTest, ADoubtedBaselineIsFreedByThatShareOfItOnce) {
+  WalkAt(0);
+  const double before = BaselineVariance();
+  constexpr double kShare = 0.07;
+  calibration_.DoubtBaseline(kShare);
+  EXPECT_EQ(BaselineVariance(), before) << "it counts with the next step";
+  WalkAt(1);
+  const double freed_m = kShare * rig_.baseline_m();
+  EXPECT_NEAR(BaselineVariance() - before, freed_m * freed_m, 1e-6 * freed_m * freed_m);
+  // Nothing but the distance: directions across it, lenses, mount and clock are as they were.
+  MatrixXd expected = 0.01 * start_;
+  const Vector3d change = kShare * rig_.T_C1C0().p;
+  expected.block<3, 3>(kStereoTranslation, kStereoTranslation) += change * change.transpose();
+  EXPECT_LT(OffFrom(expected), 1e-4);
+  WalkAt(2);
+  EXPECT_NEAR(BaselineVariance() - before, freed_m * freed_m, 1e-6 * freed_m * freed_m) << "once";
+}
+
+TEST_F(WalkTest, ADoubtThatIsTooSmallAndOneThatIsTooLargeAreTheSame) {
+  WalkAt(0);
+  const double before = BaselineVariance();
+  calibration_.DoubtBaseline(-0.07);
+  WalkAt(1);
+  const double freed_m = 0.07 * rig_.baseline_m();
+  EXPECT_NEAR(BaselineVariance() - before, freed_m * freed_m, 1e-6 * freed_m * freed_m);
+}
+
+TEST_F(HeldLensesTest, ADoubtedBaselineStays) {
+  WalkAt(0);
+  const MatrixXd before = Covariance();
+  calibration_.DoubtBaseline(0.07);
+  WalkAt(1);
+  EXPECT_EQ(Covariance(), before);
+}
+
+// Focal lengths that are off by far more than one step allows: the part is freed again and again.
+TEST(LargeStepTest, APartIsFreedThreeTimesAtMostAndSettlesInBetween) {
+  FeatureSimulatorOptions options;
+  options.max_tracks = 70;
+  options.duration_s = 30;
+  const SimulatedRun run =
+      SimulateFeatures(SplineTrajectory::Fit(MakeFlight(32, 2)), EurocRig(), options, 1);
+  StereoRig written = *DrawCalibration(run.rig, 1);
+  for (CameraModel& camera : written.cameras) {
+    CameraIntrinsics k = camera.intrinsics();
+    k.fx *= 1.03;
+    k.fy *= 1.03;
+    camera = CameraModel(k);
+  }
+  const ImuBuffer imu = testing::ImuOf(run);
+  EstimatorOptions held;
+  held.calibration.mount = held.calibration.time = false;
+  VioEstimator estimator(written, ImuNoise{}, held);
+  StageTimes times;
+  std::set<std::int64_t> freed_at_ns;
+  Timestamp previous = run.frames.front().t + written.time_offset;
+  for (const FrameObservations& frame : run.frames) {
+    const Timestamp now = frame.t + written.time_offset;
+    estimator.AddFrame(frame, imu.Between(previous, now, Duration{20'000'000}, Duration{0}), times);
+    previous = now;
+    if (estimator.calibration_freed_at()) freed_at_ns.insert(estimator.calibration_freed_at()->ns);
+  }
+  ASSERT_FALSE(freed_at_ns.empty());
+  // What is not held are lenses and baseline.
+  EXPECT_LE(freed_at_ns.size(), 6u);
+  for (auto it = std::next(freed_at_ns.begin()); it != freed_at_ns.end(); ++it)
+    EXPECT_GE(*it - *std::prev(it), 5'000'000'000);
+}
+
+}  // namespace
+}  // namespace facet
