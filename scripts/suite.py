@@ -7,6 +7,8 @@ and with drawn ones (docs/simulator.md, "What is simulated").
   suite.py run                              pipelines S and SPR, exact and drawn calibrations, variant a
   suite.py run --variant b --draws 10 --starts 3 --scene office --set estimator.window.max_pose_keyframes=5
   suite.py run --against other/facet        another program on the same sequences, and the ratio to it
+  suite.py second                           besides, a second flight of each rig: with the calibration.yaml that its flight
+                                            through the scene before wrote
   suite.py attribution                      which part of the drawn calibration costs what: lens, imu, time, all
 
 A figure of a scene is the median over its starts (0, 0.1, 0.2 ... s) and draws; NEES and what is left of the errors of
@@ -58,6 +60,8 @@ class Case:
     scene: Scene
     kind: str
     sequence: Path
+    name: str = ""  # of the folder of results; empty: that of the sequence
+    words: tuple = ()  # more arguments of `facet run`, by pipeline
 
 
 def read_suite(file):
@@ -123,7 +127,7 @@ def drawn(arguments, scene, variant, draw, parts):
 
 
 def list_cases(arguments, scenes, variant, kinds):
-    """`kinds`: {name: parts that are drawn}."""
+    """`kinds`: {name: parts that are drawn}. Second flights are no sequences of their own (second_flights)."""
     for scene in scenes:
         source = rendered(arguments, scene, variant)
         if not (source / "simulation.txt").exists():
@@ -131,7 +135,7 @@ def list_cases(arguments, scenes, variant, kinds):
             continue
         yield Case(scene, "exact", source)
         for kind, parts in kinds.items():
-            for draw in range(1, arguments.draws + 1):
+            for draw in [] if kind == "second" else range(1, arguments.draws + 1):
                 yield Case(scene, kind, drawn(arguments, scene, variant, draw, parts))
 
 
@@ -166,15 +170,34 @@ def execute(run):
         (run.folder / file).unlink(missing_ok=True)
 
 
+def folder_of(arguments, label, name, pipeline, start):
+    return arguments.out / "runs" / label / f"{name}-{pipeline}-{start}"
+
+
+def second_flights(arguments, cases, label):
+    """Each scene with the exact images, which the rig of the scene before has flown through, and what was learnt there."""
+    drawn_cases = [case for case in cases if case.kind == "drawn"]
+    scenes = {case.scene.name: case for case in cases if case.kind == "exact"}
+    names = list(scenes)
+    for first in drawn_cases:
+        second = scenes[names[(names.index(first.scene.name) + 1) % len(names)]]
+        learnt = {pipeline: ("--calibration",
+                             str(folder_of(arguments, label, first.sequence.name, pipeline, 0) / "calibration.yaml"))
+                  for pipeline in arguments.pipelines}
+        yield Case(second.scene, "second", second.sequence, f"{second.sequence.name}-after-{first.sequence.name}",
+                   tuple(learnt.items()))
+
+
 def execute_all(arguments, cases, label, program):
     """{(scene, kind, pipeline): runs}, in the order of the cases."""
     groups, runs = {}, []
     for case in cases:
         for pipeline in arguments.pipelines:
-            words = ["--pipeline", pipeline, *(w for text in arguments.set for w in ("--set", text))]
+            words = ["--pipeline", pipeline, *(w for text in arguments.set for w in ("--set", text)),
+                     *dict(case.words).get(pipeline, ())]
             config = run_all.Config(pipeline, program, words)
             for i in range(arguments.starts):
-                folder = arguments.out / "runs" / label / f"{case.sequence.name}-{pipeline}-{i}"
+                folder = folder_of(arguments, label, case.name or case.sequence.name, pipeline, i)
                 run = run_all.Run(case.sequence, config, 0.1 * i, folder)
                 runs.append(run)
                 groups.setdefault((case.scene.name, case.kind, pipeline), []).append(run)
@@ -280,6 +303,9 @@ def run_variant(arguments, scenes, variant, kinds):
     tables = {}
     for label, program in programs.items():
         groups = execute_all(arguments, cases, f"{label}-{variant}", program)
+        if "second" in kinds:
+            again = list(second_flights(arguments, cases, f"{label}-{variant}"))
+            groups.update(execute_all(arguments, again, f"{label}-{variant}", program))
         tables[label] = {name: figures_of(groups, name, kinds, arguments.pipelines) for name in names}
         print_table(f"Variant {variant}, {program}, {arguments.starts} start(s), {arguments.draws} draws",
                     tables[label])
@@ -290,7 +316,7 @@ def run_variant(arguments, scenes, variant, kinds):
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["make", "run", "attribution"])
+    parser.add_argument("what", choices=["make", "run", "second", "attribution"])
     parser.add_argument("--suite", type=Path, default=ROOT / "config" / "suite.yaml")
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "suite")
     parser.add_argument("--scene", action="append", help="a part of its name; repeatable; all")
@@ -319,6 +345,8 @@ def main():
     kinds = {"drawn": PARTS}
     if arguments.what == "attribution":
         kinds = {**{part: [part] for part in PARTS}, "drawn": PARTS}
+    if arguments.what == "second":
+        kinds = {"drawn": PARTS, "second": []}
     for variant in arguments.variant:
         run_variant(arguments, scenes, variant, kinds)
 

@@ -55,7 +55,7 @@ class CalibrationWatch {
   RecentValues stereo_share_, imu_error_sigma_;
 };
 
-/// Of one keyframe that contradicts its IMU by so many sigmas (estimator/contradiction.h).
+/// Of one keyframe that contradicts its IMU by so many sigmas (estimator/factors/imu_factor.h).
 std::string ContradictionWarning(double sigma);
 
 }  // namespace facet

@@ -89,7 +89,7 @@ Case MakeCase(std::uint64_t seed) {
   solver.Solve(out.window, Noise(), 30);
   out.covariance = solver.NewestFrameCovariance();
   const NavState& reference = out.window.frames.back().x;
-  out.imu.measured.Reintegrate(reference.bias);
+  out.imu.measured.Reintegrate(reference.bias, Vector3d::Zero());
   out.imu.sqrt_info = ImuSqrtInfo(out.imu.measured, testing::DefaultBiasWalk());
   out.predicted = out.imu.measured.Predict(reference);
   return out;

@@ -37,7 +37,7 @@ void Forget(TestWindow& test) {
     const Timestamp t = frame.x.t;
     frame.x = frame.lin = NavState();
     frame.x.t = t;
-    if (frame.imu_link) frame.imu_link->measured.Reintegrate({});
+    if (frame.imu_link) frame.imu_link->measured.Reintegrate({}, Vector3d::Zero());
   }
   FrameGeometry geometry(test.rig);
   geometry.Update(test.window.frames);
