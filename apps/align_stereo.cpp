@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "align_stereo.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <variant>
@@ -18,10 +17,6 @@ namespace {
 // What stands too near or has no texture in one pair may be gone in the next.
 constexpr int kNumPairs = 4;
 constexpr double kBetweenPairs_s = 0.5, kLongest_s = 5;
-// Of a pair; a hundred and more are usual.
-constexpr std::size_t kFewMatches = 20;
-// Cameras are swapped: so many matches of all pairs the other way round, and so much more often.
-constexpr std::size_t kManySwapped = 80, kTimesMore = 5;
 
 struct PairMatches {
   std::vector<StereoRays> rays;
@@ -61,7 +56,8 @@ PairMatches MatchPairs(Recording& recording, double start_s) {
       if (right.empty()) continue;
       const std::vector<StereoRays> found = MatchWidely(rig, left, right);
       matches.rays.insert(matches.rays.end(), found.begin(), found.end());
-      if (found.size() < kFewMatches) matches.num_swapped += MatchWidely(rig, right, left).size();
+      if (found.size() < kFewStereoMatches)
+        matches.num_swapped += MatchWidely(rig, right, left).size();
       ++num_pairs;
     } catch (const InputError&) {
       continue;  // the run itself will report it
@@ -71,7 +67,7 @@ PairMatches MatchPairs(Recording& recording, double start_s) {
 }
 
 std::string RefusalOf(const PairMatches& matches) {
-  if (matches.num_swapped < std::max(kManySwapped, kTimesMore * matches.rays.size())) return {};
+  if (!AreSwapped(matches.rays.size(), matches.num_swapped)) return {};
   return "the cameras are swapped: of the first pairs " + std::to_string(matches.num_swapped) +
          " corners match when left and right images are exchanged, otherwise " +
          std::to_string(matches.rays.size()) +

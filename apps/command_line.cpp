@@ -6,6 +6,7 @@
 #include <memory>
 #include <thread>
 
+#include "check.h"
 #include "compare.h"
 #include "config.h"
 #include "convert.h"
@@ -182,6 +183,20 @@ void AddInfo(CLI::App& app) {
   command->callback([arguments] { InfoCommand(*arguments); });
 }
 
+void AddCheck(CLI::App& app) {
+  auto* command = app.add_subcommand(
+      "check", "Say whether a recording can work and what is wrong with it; exit code 0 or 3");
+  auto arguments = std::make_shared<CheckArguments>();
+  command->add_option("RECORDING", arguments->recording, "as for facet run")->required();
+  AddTopics(*command, arguments->topics);
+  command->add_option("--calibration", arguments->calibration, "as for facet run");
+  command->add_option("--imu-calibration", arguments->imu_calibration, "as for facet run");
+  command->add_option(
+      "--json", arguments->json, "also write the report to this file, for programs");
+  command->add_flag("--quiet", arguments->quiet, "no progress bar");
+  command->callback([arguments] { CheckCommand(*arguments); });
+}
+
 void AddConvert(CLI::App& app) {
   auto* command = app.add_subcommand(
       "convert", "Write a recording as a folder in the ASL/EuRoC layout, or as MCAP");
@@ -342,6 +357,7 @@ void RunCommandLine(int argc, char** argv) {
   app.require_subcommand(1);
   AddRun(app);
   AddInfo(app);
+  AddCheck(app);
   AddConvert(app);
   AddEvaluate(app);
   AddCompare(app);

@@ -33,6 +33,7 @@ RANK = {
     "report": 7,
     "render": 7,
     "viewer": 7,
+    "check": 8,
     "faults": 8,
     "apps": 9,
     "bench": 9,

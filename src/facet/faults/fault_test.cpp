@@ -10,6 +10,7 @@
 #include "facet/geometry/angles.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
+#include "facet/io/image_reader.h"
 #include "facet/testing/io/test_sequence.h"
 
 namespace facet {
@@ -163,6 +164,124 @@ TEST_F(FaultTest, TheCalibrationIsWhatIsWrong) {
   EXPECT_NEAR(recording_.rig.baseline_m(), 2 * before.baseline_m(), 1e-12);
 }
 
+TEST_F(FaultTest, StampsAreWhatIsWrong) {
+  const auto num_of = [](const std::vector<ImuSample>& imu, auto is) {
+    int num = 0;
+    for (std::size_t i = 1; i < imu.size(); ++i)
+      num += is(imu[i - 1].t, imu[i].t) ? 1 : 0;
+    return num;
+  };
+  const RecordingCopy before = recording_;
+  PlantFault("disordered:imu=1,share=0.05", recording_);
+  const double num = static_cast<double>(recording_.imu.size());
+  EXPECT_NEAR(
+      num_of(recording_.imu, [](Timestamp a, Timestamp b) { return b < a; }), 0.05 * num, 1);
+  recording_ = before;
+  PlantFault("stamps_repeated:imu=1,share=0.05", recording_);
+  EXPECT_NEAR(
+      num_of(recording_.imu, [](Timestamp a, Timestamp b) { return b == a; }), 0.05 * num, 1);
+  PlantFault("cut:at=0.1,length=0.2", recording_);
+  EXPECT_EQ(recording_.images[0].size(), 4u);
+  EXPECT_GE(SecondsOf(recording_.imu.front().t), 0);
+  recording_ = before;
+  PlantFault("clock_jump:at=0.2,ms=30", recording_);
+  EXPECT_EQ(recording_.images[0][3].t, before.images[0][3].t);
+  EXPECT_NEAR(ToSeconds(recording_.images[1][4].t - before.images[1][4].t), 0.03, 1e-9);
+  recording_ = before;
+  PlantFault("thinned:imu=0,every=3", recording_);
+  ASSERT_EQ(recording_.images[0].size(), 4u);
+  EXPECT_EQ(recording_.images[1][1].t, before.images[1][3].t);
+  recording_ = before;
+  PlantFault("jitter:imu=0,ms=5", recording_);
+  EXPECT_NE(recording_.images[0][3].t, before.images[0][3].t);
+  EXPECT_EQ(recording_.images[0][3].t, recording_.images[1][3].t);
+}
+
+TEST_F(FaultTest, RightImagesMayBeThoseOfEarlierPairs) {
+  const RecordingCopy before = recording_;
+  PlantFault("right_late:images=2", recording_);
+  EXPECT_EQ(recording_.images[1][5].file, before.images[1][3].file);
+  EXPECT_EQ(recording_.images[1][5].t, before.images[1][5].t);
+  EXPECT_EQ(recording_.images[0][5].file, before.images[0][5].file);
+}
+
+TEST_F(FaultTest, TheImuIsWhatIsWrong) {
+  const RecordingCopy before = recording_;
+  PlantFault("gyro_scaled:percent=5", recording_);
+  EXPECT_NEAR(recording_.imu[3].gyro.x(), 1.05 * before.imu[3].gyro.x(), 1e-12);
+  PlantFault("gyro_biased:axis=2,bias=0.2", recording_);
+  EXPECT_NEAR(recording_.imu[3].gyro.z(), 1.05 * before.imu[3].gyro.z() + 0.2, 1e-12);
+  PlantFault("accel_exchanged:axis=2", recording_);
+  EXPECT_EQ(recording_.imu[3].accel.x(), before.imu[3].accel.y());
+  EXPECT_EQ(recording_.imu[3].accel.z(), before.imu[3].accel.z());
+  recording_ = before;
+  PlantFault("accel_scaled:percent=-50", recording_);
+  EXPECT_NEAR(recording_.imu[3].accel.norm(), 0.5 * before.imu[3].accel.norm(), 1e-9);
+  recording_ = before;
+  PlantFault("no_gravity", recording_);
+  EXPECT_LT(recording_.imu[3].accel.norm(), 0.5);
+  recording_ = before;
+  for (std::size_t i = 0; i < recording_.imu.size(); ++i)
+    recording_.imu[i].gyro.setConstant(0.01 * static_cast<double>(i));
+  const double largest = recording_.imu.back().gyro.x();
+  PlantFault("imu_saturated:share=0.5", recording_);
+  EXPECT_NEAR(recording_.imu.back().gyro.x(), 0.5 * largest, 0.02);
+  EXPECT_NEAR(recording_.imu[5].gyro.x(), 0.05, 1e-12);
+}
+
+TEST_F(FaultTest, ImagesAreAsDarkBrightAndDottedAsSaid) {
+  const std::string all = ":at=0,length=9,";
+  const auto pixels_of = [&](const std::string& fault) {
+    RecordingCopy damaged = recording_;
+    PlantFault(fault, damaged);
+    cv::Mat pixels;
+    ImageReader().Read(damaged.images[0][1].file, pixels);
+    for (const ImageEdit& edit : damaged.images[0][1].edits)
+      edit(pixels);
+    return pixels;
+  };
+  const cv::Mat clean = pixels_of("faded" + all + "contrast=1");
+  EXPECT_NEAR(cv::mean(pixels_of("underexposed" + all + "mean=12"))[0], 12, 0.6);
+  EXPECT_NEAR(cv::countNonZero(pixels_of("clipped" + all + "share=0.3") == 255) /
+                  static_cast<double>(clean.total()),
+              0.3,
+              0.05);
+  EXPECT_NEAR(cv::mean(pixels_of("flicker:change=0.2"))[0], 0.8 * cv::mean(clean)[0], 1);
+  cv::Scalar mean, sigma, sigma_clean;
+  cv::meanStdDev(clean, mean, sigma_clean);
+  cv::meanStdDev(pixels_of("faded" + all + "contrast=0.5"), mean, sigma);
+  EXPECT_NEAR(sigma[0], 0.5 * sigma_clean[0], 1);
+  cv::meanStdDev(pixels_of("blurred" + all + "sigma=3"), mean, sigma);
+  EXPECT_LT(sigma[0], 0.8 * sigma_clean[0]);
+  const cv::Mat changed = pixels_of("dots" + all + "grey=40,dots=100") != clean;
+  EXPECT_NEAR(cv::countNonZero(changed), 400, 40);
+}
+
+TEST_F(FaultTest, NothingMovesForAShareOfTheTime) {
+  PlantFault("still:share=0.5", recording_);
+  EXPECT_EQ(recording_.images[0][3].file, recording_.images[0][0].file);
+  EXPECT_NE(recording_.images[0].back().file, recording_.images[0][0].file);
+  EXPECT_LT(recording_.imu.front().gyro.norm(), 0.02);
+}
+
+TEST_F(FaultTest, MountLensAndNoiseOfTheCalibrationAreWhatIsWrong) {
+  const StereoRig before = recording_.rig;
+  const double density = recording_.imu_noise.accel_noise;
+  PlantFault("cameras_turned:axis=1,deg=3", recording_);
+  const Quaterniond turn = recording_.rig.T_BC[0].q * before.T_BC[0].q.conjugate();
+  EXPECT_NEAR(turn.y(), std::sin(1.5 * kDegree), 1e-9);
+  EXPECT_LT((recording_.rig.T_C1C0().p - before.T_C1C0().p).norm(), 1e-12);
+  PlantFault("identity_T_BS", recording_);
+  EXPECT_LT(recording_.rig.T_BC[0].p.norm(), 1e-12);
+  EXPECT_LT((recording_.rig.T_C1C0().p - before.T_C1C0().p).norm(), 1e-12);
+  PlantFault("no_distortion:share=0.5", recording_);
+  EXPECT_NEAR(recording_.rig.cameras[1].intrinsics().coefficients[0],
+              0.5 * before.cameras[1].intrinsics().coefficients[0],
+              1e-12);
+  PlantFault("densities:gyro=1,accel=100", recording_);
+  EXPECT_NEAR(recording_.imu_noise.accel_noise, 100 * density, 1e-12);
+}
+
 TEST_F(FaultTest, EveryFaultCanBePlanted) {
   int num = 0;
   for (const std::string& line : Lines(ListFaults())) {
@@ -171,7 +290,7 @@ TEST_F(FaultTest, EveryFaultCanBePlanted) {
     PlantFault(line.substr(2), damaged);  // with its defaults written out
     ++num;
   }
-  EXPECT_GE(num, 20);
+  EXPECT_GE(num, 45);
 }
 
 TEST_F(FaultTest, WhatIsNotKnownIsRefused) {

@@ -2,6 +2,7 @@
 #include "facet/faults/image_edits.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
@@ -53,6 +54,49 @@ ImageEdit Noisy(double sigma, std::uint64_t seed) {
         pixel = cv::saturate_cast<std::uint8_t>(pixel + sigma * rng.Normal());
       }
     }
+  };
+}
+
+ImageEdit DarkenedTo(double mean) {
+  return [mean](cv::Mat& image) {
+    const double now = cv::mean(image)[0];
+    if (now > mean) image.convertTo(image, CV_8U, mean / now);
+  };
+}
+
+ImageEdit ClippedAtTop(double share) {
+  return [share](cv::Mat& image) {
+    std::array<int, 256> histogram{};
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.cols; ++x)
+        ++histogram[image.at<std::uint8_t>(y, x)];
+    }
+    int grey = 255;
+    for (double above = histogram[255]; grey > 1 && above < share * image.rows * image.cols;)
+      above += histogram[static_cast<std::size_t>(--grey)];
+    image.convertTo(image, CV_8U, 255.0 / grey);
+  };
+}
+
+ImageEdit Blurred(double sigma_px) {
+  return [sigma_px](cv::Mat& image) { cv::GaussianBlur(image, image, {0, 0}, sigma_px); };
+}
+
+ImageEdit Faded(double contrast) {
+  return [contrast](cv::Mat& image) {
+    image.convertTo(image, CV_8U, contrast, (1 - contrast) * cv::mean(image)[0]);
+  };
+}
+
+ImageEdit Dotted(double grey, int num_dots, std::uint64_t seed) {
+  return [=](cv::Mat& image) {
+    Rng rng(seed);
+    cv::Mat dots(image.size(), CV_8UC1, cv::Scalar(0));
+    for (int i = 0; i < num_dots; ++i) {
+      const int x = rng.Index(image.cols - 1), y = rng.Index(image.rows - 1);
+      dots(cv::Rect(x, y, 2, 2)).setTo(grey);
+    }
+    cv::add(image, dots, image);
   };
 }
 

@@ -53,10 +53,11 @@ RecordingFiles ReadAslFolder(const fs::path& sequence, const CalibrationFiles& c
   for (std::size_t i = 0; i < 2; ++i) {
     const fs::path camera = mav0 / ("cam" + std::to_string(i));
     files.cameras[i] = {camera / "data.csv", camera / "data", {}};
-    files.cameras[i].images = ReadImageList(files.cameras[i].list, files.warnings);
+    files.cameras[i].images =
+        ReadImageList(files.cameras[i].list, files.warnings, files.images_left_out);
   }
   files.imu_file = mav0 / "imu0" / "data.csv";
-  files.imu = ReadImuFile(files.imu_file, files.warnings);
+  files.imu = ReadImuFile(files.imu_file, files.warnings, files.imu_left_out);
   return files;
 }
 

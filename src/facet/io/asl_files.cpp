@@ -83,11 +83,16 @@ std::optional<Timestamp> ParseStamp(std::string_view text, RowProblems& problems
 
 /// Whether t is later than the last accepted row.
 template <class Row>
-bool IsNext(Timestamp t, const std::vector<Row>& rows, RowProblems& problems) {
+bool IsNext(Timestamp t,
+            const std::vector<Row>& rows,
+            RowProblems& problems,
+            StampCounts& left_out) {
   if (rows.empty() || t > rows.back().t) return true;
   if (t == rows.back().t) {
+    ++left_out.num_repeated;
     problems.AddProblem("a duplicate stamp", "each stamp may appear once");
   } else {
+    ++left_out.num_backward;
     problems.AddProblem("a stamp that runs backwards", "sort the lines by their stamp");
   }
   return false;
@@ -131,7 +136,8 @@ std::optional<ImuSample> ParseImu(const CsvReader& row, Timestamp t, RowProblems
 }  // namespace
 
 std::vector<ImageListEntry> ReadImageList(const std::filesystem::path& csv,
-                                          std::vector<std::string>& warnings) {
+                                          std::vector<std::string>& warnings,
+                                          StampCounts& left_out) {
   CsvReader row(csv);
   RowProblems problems(row);
   std::vector<ImageListEntry> images;
@@ -139,7 +145,7 @@ std::vector<ImageListEntry> ReadImageList(const std::filesystem::path& csv,
     problems.AddRow();
     const auto t = ParseStamp(row.fields().front(), problems);
     if (!t) continue;
-    if (!IsNext(*t, images, problems)) continue;
+    if (!IsNext(*t, images, problems, left_out)) continue;
     const bool has_name = row.fields().size() > 1 && !row.fields()[1].empty();
     images.push_back(
         {*t, has_name ? std::string(row.fields()[1]) : std::to_string(t->ns) + ".png"});
@@ -186,7 +192,8 @@ std::vector<ImageListEntry> ListImageFolder(const std::filesystem::path& folder,
 }
 
 std::vector<ImuSample> ReadImuFile(const std::filesystem::path& csv,
-                                   std::vector<std::string>& warnings) {
+                                   std::vector<std::string>& warnings,
+                                   StampCounts& left_out) {
   CsvReader row(csv);
   RowProblems problems(row);
   std::vector<ImuSample> samples;
@@ -194,7 +201,7 @@ std::vector<ImuSample> ReadImuFile(const std::filesystem::path& csv,
     problems.AddRow();
     const auto t = ParseStamp(row.fields().front(), problems);
     if (!t) continue;
-    if (!IsNext(*t, samples, problems)) continue;
+    if (!IsNext(*t, samples, problems, left_out)) continue;
     if (const auto sample = ParseImu(row, *t, problems)) samples.push_back(*sample);
   }
   problems.Finish(warnings);

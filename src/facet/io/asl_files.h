@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "facet/imu/imu_types.h"
+#include "facet/io/stamp_counts.h"
 
 namespace facet {
 
@@ -19,10 +20,12 @@ struct ImageListEntry {
 
 /// cam?/data.csv: stamp, file name (`<stamp>.png` where there is none). Stamps strictly increasing.
 ///
-/// This and ReadImuFile append to `warnings` and throw InputError with file and line for a missing
-/// or empty file, stamps that are not nanoseconds, and more than a tenth of unusable lines.
+/// This and ReadImuFile append to `warnings`, add to `left_out` and throw InputError with file and
+/// line for a missing or empty file, stamps that are not nanoseconds, and more than a tenth of
+/// unusable lines.
 std::vector<ImageListEntry> ReadImageList(const std::filesystem::path& csv,
-                                          std::vector<std::string>& warnings);
+                                          std::vector<std::string>& warnings,
+                                          StampCounts& left_out);
 
 /// The PNG, JPEG, WebP and PGM files of a folder that are named by their stamps, in the order of
 /// these. Files with other names are left out, counted and appended to `warnings`. Throws
@@ -33,6 +36,7 @@ std::vector<ImageListEntry> ListImageFolder(const std::filesystem::path& folder,
 /// imu0/data.csv: stamp, gyroscope [rad/s], accelerometer [m/s^2]. Stamps strictly increasing, all
 /// numbers finite.
 std::vector<ImuSample> ReadImuFile(const std::filesystem::path& csv,
-                                   std::vector<std::string>& warnings);
+                                   std::vector<std::string>& warnings,
+                                   StampCounts& left_out);
 
 }  // namespace facet

@@ -12,14 +12,15 @@ namespace fs = std::filesystem;
 
 ImageFolder ReadCamera(const fs::path& folder,
                        const char* side,
-                       std::vector<std::string>& warnings) {
+                       std::vector<std::string>& warnings,
+                       StampCounts& left_out) {
   ImageFolder camera;
   camera.folder = folder / side;
   std::error_code error;
   for (const fs::path& list : {camera.folder / "times.csv", folder / "times.csv"}) {
     if (!fs::is_regular_file(list, error)) continue;
     camera.list = list;
-    camera.images = ReadImageList(list, warnings);
+    camera.images = ReadImageList(list, warnings, left_out);
     return camera;
   }
   camera.list = camera.folder;
@@ -45,10 +46,10 @@ RecordingFiles ReadPlainFolder(const fs::path& folder, const CalibrationFiles& c
   files.name = fs::weakly_canonical(folder).filename().string();
   files.calibration = *found;
   files.warnings = found->warnings;
-  files.cameras[0] = ReadCamera(folder, "left", files.warnings);
-  files.cameras[1] = ReadCamera(folder, "right", files.warnings);
+  files.cameras[0] = ReadCamera(folder, "left", files.warnings, files.images_left_out);
+  files.cameras[1] = ReadCamera(folder, "right", files.warnings, files.images_left_out);
   files.imu_file = folder / "imu.csv";
-  files.imu = ReadImuFile(files.imu_file, files.warnings);
+  files.imu = ReadImuFile(files.imu_file, files.warnings, files.imu_left_out);
   return files;
 }
 

@@ -40,6 +40,7 @@ struct RecordingFiles {
   std::vector<ImuSample> imu;          ///< IMU clock, stamps rise strictly, not empty
   Calibration calibration;
   std::vector<std::string> warnings;
+  StampCounts images_left_out, imu_left_out;  ///< images of both cameras
 };
 
 /// Everything but the pixels is in memory (some 100 bytes per image and sample); images are decoded
@@ -63,6 +64,8 @@ class StereoDataset {
   const std::vector<FrameEntry>& frames() const { return frames_; }
   const std::vector<ImuSample>& imu() const { return files_.imu; }  ///< IMU clock
   const std::vector<std::string>& warnings() const { return files_.warnings; }
+  const StampCounts& images_left_out() const { return files_.images_left_out; }
+  const StampCounts& imu_left_out() const { return files_.imu_left_out; }
   int sample_bits() const { return sample_bits_; }  ///< used of samples with 16: 10, 12 or 16
 
   /// Decodes pair `i` into 8-bit grey images of the calibrated size. Throws InputError when the

@@ -26,6 +26,8 @@ constexpr int kNumSteps = 5;
 // Careful calibrations drawn at random leave up to 0.5 px, usually 0.2 px.
 constexpr double kLeastBefore_px = 0.55, kLargestShareAfter = 0.5;
 constexpr int kMinMatches = 60;
+// Cameras are swapped: so many matches of all pairs the other way round, and so much more often.
+constexpr std::size_t kManySwapped = 80, kTimesMore = 5;
 
 // Signed distance of the right ray from the epipolar line of the left one, on the plane z = 1.
 double OffLine(const StereoRays& rays, const SE3& T_C1C0) {
@@ -49,6 +51,10 @@ double MedianOffLine(const StereoRig& rig, std::span<const StereoRays> matches) 
 bool StereoTurn::IsClear() const {
   return num_matches >= kMinMatches && before_px > kLeastBefore_px &&
          after_px < kLargestShareAfter * before_px;
+}
+
+bool AreSwapped(std::size_t num_matches, std::size_t num_exchanged) {
+  return num_exchanged >= std::max(kManySwapped, kTimesMore * num_matches);
 }
 
 std::vector<StereoRays> MatchWidely(const StereoRig& rig,

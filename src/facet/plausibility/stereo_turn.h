@@ -38,6 +38,13 @@ std::vector<StereoRays> MatchWidely(const StereoRig& rig,
                                     const cv::Mat& right,
                                     double gate_px = 5);
 
+/// A pair with fewer matches may have its images exchanged; a hundred and more are usual.
+inline constexpr std::size_t kFewStereoMatches = 20;
+
+/// Whether left and right are exchanged, from the matches of some pairs as they are and, of those
+/// pairs that have few, of their images exchanged.
+bool AreSwapped(std::size_t num_matches, std::size_t num_exchanged);
+
 /// Robust least squares over the matches, with a prior of 0.5 deg.
 StereoTurn EstimateStereoTurn(const StereoRig& rig, std::span<const StereoRays> matches);
 

@@ -43,6 +43,8 @@ class BagRecording : public Recording {
   void Rewind() override;
   int NumFrames(Timestamp from, Timestamp to) const override;
   std::vector<std::string> Warnings() const override;
+  StampCounts ImagesLeftOut() const override { return pairer_.left_out(); }
+  StampCounts ImuLeftOut() const override { return imu_.left_out(); }
 
  private:
   void FindCalibrationOf(const BagOpening& opening, const BagOptions& options);

@@ -18,6 +18,8 @@ class FolderRecording : public Recording {
   void Rewind() override;
   int NumFrames(Timestamp from, Timestamp to) const override;
   std::vector<std::string> Warnings() const override { return dataset_.warnings(); }
+  StampCounts ImagesLeftOut() const override { return dataset_.images_left_out(); }
+  StampCounts ImuLeftOut() const override { return dataset_.imu_left_out(); }
 
  private:
   bool IsImuNext() const;

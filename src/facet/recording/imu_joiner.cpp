@@ -9,11 +9,15 @@ constexpr std::size_t kMaxWaiting = 10000;  // rates; of an accelerometer that h
 
 }  // namespace
 
+void ImuJoiner::LeaveOut(Timestamp t, Timestamp newest) {
+  ++(t == newest ? left_out_.num_repeated : left_out_.num_backward);
+}
+
 void ImuJoiner::AddSample(const ImuSample& sample) {
   if (!sample.gyro.allFinite() || !sample.accel.allFinite()) {
     ++num_not_finite_;
   } else if (last_ && sample.t <= *last_) {
-    ++num_late_;
+    LeaveOut(sample.t, *last_);
   } else {
     last_ = sample.t;
     samples_.push_back(sample);
@@ -22,7 +26,7 @@ void ImuJoiner::AddSample(const ImuSample& sample) {
 
 void ImuJoiner::AddGyro(Timestamp t, const Vector3d& gyro) {
   if (!gyros_.empty() && t <= gyros_.back().t) {
-    ++num_late_;
+    LeaveOut(t, gyros_.back().t);
     return;
   }
   gyros_.push_back({t, gyro});
@@ -37,7 +41,7 @@ void ImuJoiner::AddAccel(Timestamp t, const Vector3d& accel) {
     return;
   }
   if (last_accel_ && t <= last_accel_->t) {
-    ++num_late_;
+    LeaveOut(t, last_accel_->t);
     return;
   }
   for (; !gyros_.empty() && gyros_.front().t <= t; gyros_.pop_front()) {
@@ -66,7 +70,8 @@ std::vector<std::string> ImuJoiner::Warnings() const {
     if (num > 0) warnings.push_back(std::to_string(num) + text);
   };
   warn(num_not_finite_, " IMU messages are not finite and were left out");
-  warn(num_late_, " IMU messages repeat a stamp or come too late and were left out");
+  warn(left_out_.num_repeated + left_out_.num_backward,
+       " IMU messages repeat a stamp or come too late and were left out");
   warn(num_without_accel_, " angular rates have no acceleration around them and were left out");
   return warnings;
 }

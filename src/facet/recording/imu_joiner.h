@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "facet/imu/imu_types.h"
+#include "facet/io/stamp_counts.h"
 
 namespace facet {
 
@@ -26,8 +27,11 @@ class ImuJoiner {
   void Clear();  ///< forgets everything, counts too
 
   std::vector<std::string> Warnings() const;
+  const StampCounts& left_out() const { return left_out_; }
 
  private:
+  void LeaveOut(Timestamp t, Timestamp newest);
+
   struct Reading {
     Timestamp t;
     Vector3d value;
@@ -37,7 +41,8 @@ class ImuJoiner {
   std::deque<Reading> gyros_;  ///< that wait for an acceleration behind them
   std::optional<Reading> last_accel_;
   std::optional<Timestamp> last_;
-  int num_not_finite_ = 0, num_late_ = 0, num_without_accel_ = 0;
+  int num_not_finite_ = 0, num_without_accel_ = 0;
+  StampCounts left_out_;
 };
 
 }  // namespace facet

@@ -13,6 +13,7 @@
 
 #include "facet/imu/imu_types.h"
 #include "facet/io/calibration_file.h"
+#include "facet/io/stamp_counts.h"
 #include "facet/recording/encoded_image.h"
 
 namespace facet {
@@ -61,6 +62,10 @@ class Recording {
   /// What is odd about the recording, but does not keep it from being used. More may be found while
   /// it is read.
   virtual std::vector<std::string> Warnings() const = 0;
+
+  /// What was left out so far because of its stamp: images of both cameras, IMU samples.
+  virtual StampCounts ImagesLeftOut() const = 0;
+  virtual StampCounts ImuLeftOut() const = 0;
 
  protected:
   Recording() = default;

@@ -22,7 +22,7 @@ void StereoPairer::Add(int camera,
   num_bytes += kBytesBeside;
   newest_received_ = std::max(newest_received_, received);
   if (last_[camera] && t <= *last_[camera]) {
-    ++num_late_;
+    ++(t == *last_[camera] ? left_out_.num_repeated : left_out_.num_backward);
     return;
   }
   last_[camera] = t;
@@ -101,7 +101,8 @@ std::vector<std::string> StereoPairer::Warnings() const {
   warn(num_before_, " left images before the first stereo pair are not used");
   warn(num_mono_, " left images have no right image");
   warn(num_lone_right_, " right images have no left image");
-  warn(num_late_, " images repeat a stamp or come too late and were left out");
+  warn(left_out_.num_repeated + left_out_.num_backward,
+       " images repeat a stamp or come too late and were left out");
   return warnings;
 }
 

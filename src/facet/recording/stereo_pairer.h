@@ -38,6 +38,7 @@ class StereoPairer {
   bool IsFull() const;
 
   std::vector<std::string> Warnings() const;
+  const StampCounts& left_out() const { return left_out_; }
 
  private:
   struct Waiting {
@@ -57,7 +58,8 @@ class StereoPairer {
   std::size_t num_bytes_ = 0;
   bool is_ended_ = false;
   std::optional<RecordedFrame> front_;
-  int num_pairs_ = 0, num_before_ = 0, num_mono_ = 0, num_lone_right_ = 0, num_late_ = 0;
+  int num_pairs_ = 0, num_before_ = 0, num_mono_ = 0, num_lone_right_ = 0;
+  StampCounts left_out_;
 };
 
 }  // namespace facet

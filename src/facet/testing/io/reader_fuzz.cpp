@@ -134,11 +134,13 @@ void ReadKittiDrive(const Path& drive) {
 std::vector<FuzzedReader> FuzzedReaders() {
   const auto read_list = [](const Path& file) {
     std::vector<std::string> warnings;
-    ReadImageList(file, warnings);
+    StampCounts left_out;
+    ReadImageList(file, warnings, left_out);
   };
   const auto read_imu = [](const Path& file) {
     std::vector<std::string> warnings;
-    ReadImuFile(file, warnings);
+    StampCounts left_out;
+    ReadImuFile(file, warnings, left_out);
   };
   const auto read_image = [](const Path& file) {
     cv::Mat image;
