@@ -33,7 +33,7 @@ CalibrationMatrix BaselineCovariance(const StereoRig& rig, double share) {
 // the baseline free, the size of the world would rest on the accelerometer alone.
 CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
   constexpr double kFocal = 0.01, kCentre_px = 5, kTurn = 0.3 * kDegree, kBaseline = 0.02;
-  constexpr double kMountTurn = 0.5 * kDegree, kMount_m = 0.01, kTime_s = 0.01, kScale = 0.01;
+  constexpr double kMountTurn = 0.5 * kDegree, kMount_m = 0.01, kTime_s = 0.01;
   CalibrationMatrix covariance = CalibrationMatrix::Zero();
   const auto add = [&](const CalibrationVector& sigmas) {
     covariance += sigmas * sigmas.transpose();
@@ -67,8 +67,7 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
       add_each(kTimeOffset, 1, kTime_s);
       break;
     case CalibrationPart::kGyroscope:
-      add_each(kGyroScale, 3, kScale);
-      break;
+      break;  // soon known far better than before any measurement: it needs no room
   }
   return covariance;
 }

@@ -54,6 +54,26 @@ TEST_F(FaultTest, WithoutAFaultTheCopyIsTheRecording) {
   EXPECT_EQ(cv::norm(left, left_copy, cv::NORM_INF), 0);
 }
 
+// Images are links to those of the recording: a second one of the same name must not be written
+// through the first, nor a copy over an earlier copy.
+TEST_F(FaultTest, TheRecordingStaysAsItIs) {
+  const auto pixels_of = [&](int pair) {
+    cv::Mat left, right;
+    EXPECT_EQ(AslDataset(source_ / "sequence").ReadPair(pair, left, right), "");
+    return left.clone();
+  };
+  std::vector<cv::Mat> before;
+  for (int i = 0; i < 12; ++i)
+    before.push_back(pixels_of(i));
+  const RecordingCopy clean = recording_;
+  for (const std::string fault : {"stamps_repeated:imu=0,share=0.5", "older:share=1,back=3"}) {
+    recording_ = clean;
+    Written(fault);
+  }
+  for (int i = 0; i < 12; ++i)
+    EXPECT_EQ(cv::norm(before[static_cast<std::size_t>(i)], pixels_of(i), cv::NORM_INF), 0) << i;
+}
+
 TEST_F(FaultTest, AGlitchIsOneSample) {
   const AslDataset damaged = Written("imu_glitch:at=0.2,gyro=35,axis=2");
   int num = 0;
