@@ -54,6 +54,8 @@ void Print(const Recording& recording, const CheckReport& report) {
     PrintFinding(report, i);
   for (const Unchecked& unchecked : report.unchecked)
     std::printf("not checked: %s (%s)\n", unchecked.name.c_str(), unchecked.why.c_str());
+  for (const std::string& figure : report.measured)
+    std::printf("measured: %s\n", figure.c_str());
   for (const std::string& note : report.notes)
     std::printf("note: %s\n", note.c_str());
   if (report.findings.empty()) std::printf("nothing wrong was found\n");
@@ -82,6 +84,7 @@ std::string ToJson(const Recording& recording, const CheckReport& report) {
   json["not_checked"] = nlohmann::ordered_json::array();
   for (const Unchecked& unchecked : report.unchecked)
     json["not_checked"].push_back({{"name", unchecked.name}, {"why", unchecked.why}});
+  json["measured"] = report.measured;
   json["notes"] = report.notes;
   return JsonText(json, 2) + "\n";
 }

@@ -39,7 +39,7 @@ DEFECTS = [
     ("right_stamps", "right_stamped_late:ms=3", "right_stamped_late:ms=1.5"),
     ("imu_missing", "imu_late:length=1", "imu_late:length=0.5"),
     ("images_repeated", "repeated:share=0.05", "repeated:share=0.025"),
-    ("clock_jump", "clock_jump:at=8,ms=30", "clock_jump:at=8,ms=15"),
+    ("clock_jump", "clock_jump:at=5,ms=30", "clock_jump:at=5,ms=15"),
     ("too_short", "cut:length=4.9", "cut:length=9.8"),
     ("gyroscope", "imu_degrees", None),
     ("gyroscope", "imu_negated:axis=0", None),
@@ -123,7 +123,7 @@ def table(arguments, folder):
         for sequence in arguments.sequences:
             marks = []
             for fault in (at, half):
-                if fault is None:
+                if fault is None or (fault == half and arguments.whole):
                     continue
                 with tempfile.TemporaryDirectory(dir=folder) as out:
                     damaged = Path(out) / "damaged"
@@ -157,6 +157,7 @@ def main():
     parser.add_argument("--planter", default=str(ROOT / "build" / "facet"), help="program that knows the faults")
     parser.add_argument("--only", default="", metavar="REGEX", help="defects whose finding or fault matches")
     parser.add_argument("--length", type=float, default=16, help="seconds that are kept of each recording")
+    parser.add_argument("--whole", action="store_true", help="without the halves")
     parser.add_argument("--good", action="store_true")
     parser.add_argument("--verbose", action="store_true", help="print every report")
     arguments = parser.parse_args()

@@ -18,7 +18,7 @@ constexpr int kPartsOfWindow = 8;
 constexpr double kHole_s = 0.1;
 constexpr std::size_t kMostSamples = 60000;
 // How much steadier gravity must be with other axes: overall, and in most of the windows.
-constexpr double kSteadier = 4, kShareOfWindows = 0.75;
+constexpr double kSteadier = 2.2, kShareOfWindows = 0.75;
 constexpr int kMinWindows = 3;
 // And how unsteady it is with these [m/s^2].
 constexpr double kUnsteady = 1.5;
@@ -142,6 +142,11 @@ class AccelerometerAxes : public Detector {
     };
     const double share = static_cast<double>(std::ranges::count_if(windows, is_steadier)) /
                          static_cast<double>(windows.size());
+    report.measured.push_back(
+        Text("gravity, turned back by the gyroscope, moves by %.2f m/s^2, by "
+             "%.2f m/s^2 with the best axes of the accelerometer",
+             std::sqrt(as_given),
+             std::sqrt(total(best))));
     if (as_given < kUnsteady * kUnsteady || as_given < kSteadier * total(best) ||
         share < kShareOfWindows) {
       return;

@@ -24,11 +24,17 @@ constexpr double kAround_s = 0.6;
 constexpr double kLeastTurning = 1.0;
 constexpr int kMinTurns = 15;
 constexpr double kLeastSigmas = 5, kCertainSigmas = 10;
-constexpr double kTurned = 2 * kDegree, kOffset_s = 0.012, kScale = 0.035, kBias = 0.15;
+// Above this it is another mount, or another sensor, and no error of a calibration.
+constexpr double kGrosslyTurned = 20 * kDegree;
+constexpr double kTurned = 2 * kDegree, kOffset_s = 0.012, kScale = 0.035, kBias = 0.105;
 // Where the fit does not describe the turns, its parameters mean nothing.
 constexpr double kLargestCost = 6;
 constexpr std::size_t kNumParts = 4;
 constexpr double kJump_s = 0.015;
+
+constexpr const char* kAdvice =
+    "check units (rad/s) and axes of the IMU, and the rotation between camera and IMU: T_BS takes "
+    "points from the camera to the IMU, Kalibr's T_cam_imu the other way";
 
 Sureness SurenessOf(double sigmas) {
   return sigmas > kCertainSigmas ? Sureness::kCertain : Sureness::kLikely;
@@ -80,12 +86,7 @@ class CameraImu : public Detector {
     const std::string words = WhatIsGrosslyWrong(start.tau_s);
     if (!words.empty()) {
       report.is_gyroscope_wrong = true;
-      report.Add({"gyroscope",
-                  Sureness::kCertain,
-                  "the images turn as if " + words,
-                  "check units (rad/s) and axes of the IMU, and the rotation between camera and "
-                  "IMU: T_BS takes points from the camera to the IMU, Kalibr's T_cam_imu the other "
-                  "way"});
+      report.Add({"gyroscope", Sureness::kCertain, "the images turn as if " + words, kAdvice});
       return;
     }
     Judge(FitCameraImu(turns_, gyro_, start), report);
@@ -104,7 +105,7 @@ class CameraImu : public Detector {
     const Duration tau = FromSeconds(tau_s);
     for (const ImageTurn& turn : turns_) {
       SharedTurn shared{turn.rotation, Vector3d::Zero(), turn.duration_s()};
-      if (!gyro_.Turn(turn.begin + tau, turn.end + tau, shared.gyro_B)) continue;
+      if (!gyro_.Sum(turn.begin + tau, turn.end + tau, shared.gyro_B)) continue;
       if (!check.IsOfUse(shared.gyro_B / shared.duration_s)) continue;
       const std::string words = check.Add(shared);
       if (!words.empty()) return words;
@@ -114,12 +115,29 @@ class CameraImu : public Detector {
 
   void Judge(const CameraImuFit& fit, CheckReport& report) const {
     const CameraImuModel& m = fit.model;
+    report.measured.push_back(Text(
+        "left camera against the gyroscope, from %d turns: mount off by %.2f deg (%.1f sigma), "
+        "IMU later by %.1f ms (1-sigma %.1f), images turn by %+.1f %% more (1-sigma %.1f), "
+        "bias %.3f %.3f %.3f rad/s, cost %.1f",
+        fit.num_turns,
+        fit.turned.norm() / kDegree,
+        fit.TurnedSigmas(),
+        1e3 * m.tau_s,
+        1e3 * fit.Sigma(7),
+        100 * (std::exp(m.log_scale) - 1),
+        100 * fit.Sigma(3),
+        m.bias.x(),
+        m.bias.y(),
+        m.bias.z(),
+        fit.cost));
     if (fit.num_turns < kMinTurns || fit.cost > kLargestCost) {
       report.is_gyroscope_wrong = fit.num_turns >= kMinTurns;
       for (const char* name : {"camera_imu_rotation", "time_offset", "gyro_scale"})
         report.unchecked.push_back({name, "gyroscope and images do not agree well enough"});
       return;
     }
+    if (fit.turned.norm() > kGrosslyTurned && fit.TurnedSigmas() > kLeastSigmas)
+      return AddOtherMount(fit, report);
     report.gyro_bias = m.bias;
     if (fit.turned.norm() > kTurned && fit.TurnedSigmas() > kLeastSigmas) {
       const Vector3d degrees = fit.turned / kDegree;
@@ -158,6 +176,16 @@ class CameraImu : public Detector {
                   "let the driver calibrate the gyroscope at rest before recording"});
       return;
     }
+  }
+
+  static void AddOtherMount(const CameraImuFit& fit, CheckReport& report) {
+    report.is_gyroscope_wrong = true;
+    report.Add({"gyroscope",
+                SurenessOf(fit.TurnedSigmas()),
+                Text("the images turn as if the rotation between camera and IMU were off by %.0f "
+                     "deg, or as if an axis of the gyroscope were negated",
+                     fit.turned.norm() / kDegree),
+                kAdvice});
   }
 
   void JudgeTime(const CameraImuFit& fit, CheckReport& report) const {

@@ -16,6 +16,8 @@ namespace {
 constexpr double kFloor = 0.002, kRelative = 0.01;
 // In units of sigma.
 constexpr double kLossWidths[] = {30, 8, 3};
+// The uncertainties of single turns are careful; what the residuals show counts down to this.
+constexpr double kLeastVariance = 0.3;
 constexpr int kNumSteps = 8;
 constexpr double kPriorTurn = 0.5, kPriorScale = 0.3, kPriorBias = 0.3, kPriorTau = 0.3;
 constexpr double kTauStep = 0.002;
@@ -123,7 +125,7 @@ double SizeCorrelation(std::span<const ImageTurn> turns, const GyroTrack& gyro, 
   const Duration tau = FromSeconds(tau_s);
   for (const ImageTurn& turn : turns) {
     Vector3d theta;
-    if (!gyro.Turn(turn.begin + tau, turn.end + tau, theta)) continue;
+    if (!gyro.Sum(turn.begin + tau, turn.end + tau, theta)) continue;
     images.push_back(turn.rotation.theta.norm());
     gyros.push_back(theta.norm());
   }
@@ -177,7 +179,7 @@ CameraImuFit FitCameraImu(std::span<const ImageTurn> turns,
   }
   fit.num_turns = n.num;
   fit.cost = n.cost / std::max(1, n.num);
-  fit.covariance = std::max(1.0, fit.cost / 3) * n.H.inverse();
+  fit.covariance = std::max(kLeastVariance, fit.cost / 3) * n.H.inverse();
   fit.turned = Difference(start, m).head<3>();
   return fit;
 }
@@ -195,7 +197,7 @@ std::pair<double, double> FitTimeOffset(std::span<const ImageTurn> turns,
       m.tau_s = std::clamp(m.tau_s + n.b[7] / information, -kLargestTau, kLargestTau);
     }
   }
-  return {m.tau_s, std::sqrt(std::max(1.0, cost / 3) / information)};
+  return {m.tau_s, std::sqrt(std::max(kLeastVariance, cost / 3) / information)};
 }
 
 }  // namespace facet

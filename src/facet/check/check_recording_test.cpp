@@ -176,6 +176,16 @@ TEST(CheckRecordingTest, UnitsOfTheAccelerometerAreNamed) {
   EXPECT_THAT(report.findings.back().what, ::testing::HasSubstr("in g"));
 }
 
+TEST(CheckRecordingTest, TheEndOfARangeIsNamed) {
+  MemoryRecording recording;
+  Fill(recording);
+  for (RecordingEvent& event : recording.events) {
+    if (auto* sample = std::get_if<ImuSample>(&event))
+      sample->gyro = sample->gyro.cwiseMin(0.7).cwiseMax(-0.7);
+  }
+  EXPECT_THAT(NamesOf(recording), Contains("imu_saturated"));
+}
+
 TEST(CheckRecordingTest, WhatIsWrongWithImagesIsNamed) {
   struct Case {
     const char* name;

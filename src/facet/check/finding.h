@@ -34,7 +34,8 @@ struct Unchecked {
 struct CheckReport {
   std::vector<Finding> findings;
   std::vector<Unchecked> unchecked;
-  std::vector<std::string> notes;  ///< what the reader found odd
+  std::vector<std::string> measured;  ///< figures, whether they are good or not
+  std::vector<std::string> notes;     ///< what the reader found odd
   /// What was looked at.
   Timestamp first_frame;
   int num_frames = 0, num_imu = 0, num_looked_at = 0;

@@ -109,6 +109,11 @@ class FixedView : public Detector {
     const double share = static_cast<double>(num_dots) / static_cast<double>(sum_.total());
     const auto num_cells =
         static_cast<int>(std::ranges::count_if(by_cell, [](int n) { return n > 0; }));
+    report.measured.push_back(
+        Text("%.2f %% of the pixels are bright dots that stay in their places, in %.0f %% of the "
+             "image's parts",
+             100 * share,
+             100.0 * num_cells / (kColumns * kRows)));
     if (share < kShareOfDots || num_cells < kShareOfCells * kColumns * kRows) return;
     report.Add({"fixed_pattern",
                 Sureness::kCertain,

@@ -19,23 +19,35 @@ Vector3d GyroTrack::At(std::size_t behind, Timestamp t) const {
   return a.gyro + share * (b.gyro - a.gyro);
 }
 
-bool GyroTrack::Turn(Timestamp begin, Timestamp end, Vector3d& theta) const {
+template <class Step>
+bool GyroTrack::Integrate(Timestamp begin, Timestamp end, const Step& step) const {
   const auto first = std::ranges::upper_bound(samples_, begin, {}, &Sample::t);
   if (first == samples_.begin() || first == samples_.end() || samples_.back().t < end) return false;
-  auto i = static_cast<std::size_t>(first - samples_.begin());
-  Quaterniond R = Quaterniond::Identity();
   Timestamp t = begin;
+  auto i = static_cast<std::size_t>(first - samples_.begin());
   Vector3d gyro = At(i, begin);
   for (; t < end; ++i) {
     if (ToSeconds(samples_[i].t - samples_[i - 1].t) > kHole_s) return false;
     const Timestamp next = std::min(samples_[i].t, end);
     const Vector3d gyro_next = At(i, next);
-    R = R * ExpSO3(0.5 * ToSeconds(next - t) * (gyro + gyro_next));
+    step(0.5 * ToSeconds(next - t) * (gyro + gyro_next));
     t = next;
     gyro = gyro_next;
   }
+  return true;
+}
+
+bool GyroTrack::Turn(Timestamp begin, Timestamp end, Vector3d& theta) const {
+  Quaterniond R = Quaterniond::Identity();
+  const auto step = [&](const Vector3d& angle) { R = R * ExpSO3(angle); };
+  if (!Integrate(begin, end, step)) return false;
   theta = LogSO3(R.normalized());
   return true;
+}
+
+bool GyroTrack::Sum(Timestamp begin, Timestamp end, Vector3d& angle) const {
+  angle.setZero();
+  return Integrate(begin, end, [&](const Vector3d& part) { angle += part; });
 }
 
 }  // namespace facet

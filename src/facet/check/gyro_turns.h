@@ -27,12 +27,19 @@ class GyroTrack {
   /// there are no samples around, or a hole of more than 0.1 s.
   bool Turn(Timestamp begin, Timestamp end, Vector3d& theta) const;
 
+  /// The sum of the rates instead, which has no largest angle: units may be wrong.
+  bool Sum(Timestamp begin, Timestamp end, Vector3d& angle) const;
+
  private:
   struct Sample {
     Timestamp t;
     Vector3d gyro;
   };
   Vector3d At(std::size_t behind, Timestamp t) const;
+
+  /// Calls step(angle) for each part of the interval.
+  template <class Step>
+  bool Integrate(Timestamp begin, Timestamp end, const Step& step) const;
 
   std::vector<Sample> samples_;
 };

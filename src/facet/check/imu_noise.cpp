@@ -105,6 +105,13 @@ class ImuNoiseDetector : public Detector {
       report.unchecked.push_back({name, "the IMU is too short"});
       return;
     }
+    report.measured.push_back(
+        Text("noise density of the %s where it is quietest: %.2g %s, the "
+             "calibration says %.2g",
+             sensor,
+             *seen,
+             unit,
+             stated));
     const bool is_high = stated > kTooHigh * *seen || stated > limits.most;
     const bool is_low = stated * kTooLow < *seen || stated < limits.least;
     if (!is_high && !is_low) return;

@@ -88,6 +88,8 @@ class Sharpness : public Detector {
       return;
     }
     const double sharpest = QuantileOf(sharpness_, kSharpest);
+    report.measured.push_back(
+        Text("sharpness of edges %.2f, noise of pixels %.1f grey values", sharpest, noise));
     if (sharpest < kBlurred) {
       report.Add({"blur",
                   Sureness::kLikely,

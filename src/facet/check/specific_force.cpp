@@ -46,7 +46,10 @@ class SpecificForce : public Detector {
       return;
     }
     // Turned together, the forces add up to gravity; a wrong gyroscope makes their sum smaller.
-    const double mean = MedianOf(means_), size = MedianOf(sizes_);
+    const double size = MedianOf(sizes_);
+    const double mean = report.is_gyroscope_wrong ? size : MedianOf(means_);
+    report.measured.push_back(
+        Text("mean force turned back by the gyroscope %.2f m/s^2, its mean size %.2f", mean, size));
     if (size < kMissing) return FinishSmall(mean, size, report);
     const bool is_high = mean > (1 + kScale) * kGravity;
     const bool is_low = mean < (1 - kScale) * kGravity && size < kGravity;

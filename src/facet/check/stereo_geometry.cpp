@@ -21,7 +21,7 @@ constexpr double kMisfit_px = 0.65;
 // The turn of a pair counts with this many matches at least.
 constexpr int kMinOfPair = 40;
 constexpr std::size_t kMinPairs = 12;
-constexpr double kLate_s = 0.008, kLateSigmas = 6;
+constexpr double kLate_s = 0.008, kLateSigmas = 3;
 
 class StereoGeometry : public Detector {
  public:
@@ -88,6 +88,10 @@ class StereoGeometry : public Detector {
     }
     const double num = 2.0 * static_cast<double>(turns_.size()) - 3;
     const double sigma_s = std::sqrt(left / num / std::max(squares, 1e-12));
+    report.measured.push_back(
+        Text("right images are later than left ones by %.1f ms (1-sigma %.1f)",
+             1e3 * tau_s,
+             1e3 * sigma_s));
     if (std::abs(tau_s) < kLate_s || std::abs(tau_s) < kLateSigmas * sigma_s) return false;
     report.Add({"right_late",
                 Sureness::kLikely,
@@ -109,6 +113,13 @@ class StereoGeometry : public Detector {
       return;
     }
     const Vector3d degrees = turn.omega / kDegree;
+    report.measured.push_back(
+        Text("matches of left and right are %.2f px beside their epipolar lines (median of %d), "
+             "%.2f px with the right camera turned by %.2f deg",
+             turn.before_px,
+             turn.num_matches,
+             turn.after_px,
+             degrees.norm()));
     if (turn.after_px > kMisfit_px) {
       report.Add({"stereo_misfit",
                   Sureness::kCertain,

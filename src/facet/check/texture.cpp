@@ -29,6 +29,9 @@ class Texture : public Detector {
   }
 
   void Finish(CheckReport& report) override {
+    report.measured.push_back(Text("%.0f corners in an image (median, at most %d)",
+                                   MedianOf(corners_),
+                                   options_.max_features));
     if (num_ < kMinImages || num_few_ < kShare * num_) return;
     report.Add({"no_texture",
                 Sureness::kCertain,
