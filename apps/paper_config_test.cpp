@@ -32,6 +32,7 @@ TEST(PaperConfigTest, DiffersFromTheDefaultsInTheListedKeysOnly) {
   }
   EXPECT_EQ(changed,
             (std::map<std::string, std::string>{
+                {"estimator.calibration.gyro", "false"},
                 {"estimator.calibration.lens", "false"},
                 {"estimator.calibration.mount", "false"},
                 {"estimator.calibration.time", "false"},

@@ -262,7 +262,7 @@ struct CalibrationOptions {
     v.Field("mount", mount, Range{}, "estimate where the cameras are on the IMU", Audience::kUsers);
     v.Field(
         "time", time, Range{}, "estimate the cameras' clock against the IMU's", Audience::kUsers);
-    v.Field("gyro", gyro, Range{}, "estimate the scale of the gyroscope's axes", Audience::kUsers);
+    v.Field("gyro", gyro, "estimate the scale of the gyroscope's axes");
     v.Field("board_noise_px",
             board_noise_px,
             Range{1e-3, 20},
