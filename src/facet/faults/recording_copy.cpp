@@ -22,11 +22,19 @@ fs::path CameraFolder(const fs::path& mav0, std::size_t camera) {
   return mav0 / ("cam" + std::to_string(camera));
 }
 
+// What is there already may be a link into the source, which must not be written through.
+void MakeRoom(const fs::path& file) {
+  std::error_code error;
+  fs::remove(file, error);
+  if (error) throw OutputError(file.string() + ": " + error.message());
+}
+
 void LinkOrCopy(const fs::path& from, const fs::path& to) {
+  MakeRoom(to);
   std::error_code error;
   fs::create_hard_link(from, to, error);
   if (!error) return;
-  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  fs::copy_file(from, to, error);
   if (error) throw OutputError(to.string() + ": " + error.message());
 }
 
@@ -69,6 +77,7 @@ void WriteImages(const std::vector<RecordedImage>& images, const fs::path& camer
     reader.Read(image.file, pixels);
     for (const ImageEdit& edit : image.edits)
       edit(pixels);
+    MakeRoom(camera / "data" / name);
     WritePng(camera / "data" / name, pixels);
   }
   list.close();
