@@ -11,7 +11,7 @@ namespace facet {
 
 /// Columns of the calibration: the 22 parameters of lenses and stereo pair (RigVector), then the
 /// mount (rotation and translation of both cameras on the body), the time offset [s], and by what
-/// share gyroscope and accelerometer read too much on each of their axes (Vector3d).
+/// share the gyroscope reads too much on each of its axes.
 inline constexpr int kMountRotation = kNumRigParameters;
 inline constexpr int kMountTranslation = kMountRotation + 3;
 inline constexpr int kTimeOffset = kMountTranslation + 3;

@@ -23,15 +23,12 @@ Vector<9> Correction(const ImuPreintegration& measured,
          measured.ScaleJacobian() * (gyro_scale - measured.gyro_scale());
 }
 
-}  // namespace
-
-Vector<15> ImuError(const ImuPreintegration& measured,
-                    const NavState& i,
-                    const NavState& j,
-                    const Vector3d& gyro_scale) {
+Vector<15> CorrectedError(const ImuPreintegration& measured,
+                          const NavState& i,
+                          const NavState& j,
+                          const Vector<9>& correction) {
   const double T = measured.dt();
   const Vector3d g = GravityInWorld();
-  const Vector<9> correction = Correction(measured, i.bias, gyro_scale);
   const Quaterniond q_i_inv = i.T_WB.q.conjugate();
 
   const Quaterniond dR = measured.dR() * ExpSO3(correction.head<3>());
@@ -45,6 +42,15 @@ Vector<15> ImuError(const ImuPreintegration& measured,
   return r;
 }
 
+}  // namespace
+
+Vector<15> ImuError(const ImuPreintegration& measured,
+                    const NavState& i,
+                    const NavState& j,
+                    const Vector3d& gyro_scale) {
+  return CorrectedError(measured, i, j, Correction(measured, i.bias, gyro_scale));
+}
+
 ImuResidual LinearizeImu(const ImuPreintegration& measured,
                          const NavState& i,
                          const NavState& j,
@@ -56,14 +62,15 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured,
   const Matrix3d R_BiW = i.T_WB.R().transpose();
   const Matrix3d R_WBj = j.T_WB.R();
 
+  const Vector<9> correction = Correction(measured, i.bias, gyro_scale);
+
   ImuResidual out;
-  out.r = ImuError(measured, i, j, gyro_scale);
+  out.r = CorrectedError(measured, i, j, correction);
   const Vector3d r_theta = out.r.head<3>();
   const Matrix3d Jr_inv = RightJacobianInverseSO3(r_theta);
   // d r_theta / d (the angles that the measured rotation is corrected by).
-  const Matrix3d J_correction =
-      -Jr_inv * ExpSO3(r_theta).toRotationMatrix().transpose() *
-      RightJacobianSO3(Correction(measured, i.bias, gyro_scale).head<3>());
+  const Matrix3d J_correction = -Jr_inv * ExpSO3(r_theta).toRotationMatrix().transpose() *
+                                RightJacobianSO3(correction.head<3>());
 
   Matrix<15, 15>& Ji = out.J_i;
   Matrix<15, 15>& Jj = out.J_j;
@@ -93,10 +100,11 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured,
 
 namespace {
 
-// Scale factors and misalignment, which the model does not have, of a consumer's sensor.
+// Of a consumer's sensor, which the model does not have: the accelerometer's scale, misalignment,
+// and the gyroscope's scale while it is not known yet.
 constexpr double kUnknownScale = 0.003;
-// The factors count with more noise than a gyroscope has, so that its scale does not bend the
-// calibration; who asks whether it contradicts the images asks for less.
+// The factors count with more noise than a gyroscope has, which is best for the poses; who asks
+// whether it contradicts the images asks for less.
 constexpr double kGyroIsBetter = 1.5;
 
 // What is left of an error that the scale of the sensor can explain.

@@ -172,28 +172,42 @@ StartAttempt VioStart::Try(const std::optional<SE3>& predicted,
   if (attempt.reason.empty() && may_wait && !DoesGyroscopeAgree(window)) attempt.reason = kDoubt;
   if (attempt.reason.empty()) {
     Solve(imu, optimizer, window, attempt);
-    const double tilt = TiltSigma(attempt.covariance, window);
-    if (may_wait && !DoesImuAgree(window)) {
-      attempt.reason = kDoubt;
-    } else if (tilt < options_.start.max_tilt_deg * kDegree ||
-               SpanOf(window) >= options_.start.max_wait_s) {
-      MoveNewestFrameTo(StartPose(window.frames.back().x, predicted), window);
-      // The covariance belongs to the origin and heading that were fixed when it was computed.
-      optimizer.Solve(window, 1);
-      attempt.covariance = optimizer.solver().NewestFrameCovariance();
-      // Of measurements that contradict each other as much as numbers can.
-      attempt.has_failed = !attempt.covariance.allFinite();
-      if (attempt.has_failed) attempt.reason = "numerical failure";
-      attempt.has_started = has_state_ = !attempt.has_failed;
+    attempt.reason = WhyNotYet(attempt.covariance, may_wait, window);
+    if (attempt.reason.empty()) {
+      Begin(predicted, optimizer, window, attempt);
       return attempt;
-    } else {
-      attempt.reason = "tilt not known well enough";
     }
   }
   // The oldest frames may be what spoils the start (a blackout, a jump): let them go.
   if (static_cast<int>(window.frames.size()) >= 3 * options_.start.min_frames)
     DropFirstFrame(window);
   return attempt;
+}
+
+// With a solution; empty if nothing speaks against it. `covariance`: of the newest frame.
+std::string VioStart::WhyNotYet(const Matrix<15, 15>& covariance,
+                                bool may_wait,
+                                const SlidingWindow& window) const {
+  if (may_wait && !DoesImuAgree(window)) return kDoubt;
+  if (!(TiltSigma(covariance, window) < options_.start.max_tilt_deg * kDegree) &&
+      SpanOf(window) < options_.start.max_wait_s) {
+    return "tilt not known well enough";
+  }
+  return {};
+}
+
+void VioStart::Begin(const std::optional<SE3>& predicted,
+                     WindowOptimizer& optimizer,
+                     SlidingWindow& window,
+                     StartAttempt& attempt) {
+  MoveNewestFrameTo(StartPose(window.frames.back().x, predicted), window);
+  // The covariance belongs to the origin and heading that were fixed when it was computed.
+  optimizer.Solve(window, 1);
+  attempt.covariance = optimizer.solver().NewestFrameCovariance();
+  // Of measurements that contradict each other as much as numbers can.
+  attempt.has_failed = !attempt.covariance.allFinite();
+  if (attempt.has_failed) attempt.reason = "numerical failure";
+  attempt.has_started = has_state_ = !attempt.has_failed;
 }
 
 bool VioStart::HasEnoughFrames(const SlidingWindow& window) const {

@@ -61,6 +61,13 @@ class VioStart {
              WindowOptimizer& optimizer,
              SlidingWindow& window,
              StartAttempt& attempt) const;
+  std::string WhyNotYet(const Matrix<15, 15>& covariance,
+                        bool may_wait,
+                        const SlidingWindow& window) const;
+  void Begin(const std::optional<SE3>& predicted,
+             WindowOptimizer& optimizer,
+             SlidingWindow& window,
+             StartAttempt& attempt);
   bool ShouldEnd(const Matrix<15, 15>& covariance,
                  const ImuIntervals& imu,
                  SlidingWindow& window,
@@ -68,7 +75,7 @@ class VioStart {
 
   StereoRig rig_;
   EstimatorOptions options_;
-  std::optional<Timestamp> first_try_;
+  std::optional<Timestamp> first_try_;  // with enough frames
   bool has_state_ = false;
   bool is_over_ = false;
 };
