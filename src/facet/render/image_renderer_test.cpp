@@ -212,11 +212,13 @@ TEST(PixelRaysTest, AreTheSameForwardsAndBackwardsInTime) {
       const PixelRay& mirrored = rays[rays.size() - 1 - i];
       EXPECT_EQ(rays[i].offset_px, -mirrored.offset_px) << count;
       EXPECT_EQ(rays[i].level_rounding, mirrored.level_rounding) << count;
-      squares += rays[i].offset_px.squaredNorm() / (2 * count);
-      roundings += rays[i].level_rounding / count;
+      squares += static_cast<double>(rays[i].offset_px.squaredNorm());
+      roundings += static_cast<double>(rays[i].level_rounding);
     }
-    EXPECT_NEAR(roundings, 0.5, 1e-6) << count;
-    if (count >= 14) EXPECT_NEAR(std::sqrt(squares), 0.5, 0.1) << count;
+    EXPECT_NEAR(roundings / count, 0.5, 1e-6) << count;
+    if (count >= 14) {
+      EXPECT_NEAR(std::sqrt(squares / (2 * count)), 0.5, 0.1) << count;
+    }
   }
 }
 
