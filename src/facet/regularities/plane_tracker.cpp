@@ -211,9 +211,10 @@ void PlaneTracker::ReleaseFacesOfEarlierViews(int plane) {
 bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   const PlaneTrackingOptions& limits = options_.tracking;
   const Vector3d& n_W = planes_[plane].estimate.plane_W.n;
-  std::vector<int> corners;
+  std::vector<int> on_plane, corners;
   for (std::size_t f = 0; f < faces_.faces.size(); ++f) {
     if (plane_index_of_face_[f] != plane) continue;
+    on_plane.push_back(static_cast<int>(f));
     for (const int corner : faces_.faces[f].corners) {
       if (landmark_of_point_[corner] >= 0 &&
           faces_.points[corner].SigmaAlong(n_W) < kMaxLandmarkSigma_m)
@@ -238,7 +239,7 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   // Few are enough if they are far apart: walls with little texture have no more.
   const bool are_spread = sigma_normal <= limits.max_spread_sigma_deg * kDegree;
   const int needed = are_spread ? fewest : limits.min_landmarks;
-  return num >= needed && extent_m >= options_.detection.min_extent_m &&
+  return num >= needed && extent_m >= MinExtent_m(faces_, on_plane, options_.detection) &&
          sigma_normal <= limits.max_normal_sigma_deg * kDegree;
 }
 

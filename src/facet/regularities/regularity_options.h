@@ -11,10 +11,11 @@ struct DetectionOptions {
   /// A plane that leans more than this, and more than three of its sigmas, is neither level nor
   /// upright but oblique [deg].
   double max_plane_lean_deg = 2;
-  /// Least surface of a plane [m^2]. Smaller: more and less certain planes.
+  /// Least surface of a plane, seen from kFullSizeDistance_m or farther; nearer, what fills the
+  /// same part of the view is enough [m^2]. Smaller: more and less certain planes.
   double min_area_m2 = 0.15;
   /// Least spread (1-sigma) of a plane's points in its narrow direction, and of the landmarks of a
-  /// new plane [m].
+  /// new plane; less where it is near, as for the surface [m].
   double min_extent_m = 0.12;
   /// Points farther from a plane than this are not on it, however uncertain they are, and parallel
   /// surfaces nearer to each other than this cannot be told apart [m].

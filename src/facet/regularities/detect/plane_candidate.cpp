@@ -161,11 +161,10 @@ Matrix3d NormalCovariance(const WeightedPlane& plane, double inflation) {
 }
 
 // Large, thin, wide and straight enough.
-bool IsAcceptable(const WeightedPlane& plane, const Plane& start, const DetectionOptions& options) {
+bool IsAcceptable(const WeightedPlane& plane, const Plane& start, double min_extent_m) {
   const double max_thickness = std::max(kMaxThickness_m, 1.5 * plane.expected_thickness_m);
   return static_cast<int>(plane.points.size()) >= kMinVertices &&
-         plane.fit.extent_minor_m >= options.min_extent_m &&
-         plane.fit.thickness_m <= max_thickness &&
+         plane.fit.extent_minor_m >= min_extent_m && plane.fit.thickness_m <= max_thickness &&
          plane.fit.plane.n.dot(start.n) >= std::cos(kMaxTurn);
 }
 
@@ -223,7 +222,7 @@ class CandidateSearch {
     std::vector<int> on_plane;
     for (int round = 0; round < kMaxRounds; ++round) {
       std::vector<int> found = FacesOnPlane(faces_, pool, plane, options_.max_distance_m);
-      if (AreaOf(faces_, found) < min_area_m2_) return;
+      if (SearchAreaOf(faces_, found) < min_area_m2_) return;
       if (found == on_plane) break;
       on_plane = std::move(found);
       plane = Fit(on_plane, plane.n).fit.plane;
@@ -232,7 +231,7 @@ class CandidateSearch {
         ConnectedPieces(faces_, on_plane, corners_.DistinctCorners(on_plane), plane);
     if (pieces.size() > 1 && num_splits > 0) {
       const auto is_large = [&](const std::vector<int>& piece) {
-        return AreaOf(faces_, piece) >= min_area_m2_;
+        return SearchAreaOf(faces_, piece) >= min_area_m2_;
       };
       const auto num_large = std::count_if(pieces.begin(), pieces.end(), is_large);
       // One among crumbs only has to find its own plane.
@@ -241,7 +240,7 @@ class CandidateSearch {
       return;
     }
     for (const std::vector<int>& piece : pieces) {
-      if (AreaOf(faces_, piece) < min_area_m2_) continue;
+      if (SearchAreaOf(faces_, piece) < min_area_m2_) continue;
       const WeightedPlane fit = Fit(piece, start.n);
       const auto step = FindStep(fit.points, fit.weights, fit.fit);
       if (!step) {
@@ -265,7 +264,8 @@ class CandidateSearch {
               const Plane& start,
               std::vector<PlaneCandidate>& out) const {
     if (static_cast<int>(on_plane.size()) >= options_.min_faces &&
-        AreaOf(faces_, on_plane) >= min_area_m2_ && IsAcceptable(fit, start, options_))
+        SearchAreaOf(faces_, on_plane) >= min_area_m2_ &&
+        IsAcceptable(fit, start, MinExtent_m(faces_, on_plane, options_)))
       out.push_back(MakeCandidate(faces_, on_plane, fit, options_));
   }
 
@@ -278,7 +278,7 @@ class CandidateSearch {
     for (std::vector<int> part : parts) {
       for (std::size_t k = num_before; k < out.size(); ++k)
         part = Without(part, out[k].faces);
-      if (AreaOf(faces_, part) < min_area_m2_) continue;
+      if (SearchAreaOf(faces_, part) < min_area_m2_) continue;
       const WeightedPlane fit = Fit(part, start.n);
       if (static_cast<int>(fit.points.size()) < kMinVertices) continue;
       const std::size_t first = out.size();
@@ -309,6 +309,22 @@ double AreaOf(const SurfaceFaces& faces, std::span<const int> on_plane) {
   for (const int f : on_plane)
     area += faces.faces[f].area_m2;
   return area;
+}
+
+double SearchAreaOf(const SurfaceFaces& faces, std::span<const int> on_plane) {
+  double area = 0;
+  for (const int f : on_plane)
+    area += faces.faces[f].search_area_m2;
+  return area;
+}
+
+// Lengths go with the root of areas.
+double MinExtent_m(const SurfaceFaces& faces,
+                   std::span<const int> on_plane,
+                   const DetectionOptions& options) {
+  const double counted = SearchAreaOf(faces, on_plane);
+  const double share = counted > 0 ? AreaOf(faces, on_plane) / counted : 1;
+  return options.min_extent_m * std::sqrt(share);
 }
 
 std::vector<int> FacesAround(const SurfaceFaces& faces,

@@ -33,6 +33,14 @@ std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
 /// [m^2]
 double AreaOf(const SurfaceFaces& faces, std::span<const int> on_plane);
 
+/// What these faces count for in the search (SurfaceFace::search_area_m2).
+double SearchAreaOf(const SurfaceFaces& faces, std::span<const int> on_plane);
+
+/// Least spread of the points of a plane with these faces [m]: less for what is near.
+double MinExtent_m(const SurfaceFaces& faces,
+                   std::span<const int> on_plane,
+                   const DetectionOptions& options);
+
 /// The faces of `pool` within half a metre and 45 deg, which are all that a plane fitted from
 /// `start` may have.
 std::vector<int> FacesAround(const SurfaceFaces& faces,

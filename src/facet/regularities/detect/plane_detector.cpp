@@ -42,7 +42,7 @@ std::vector<int> PlaneDetector::Accept(const SurfaceFaces& faces,
                                        std::vector<PlaneCandidate>& out) {
   const std::vector<int> around = FacesAround(faces, pool_, start);
   std::vector<int> near = FacesOnPlane(faces, around, start, options_.max_distance_m);
-  if (AreaOf(faces, near) < min_area_m2) return near;  // where a fit would begin
+  if (SearchAreaOf(faces, near) < min_area_m2) return near;  // where a fit would begin
   for (PlaneCandidate& candidate : FitCandidates(faces, around, start, min_area_m2, options_)) {
     for (const int f : candidate.faces) {
       taken_[f] = 1;
@@ -95,7 +95,7 @@ void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandid
   if (!any) return;
   heights_.Reset(lowest, highest, kVoteSigma_m);
   const auto vote = [&](int f, double sign) {
-    heights_.Add(faces.faces[f].centre_W.z(), sign * faces.faces[f].area_m2);
+    heights_.Add(faces.faces[f].centre_W.z(), sign * faces.faces[f].search_area_m2);
   };
   TakePeaks(faces, heights_, votes, vote, out);
 }
@@ -115,7 +115,7 @@ void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCand
   walls_.Reset(origin, radius, kVoteSigma_m, kVoteSigma);
   const auto vote = [&](int f, double sign) {
     const SurfaceFace& face = faces.faces[f];
-    const double weight = sign * face.area_m2;
+    const double weight = sign * face.search_area_m2;
     if (options_.world_origin) {
       walls_.AddOwnDistance(face.centre_W, face.n_W, weight);
     } else {

@@ -80,6 +80,22 @@ TEST(PlaneDetectorTest, FindsFloorsOfEveryHeight) {
   }
 }
 
+// A box of 30 by 20 cm, as one holds a camera over it and as one walks by.
+TEST(PlaneDetectorTest, FindsWhatFillsTheViewHoweverSmall) {
+  Patch level = MakeFloor({0.1, 0, 0}, 0.3, 0.2);
+  Patch leaning = Turned(level, Vector3d::UnitY(), 35 * kDegree);
+  level.step_m = leaning.step_m = 0.04;
+  for (const Patch& patch : {level, leaning}) {
+    TestView view = ViewAt({0, 0, 0.5});
+    view.sigma_depth_m = 0.002;
+    const auto found = Detect(MakeFaces({patch}, view));
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_NEAR(found[0].area_m2, 0.06, 0.01);
+    EXPECT_LT(AngleBetween(found[0].plane_W.n, patch.ToPlane().n), 2 * kDegree);
+    EXPECT_TRUE(Detect(MakeFaces({patch}, ViewAt({0, 0, 2}))).empty());
+  }
+}
+
 TEST(PlaneDetectorTest, ParallelWallsFortyCentimetresApartAreTwo) {
   for (int degree = 0; degree < 180; degree += 7) {
     const double azimuth = degree * kDegree;

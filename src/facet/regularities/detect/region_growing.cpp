@@ -90,6 +90,7 @@ class GrowingPlane {
     normal_ += sign * face.area_m2 * face.n_W;
     moment_ += face.area_m2 * face.centre_W;
     area_m2_ += face.area_m2;
+    search_area_m2_ += face.search_area_m2;
   }
 
   bool Accepts(const SurfaceFaces& faces, const SurfaceFace& face) const {
@@ -107,11 +108,11 @@ class GrowingPlane {
     const Vector3d n = normal_.normalized();
     return {n, n.dot(moment_) / area_m2_};
   }
-  double area_m2() const { return area_m2_; }
+  double search_area_m2() const { return search_area_m2_; }
 
  private:
   Vector3d normal_ = Vector3d::Zero(), moment_ = Vector3d::Zero();
-  double area_m2_ = 0;
+  double area_m2_ = 0, search_area_m2_ = 0;
 };
 
 }  // namespace
@@ -142,7 +143,8 @@ std::vector<Plane> GrowRegions(const SurfaceFaces& faces,
         open.push_back(neighbour);
       }
     }
-    if (plane.area_m2() >= min_area_m2) regions.emplace_back(plane.area_m2(), plane.ToPlane());
+    if (plane.search_area_m2() >= min_area_m2)
+      regions.emplace_back(plane.search_area_m2(), plane.ToPlane());
   }
   std::stable_sort(regions.begin(), regions.end(), [](const auto& a, const auto& b) {
     return a.first > b.first;

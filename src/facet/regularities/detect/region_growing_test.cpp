@@ -56,7 +56,7 @@ TEST(RegionGrowingTest, OnlyFacesThatShareASideAreNeighbours) {
   for (const std::array<int, 3>& corners : {std::array{0, 1, 2}, std::array{0, 3, 4}}) {
     SurfaceFace face;
     face.corners = corners;
-    face.area_m2 = 0.5;
+    face.area_m2 = face.search_area_m2 = 0.5;
     for (const int corner : corners)
       face.centre_W += fan.points[corner].p_W / 3;
     fan.faces.push_back(face);
@@ -78,7 +78,7 @@ TEST(RegionGrowingTest, ThreeFacesOnOneSideAreAllNeighbours) {
   for (const int third : {2, 3, 4}) {
     SurfaceFace face;
     face.corners = {1, 0, third};
-    face.area_m2 = 0.5;
+    face.area_m2 = face.search_area_m2 = 0.5;
     face.centre_W = (fan.points[0].p_W + fan.points[1].p_W + fan.points[third].p_W) / 3;
     fan.faces.push_back(face);
   }

@@ -18,6 +18,11 @@ inline constexpr double kSurfaceFlatness_m = 0.005;
 /// neighbouring corners with 1 cm of error lean that much.
 inline constexpr double kMaxFaceAngle = 25 * kDegree;
 
+/// From here on a surface counts with its size. Nearer, it counts with the size of what fills the
+/// same part of the view at this distance: a pallet at half a metre is as good a plane as a table
+/// at two [m].
+inline constexpr double kFullSizeDistance_m = 1.5;
+
 /// A vertex of the mesh with what is known of its distance from the camera.
 struct FacePoint {
   Vector3d p_W = Vector3d::Zero();
@@ -46,6 +51,7 @@ struct SurfaceFace {
   Vector3d centre_W = Vector3d::Zero();
   Vector3d n_W = Vector3d::UnitZ();  ///< unit, towards the camera that saw it
   double area_m2 = 0;                ///< 0 if a corner is not finite
+  double search_area_m2 = 0;         ///< what it counts for, at least area_m2 (kFullSizeDistance_m)
   bool may_vote = false;
   bool in_view = false;  ///< seen by the newest keyframe
 };

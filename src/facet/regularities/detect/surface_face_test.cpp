@@ -36,6 +36,22 @@ TEST(SurfaceFaceTest, KnowsCentreNormalAndArea) {
   EXPECT_TRUE(faces.faces.empty() && faces.points.empty());
 }
 
+// Half a square metre whose middle is seen from here.
+double SearchAreaSeenFrom(double distance_m) {
+  const SearchMesh mesh = OneFace(Vector3d(1.0 / 3, 1.0 / 3, 2 - distance_m));
+  SurfaceFaces faces;
+  FillSurfaceFaces(mesh, faces);
+  return faces.faces[0].search_area_m2;
+}
+
+TEST(SurfaceFaceTest, NearSurfacesCountByTheirPartOfTheView) {
+  EXPECT_EQ(SearchAreaSeenFrom(10), 0.5);
+  EXPECT_EQ(SearchAreaSeenFrom(kFullSizeDistance_m), 0.5);
+  EXPECT_NEAR(SearchAreaSeenFrom(kFullSizeDistance_m / 2), 2, 1e-12);
+  EXPECT_NEAR(SearchAreaSeenFrom(kFullSizeDistance_m / 3), 4.5, 1e-12);
+  EXPECT_TRUE(std::isfinite(SearchAreaSeenFrom(0)));
+}
+
 TEST(SurfaceFaceTest, SigmaIsThatOfTheDepthAlongTheRayAndSmallAcross) {
   SurfaceFaces faces;
   FillSurfaceFaces(OneFace(Vector3d(0, 0, 0)), faces);
