@@ -98,9 +98,11 @@ std::vector<NavState> Cut(const std::vector<NavState>& states, Timestamp begin, 
 Motion MakeUpMotion(FlightKind kind,
                     std::span<const Vector3d> route_W,
                     const MotionRange& range,
+                    double look_down,
                     std::uint64_t seed) {
   FlightOptions options;
   options.duration_s = range.duration_s > 0 ? range.duration_s : 20;
+  options.look_down = look_down;
   options.seed = seed;
   const std::vector<NavState> poses = MakeFlightPoses(kind, route_W, options);
   Motion motion;

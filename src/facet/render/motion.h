@@ -40,10 +40,11 @@ struct MotionRange {
   double frame_rate_hz = 20;
 };
 
-/// CHECKs that the route has two points.
+/// `look_down` as in FlightOptions. CHECKs that the route has two points.
 Motion MakeUpMotion(FlightKind kind,
                     std::span<const Vector3d> route_W,
                     const MotionRange& range,
+                    double look_down,
                     std::uint64_t seed);
 
 /// Along EuRoC's ground truth, smoothed; with the record's own IMU if `imu_csv` is not empty.

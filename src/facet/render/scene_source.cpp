@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "facet/geometry/angles.h"
 #include "facet/io/errors.h"
 #include "facet/render/scene_file.h"
 
@@ -91,7 +92,8 @@ Motion MakeMotion(const SimulationRequest& request, const Seeds& seeds) {
   }
   const std::vector<Vector3d> route_W =
       scene ? scene->route(seeds.scene) : ReadSceneRoute(request.scene);
-  return MakeUpMotion(*kind, route_W, range, seeds.flight);
+  const double look_down = request.options.look_down_deg * kDegree;
+  return MakeUpMotion(*kind, route_W, range, look_down, seeds.flight);
 }
 
 SceneModel MakeScene(const SimulationRequest& request,

@@ -64,6 +64,8 @@ struct SimulatorOptions {
   /// Distance at which `room` has benches, heaps and rails in front of the cameras [m], as for
   /// somebody who holds them and looks at something. 0: none; -1: as the made-up motion says.
   double near_things_m = -1;
+  /// How far made-up motions look down, besides what they do by themselves [deg].
+  double look_down_deg = 0;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -77,6 +79,10 @@ struct SimulatorOptions {
             near_things_m,
             Range{-1, 3},
             "room: things about this far before the cameras; 0: none, -1: 0.5 if hand-held");
+    v.Field("look_down_deg",
+            look_down_deg,
+            Range{-90, 90},
+            "made-up motions look down by so much more");
   }
 };
 

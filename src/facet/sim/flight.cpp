@@ -240,7 +240,7 @@ std::vector<NavState> MakeFlightPoses(FlightKind kind,
     state.T_WB.p = path.p_W[k];
     const Vector3d up_W = style.tilt * a_W[k] - GravityInWorld();
     const Vector3d shake(style.shake_rad * yaw.At(t),  // about the body's x axis, which is up
-                         style.shake_rad * pitch.At(t) - style.pitch_rad,
+                         style.shake_rad * pitch.At(t) - style.pitch_rad - options.look_down,
                          style.shake_rad * roll.At(t));
     const Vector3d jitter(0.4 * jitter_x.At(t), jitter_y.At(t), jitter_z.At(t));
     state.T_WB.q =

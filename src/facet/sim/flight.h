@@ -25,6 +25,7 @@ struct FlightOptions {
   double lead_s = 0.5;  ///< poses before the first and after the last second of the flight
   Timestamp start{1'400'000'000'000'000'000};  ///< stamp of the flight's begin
   std::uint64_t seed = 1;
+  double look_down = 0;  ///< besides what the flight does by itself [rad]
 };
 
 /// Poses at 200 Hz along the route, with body axes as in EuRoC (x up, z forward). Where the route's

@@ -58,5 +58,24 @@ TEST(FlightTest, TheSameEndTwiceIsNoLoop) {
     ASSERT_TRUE(p.allFinite());
 }
 
+// The body's z axis is where the cameras look.
+TEST(FlightTest, LooksDownByWhatIsAskedBesides) {
+  const std::vector<Vector3d> route_W = {{0, 0, 1}, {8, 0, 1}};
+  FlightOptions level, down;
+  down.look_down = 0.7;
+  const auto a = MakeFlightPoses(FlightKind::kHandHeld, route_W, level);
+  const auto b = MakeFlightPoses(FlightKind::kHandHeld, route_W, down);
+  ASSERT_EQ(a.size(), b.size());
+  double change = 0;
+  const auto elevation = [](const NavState& state) {
+    return std::asin((state.T_WB.q * Vector3d::UnitZ()).z());
+  };
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a[i].T_WB.p, b[i].T_WB.p);
+    change += (elevation(a[i]) - elevation(b[i])) / static_cast<double>(a.size());
+  }
+  EXPECT_NEAR(change, 0.7, 0.02);
+}
+
 }  // namespace
 }  // namespace facet
