@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/contradiction.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "facet/estimator/factors/imu_factor.h"
@@ -53,7 +54,23 @@ void Contradiction::MoveTo(Timestamp t) {
   t_ = t;
 }
 
+double Contradiction::TiltAt(Timestamp t) const {
+  return tilted_at_ ? tilt_ * std::exp(-ToSeconds(t - *tilted_at_) / kForgets_s) : 0;
+}
+
+// A tilted world leads astray with the distance.
+void Contradiction::AddTilt(const NavState& x, double tilt) {
+  if (!(tilt > 0) || !x.T_WB.p.allFinite()) return;
+  const double before = TiltAt(x.t);
+  if (tilted_at_) tilted_astray_m_ += before * (x.T_WB.p - tilted_place_).norm();
+  tilted_astray_m_ = std::min(tilted_astray_m_, kMostShift_m);
+  tilt_ = std::min(std::max(before, tilt), kMostTurn);
+  tilted_at_ = x.t;
+  tilted_place_ = x.T_WB.p;
+}
+
 void Contradiction::StartOver(Timestamp t) {
+  tilt_ = 0;
   if (!t_) return;
   const Timestamp last = *t_;
   MoveTo(t);
@@ -64,14 +81,23 @@ void Contradiction::StartOver(Timestamp t) {
 
 Matrix<15, 15> Contradiction::CovarianceOf(const NavState& x) const {
   Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
-  if (!t_) return covariance;
-  const double dt_s = ToSeconds(x.t - *t_);
   const Matrix3d R = x.T_WB.R();
-  covariance.topLeftCorner<3, 3>() = R.transpose() * theta_.cwiseAbs2().asDiagonal() * R;
-  const Vector3d astray = AstrayAt(x.T_WB.p);
-  covariance.block<3, 3>(3, 3) = astray * astray.transpose();
-  covariance.diagonal().segment<3>(3) += PositionAt(dt_s).cwiseAbs2();
-  covariance.diagonal().segment<3>(6) = (std::exp(-dt_s / kForgets_s) * v_).cwiseAbs2();
+  if (t_) {
+    const double dt_s = ToSeconds(x.t - *t_);
+    covariance.topLeftCorner<3, 3>() = R.transpose() * theta_.cwiseAbs2().asDiagonal() * R;
+    const Vector3d astray = AstrayAt(x.T_WB.p);
+    covariance.block<3, 3>(3, 3) = astray * astray.transpose();
+    covariance.diagonal().segment<3>(3) += PositionAt(dt_s).cwiseAbs2();
+    covariance.diagonal().segment<3>(6) = (std::exp(-dt_s / kForgets_s) * v_).cwiseAbs2();
+  }
+  if (tilted_at_) {
+    const double tilt = TiltAt(x.t);
+    const Vector3d level(tilt * tilt, tilt * tilt, 0);
+    const double astray_m = tilted_astray_m_ + tilt * (x.T_WB.p - tilted_place_).norm();
+    covariance.topLeftCorner<3, 3>() += R.transpose() * level.asDiagonal() * R;
+    covariance.diagonal().segment<3>(3).array() += astray_m * astray_m;
+    covariance.diagonal().segment<3>(6).array() += tilt * tilt * x.v_WB.squaredNorm();
+  }
   return covariance;
 }
 

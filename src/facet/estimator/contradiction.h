@@ -17,6 +17,10 @@ class Contradiction {
   /// `error_sigma`: how far they are from each other (ImuErrorSigma).
   void Add(const ImuLink& link, const NavState& begin, const NavState& end, double error_sigma);
 
+  /// A keyframe at which the world may be tilted by this angle [rad], because a bias of the IMU has
+  /// followed something else.
+  void AddTilt(const NavState& x, double tilt);
+
   /// What the differences so far have added up to in this state, of theta p v b_g b_a
   /// (docs/math.md, section 4.6). A wrong velocity moves on, and is forgotten within some seconds;
   /// a wrong heading leads astray with the distance; where they have led to is not forgotten.
@@ -31,12 +35,17 @@ class Contradiction {
  private:
   Vector3d PositionAt(double seconds_later) const;
   Vector3d AstrayAt(const Vector3d& p_W) const;
+  double TiltAt(Timestamp t) const;
   void MoveTo(Timestamp t);
 
   std::optional<Timestamp> t_;  // of the last contradiction
   /// In the world: sizes of the differences, and where the body was at the last one.
   Vector3d theta_ = Vector3d::Zero(), p_ = Vector3d::Zero(), v_ = Vector3d::Zero();
   Vector3d place_ = Vector3d::Zero();
+  std::optional<Timestamp> tilted_at_;  // last
+  double tilt_ = 0;                     // then [rad]
+  double tilted_astray_m_ = 0;          // until then
+  Vector3d tilted_place_ = Vector3d::Zero();
 };
 
 }  // namespace facet

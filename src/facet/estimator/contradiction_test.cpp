@@ -120,6 +120,37 @@ TEST(ContradictionTest, NeighboursAddUp) {
   EXPECT_NEAR(std::sqrt(contradiction.CovarianceOf(leg.end)(3, 3)), 0.3, 1e-9);
 }
 
+TEST(ContradictionTest, ATiltLeadsAstrayWithTheDistanceAndIsForgotten) {
+  const Leg leg = MakeLeg();
+  NavState x = leg.end;
+  Contradiction contradiction;
+  contradiction.AddTilt(x, 0.05);
+  const auto tilt_of = [&](const NavState& state) {
+    const Matrix3d R = state.T_WB.R();
+    const Matrix3d in_W =
+        R * contradiction.CovarianceOf(state).topLeftCorner<3, 3>() * R.transpose();
+    EXPECT_NEAR(in_W(2, 2), 0, 1e-12);  // nothing is said of the heading
+    return std::sqrt(in_W(0, 0));
+  };
+  const auto astray_of = [&](const NavState& state) {
+    return std::sqrt(contradiction.CovarianceOf(state)(3, 3));
+  };
+  EXPECT_NEAR(tilt_of(x), 0.05, 1e-12);
+  EXPECT_NEAR(astray_of(x), 0, 1e-12);
+  x.T_WB.p += Vector3d(0, 0, 2);
+  EXPECT_NEAR(astray_of(x), 0.1, 1e-12);
+  contradiction.AddTilt(x, 0.01);  // less than what is left
+  EXPECT_NEAR(tilt_of(x), 0.05, 1e-12);
+  x.t = x.t + FromSeconds(60);
+  x.T_WB.p += Vector3d(0, 0, 2);
+  EXPECT_LT(tilt_of(x), 1e-6);
+  EXPECT_NEAR(astray_of(x), 0.1, 1e-5);
+  contradiction.StartOver(x.t);
+  EXPECT_NEAR(astray_of(x), 0.1, 1e-5);
+  contradiction.AddTilt(x, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(contradiction.CovarianceOf(x).allFinite());
+}
+
 TEST(ContradictionTest, WhatIsNotFiniteIsLeftOut) {
   const Leg leg = MakeLeg();
   NavState broken = leg.end;

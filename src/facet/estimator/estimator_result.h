@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "facet/estimator/bias_watch.h"
 #include "facet/estimator/solver/window_solver.h"
 #include "facet/imu/imu_types.h"
 #include "facet/map/map_snapshot.h"
@@ -26,6 +27,8 @@ struct EstimatorResult {
   SolveSummary solve;
   /// Keyframes with an IMU interval: how far it is from the solved window (see ImuErrorSigma).
   std::optional<double> imu_error_sigma;
+  /// As of the newest keyframe: a bias changes faster than a sensor's does.
+  std::optional<BiasDrift> bias_drift;
   /// Keyframes that left the window, with their final poses.
   std::vector<KeyframePose> finished_keyframes;
 };

@@ -55,6 +55,7 @@ VioEstimator::VioEstimator(const StereoRig& rig,
       imu_(noise, options.imu, rig.time_offset),
       start_(rig, options),
       calibration_(rig, options.calibration),
+      bias_watch_(noise),
       optimizer_(rig, options),
       planes_(options),
       updater_(rig, options.solver, BiasWalk(noise, options.imu)) {
@@ -84,6 +85,11 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
     if (contradiction_.IsRecentAt(result.state.t) && result.status == TrackingStatus::kOk) {
       result.status = TrackingStatus::kDegraded;
       result.reason = "IMU and images contradict each other";
+    }
+    result.bias_drift = bias_drift_;
+    if (bias_drift_ && result.status == TrackingStatus::kOk) {
+      result.status = TrackingStatus::kDegraded;
+      result.reason = "a bias of the IMU changes too fast";
     }
   }
   return result;
@@ -194,6 +200,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
       const auto end = window_.frames.rbegin();
       contradiction_.Add(*end->imu_link, std::next(end)->x, end->x, *result.imu_error_sigma);
     }
+    WatchBiases();
     planes_.Judge(
         solver.PlaneInformation(), solver.PlaneCovariances(), optimizer_.noise(), window_);
     RemoveOutliers();
@@ -272,6 +279,16 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
   calibration_.Walk(window_);
 }
 
+// What contradicts the images bends the biases for a while, and is told for itself.
+void VioEstimator::WatchBiases() {
+  const NavState& x = window_.frames.back().x;
+  bias_drift_.reset();
+  if (contradiction_.IsRecentAt(x.t)) return;
+  const Vector<15> sigma = newest_covariance_.diagonal().cwiseMax(0).cwiseSqrt();
+  bias_drift_ = bias_watch_.Add({x.t, x.bias, sigma.segment<3>(9), sigma.segment<3>(12)});
+  if (bias_drift_) contradiction_.AddTilt(x, TiltOf(*bias_drift_));
+}
+
 void VioEstimator::StartOver(EstimatorResult& result) {
   const WindowFrame& newest = window_.frames.back();
   const ImuLink* to_lost = newest.imu_link ? &*newest.imu_link : nullptr;
@@ -282,6 +299,8 @@ void VioEstimator::StartOver(EstimatorResult& result) {
   }
   segments_.End(to_lost);
   contradiction_.StartOver(result.state.t);
+  bias_watch_.Break();
+  bias_drift_.reset();
   for (int i = 0; i < num_good; ++i)
     Report(window_, i, result.finished_keyframes);
   Forget();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "facet/base/stage_timer.h"
+#include "facet/estimator/bias_watch.h"
 #include "facet/estimator/contradiction.h"
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/estimator_result.h"
@@ -80,6 +81,7 @@ class VioEstimator {
   void Shrink(std::vector<KeyframePose>& finished);
   /// Gives up the state of the newest frame, a keyframe or not; the next frame is the first one of
   /// another segment.
+  void WatchBiases();
   void StartOver(EstimatorResult& result);
   /// Everything but the segments.
   void Forget();
@@ -97,6 +99,8 @@ class VioEstimator {
   SelfCalibration calibration_;
   InnovationJudge innovation_judge_;
   Contradiction contradiction_;
+  BiasWatch bias_watch_;
+  std::optional<BiasDrift> bias_drift_;  // as of the newest keyframe
   WindowOptimizer optimizer_;
   WindowValues before_solve_;  ///< where to return to if wrong landmarks on planes bent the window
   PlaneLifecycle planes_;

@@ -19,7 +19,7 @@ VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   out.times = frame.times;
   EstimatorResult result = estimator_.AddFrame(frame.frontend.observations, frame.imu, out.times);
   const ScopedStage stage(out.times, Stage::kOutput);
-  out.warning = JudgeCalibration(frame.frontend, result.imu_error_sigma);
+  out.warning = JudgeCalibration(frame.frontend, result);
   FillPose(frame, std::move(result), out);
   if (check_calibration_) CheckScale(frame, out);
   HandBack(out);
@@ -59,19 +59,22 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
 }
 
 std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
-                                        const std::optional<double>& imu_error_sigma) {
+                                        const EstimatorResult& result) {
   const FrameObservations& observations = frontend.observations;
   if (!observations.is_keyframe) return {};
   CalibrationEvidence evidence;
   evidence.t = observations.t;
   evidence.num_features = static_cast<int>(observations.features.size());
   if (frontend.right_ok) evidence.num_stereo = frontend.num_stereo;
-  evidence.imu_error_sigma = imu_error_sigma;
+  evidence.imu_error_sigma = result.imu_error_sigma;
   evidence.gross_deviations = InWords(estimator_.GrossDeviations());
   std::string warning = calibration_.Add(evidence);
+  const auto& imu_error_sigma = result.imu_error_sigma;
   const bool contradicts = imu_error_sigma && *imu_error_sigma > kContradictionSigma;
   if (contradictions_.Begins(observations.t, contradicts) && warning.empty())
     warning = ContradictionWarning(*imu_error_sigma);
+  if (warning.empty() && drifts_.Begins(observations.t, result.bias_drift.has_value()))
+    warning = InWords(*result.bias_drift);
   return warning;
 }
 

@@ -39,8 +39,7 @@ class PoseStage {
 
  private:
   void FillPose(const TrackedFrame& frame, EstimatorResult result, VioOutput& out) const;
-  std::string JudgeCalibration(const FrontendResult& frontend,
-                               const std::optional<double>& imu_error_sigma);
+  std::string JudgeCalibration(const FrontendResult& frontend, const EstimatorResult& result);
   void CheckScale(const TrackedFrame& frame, VioOutput& out);
   void HandBack(VioOutput& out);
 
@@ -49,6 +48,7 @@ class PoseStage {
   CalibrationWatch calibration_;
   bool check_calibration_;
   Episodes contradictions_{Duration{10'000'000'000}};
+  Episodes drifts_{Duration{10'000'000'000}};
   ScaleCheck scale_;
   std::optional<Timestamp> scale_since_;  // its poses are all of after this change of calibration
   std::optional<Feedback> feedback_;
