@@ -266,7 +266,7 @@ def figures_of(groups, scene, kinds, pipelines):
                 row[f"{pipeline} {kind}: {name}"] = calibration_error(groups[scene, kind, pipeline], key)
     if "S" in pipelines and "SPR" in pipelines:
         for kind in ["exact", *kinds]:
-            pairs = zip(groups[scene, kind, "SPR"], groups[scene, kind, "S"])
+            pairs = zip(groups[scene, kind, "SPR"], groups[scene, kind, "S"], strict=True)
             ratios = [a.ate() / b.ate() if a.ate() and b.ate() else None for a, b in pairs]
             row[f"SPR/S {kind}"] = median(ratios)
             row[f"SPR/S {kind}, worst run"] = max(r if r is not None else math.inf for r in ratios)
