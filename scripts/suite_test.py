@@ -45,6 +45,7 @@ class Figures(unittest.TestCase):
         self.assertAlmostEqual(row["SPR drawn mm"], 4)  # the run without a result counts as infinite
         self.assertAlmostEqual(row["SPR position NEES drawn"], 2.5)
         self.assertAlmostEqual(row["SPR/S exact"], 0.5)
+        self.assertAlmostEqual(row["SPR/S exact, worst run"], 0.5)
         self.assertAlmostEqual(row["SPR/S drawn"], 1)
 
     def test_what_is_left_of_the_calibrations_errors_is_a_mean_of_sizes(self):
@@ -56,9 +57,10 @@ class Figures(unittest.TestCase):
         self.assertTrue(math.isnan(row["SPR drawn: calibration NEES"]))
 
     def test_a_run_that_failed_spoils_the_figure_of_its_scene(self):
-        self.groups["a", "drawn", "S"] = [run(None)]
+        self.groups["a", "drawn", "S"] = [run(None) for _ in self.groups["a", "drawn", "SPR"]]
         row = suite.figures_of(self.groups, "a", ["drawn"], ["S", "SPR"])
         self.assertTrue(math.isinf(row["S drawn mm"]))
+        self.assertTrue(math.isinf(row["SPR/S drawn, worst run"]))
 
     def test_the_worst_nees_is_the_one_farthest_from_one(self):
         table = {scene: {"S position NEES drawn": v, "S drawn mm": v} for scene, v in zip("abc", (0.1, 1, 4))}
