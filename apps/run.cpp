@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "align_stereo.h"
+#include "interrupts.h"
 #include "load_options.h"
 #include "progress_bar.h"
 #include "run_sequence.h"
@@ -27,17 +28,6 @@
 
 namespace facet {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-
-/// The first Ctrl-C ends the run in good order, the second one kills the program.
-void CatchInterrupts() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = 1; };
-  action.sa_flags = SA_RESETHAND;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 VioOptions ChooseOptions(const RunArguments& arguments) {
   std::vector<std::string> overrides = arguments.overrides;
@@ -131,7 +121,7 @@ SequenceRun RunWith(Vio& vio,
     if (arguments.verbose) LogFrame(output);
     mesh_files.Add(output);
     bar.Update(done, total, ToString(output.status));
-    return interrupted == 0;
+    return !WasInterrupted();
   };
   SequenceRun run = RunSequence(recording, functions, arguments.range, observer);
   WarnOfFullMap(options.mesh.map.max_memory_mb, run.record);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "interrupts.h"
 #include "progress_bar.h"
 #include "run.h"
 
@@ -21,16 +22,6 @@
 
 namespace facet {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-
-void CatchInterrupts() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = 1; };
-  action.sa_flags = SA_RESETHAND;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 /// Everything in the images but geometry, light and texture.
 void CleanImages(SimulatorOptions& options) {
@@ -200,7 +191,7 @@ void SimulateCommand(SimulateArguments a) {
   ProgressBar bar(!a.quiet);
   const SimulationReport report = Simulate(a.request, stagings, [&](int done, int total) {
     bar.Update(done, total, "stereo pairs");
-    return interrupted == 0;
+    return !WasInterrupted();
   });
   bar.Clear();
   if (!report.is_complete) {

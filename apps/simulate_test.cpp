@@ -218,9 +218,11 @@ TEST_F(SimulateTest, DamagedImuAndCalibration) {
 
 TEST_F(SimulateTest, InterruptedLeavesNothing) {
   // In the foreground, or it signals the program twice: the second interrupt ends it at once.
-  const ProgramRun run = RunShell("timeout --foreground --preserve-status -s INT 2 " +
-                                  Command("--duration 20 --trajectory hover"));
-  Expect(run, 130, "interrupted; nothing was written");
+  for (const std::string signal : {"INT", "HUP"}) {  // Ctrl-C, and a terminal that is closed
+    const ProgramRun run = RunShell("timeout --foreground --preserve-status -s " + signal + " 2 " +
+                                    Command("--duration 20 --trajectory hover"));
+    Expect(run, 130, "interrupted; nothing was written");
+  }
 }
 
 TEST_F(SimulateTest, DiskFullWithTheFirstImage) {
