@@ -29,6 +29,9 @@ constexpr int kMaxSyntheticIntervals = 1;
 // A glitch of the IMU and images that stand still pass; an IMU or a calibration that is wrong does
 // not, and what refuses those needs a state to judge.
 constexpr double kMaxDoubt_s = 2;
+// Simulated flights with a recorded IMU, whose truth is not exactly what it felt, begin with up to
+// 10 sigma: what is less is waited for as long as the first pose is there within half a second.
+constexpr double kGrossSigma = 10, kMaxSmallDoubt_s = 0.15;
 // How far the gyroscope and the images alone may be apart between two frames [rad], and the largest
 // bias of a gyroscope [rad/s]. Where they are further apart, a solution with both gives up either.
 constexpr double kMaxTurnError = 0.01;
@@ -87,13 +90,18 @@ bool DoesGyroscopeAgree(const SlidingWindow& window) {
   return turn < kMaxTurnError;
 }
 
-// With the solution.
-bool DoesImuAgree(const SlidingWindow& window) {
-  const double sigma = LargestOfIntervals(
-      window, [&](const ImuLink& link, const NavState& begin, const NavState& end) {
-        return ImuErrorSigma(link, begin, end, window.GyroScale());
-      });
-  return sigma < kContradictionSigma;
+// How far the IMU and the solution are apart, in sigmas.
+double ImuDisagreement(const SlidingWindow& window) {
+  return LargestOfIntervals(window,
+                            [&](const ImuLink& link, const NavState& begin, const NavState& end) {
+                              return ImuErrorSigma(link, begin, end, window.GyroScale());
+                            });
+}
+
+// Whether waiting may mend it.
+bool IsWorthWaiting(double disagreement, double doubted_s) {
+  if (disagreement < kContradictionSigma) return false;
+  return doubted_s < (disagreement < kGrossSigma ? kMaxSmallDoubt_s : kMaxDoubt_s);
 }
 
 // 1-sigma of roll or pitch of the newest frame, whichever is larger [rad].
@@ -168,11 +176,12 @@ StartAttempt VioStart::Try(const std::optional<SE3>& predicted,
   if (!first_try_) first_try_ = window.frames.back().x.t;
   attempt.reason = FindFirstValues(attempt.num_constraining, window);
   // A start has no earlier states that would say what is wrong: better one a little later.
-  const bool may_wait = ToSeconds(window.frames.back().x.t - *first_try_) < kMaxDoubt_s;
-  if (attempt.reason.empty() && may_wait && !DoesGyroscopeAgree(window)) attempt.reason = kDoubt;
+  const double doubted_s = ToSeconds(window.frames.back().x.t - *first_try_);
+  if (attempt.reason.empty() && doubted_s < kMaxDoubt_s && !DoesGyroscopeAgree(window))
+    attempt.reason = kDoubt;
   if (attempt.reason.empty()) {
     Solve(imu, optimizer, window, attempt);
-    attempt.reason = WhyNotYet(attempt.covariance, may_wait, window);
+    attempt.reason = WhyNotYet(attempt.covariance, doubted_s, window);
     if (attempt.reason.empty()) {
       Begin(predicted, optimizer, window, attempt);
       return attempt;
@@ -186,9 +195,9 @@ StartAttempt VioStart::Try(const std::optional<SE3>& predicted,
 
 // With a solution; empty if nothing speaks against it. `covariance`: of the newest frame.
 std::string VioStart::WhyNotYet(const Matrix<15, 15>& covariance,
-                                bool may_wait,
+                                double doubted_s,
                                 const SlidingWindow& window) const {
-  if (may_wait && !DoesImuAgree(window)) return kDoubt;
+  if (IsWorthWaiting(ImuDisagreement(window), doubted_s)) return kDoubt;
   if (!(TiltSigma(covariance, window) < options_.start.max_tilt_deg * kDegree) &&
       SpanOf(window) < options_.start.max_wait_s) {
     return "tilt not known well enough";

@@ -62,7 +62,7 @@ class VioStart {
              SlidingWindow& window,
              StartAttempt& attempt) const;
   std::string WhyNotYet(const Matrix<15, 15>& covariance,
-                        bool may_wait,
+                        double doubted_s,
                         const SlidingWindow& window) const;
   void Begin(const std::optional<SE3>& predicted,
              WindowOptimizer& optimizer,
