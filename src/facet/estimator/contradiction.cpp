@@ -54,23 +54,24 @@ void Contradiction::MoveTo(Timestamp t) {
   t_ = t;
 }
 
-double Contradiction::TiltAt(Timestamp t) const {
-  return tilted_at_ ? tilt_ * std::exp(-ToSeconds(t - *tilted_at_) / kForgets_s) : 0;
+double Contradiction::Tilt::AngleAt(Timestamp later) const {
+  return angle * std::exp(-ToSeconds(later - t) / kForgets_s);
 }
 
 // A tilted world leads astray with the distance.
+double Contradiction::Tilt::AstrayAt(const NavState& x) const {
+  return std::min(astray_m + AngleAt(x.t) * (x.T_WB.p - place).norm(), kMostShift_m);
+}
+
 void Contradiction::AddTilt(const NavState& x, double tilt) {
   if (!(tilt > 0) || !x.T_WB.p.allFinite()) return;
-  const double before = TiltAt(x.t);
-  if (tilted_at_) tilted_astray_m_ += before * (x.T_WB.p - tilted_place_).norm();
-  tilted_astray_m_ = std::min(tilted_astray_m_, kMostShift_m);
-  tilt_ = std::min(std::max(before, tilt), kMostTurn);
-  tilted_at_ = x.t;
-  tilted_place_ = x.T_WB.p;
+  const double left = tilt_ ? tilt_->AngleAt(x.t) : 0;
+  const double astray_m = tilt_ ? tilt_->AstrayAt(x) : 0;
+  tilt_ = Tilt{x.t, x.T_WB.p, std::min(std::max(left, tilt), kMostTurn), astray_m};
 }
 
 void Contradiction::StartOver(Timestamp t) {
-  tilt_ = 0;
+  if (tilt_) tilt_->angle = 0;
   if (!t_) return;
   const Timestamp last = *t_;
   MoveTo(t);
@@ -90,10 +91,9 @@ Matrix<15, 15> Contradiction::CovarianceOf(const NavState& x) const {
     covariance.diagonal().segment<3>(3) += PositionAt(dt_s).cwiseAbs2();
     covariance.diagonal().segment<3>(6) = (std::exp(-dt_s / kForgets_s) * v_).cwiseAbs2();
   }
-  if (tilted_at_) {
-    const double tilt = TiltAt(x.t);
+  if (tilt_) {
+    const double tilt = tilt_->AngleAt(x.t), astray_m = tilt_->AstrayAt(x);
     const Vector3d level(tilt * tilt, tilt * tilt, 0);
-    const double astray_m = tilted_astray_m_ + tilt * (x.T_WB.p - tilted_place_).norm();
     covariance.topLeftCorner<3, 3>() += R.transpose() * level.asDiagonal() * R;
     covariance.diagonal().segment<3>(3).array() += astray_m * astray_m;
     covariance.diagonal().segment<3>(6).array() += tilt * tilt * x.v_WB.squaredNorm();

@@ -33,19 +33,25 @@ class Contradiction {
   bool IsRecentAt(Timestamp t) const;
 
  private:
+  /// At the last keyframe with one: when and where, the angle, and how far it had led astray.
+  struct Tilt {
+    Timestamp t;
+    Vector3d place;
+    double angle = 0, astray_m = 0;
+
+    double AngleAt(Timestamp later) const;
+    double AstrayAt(const NavState& x) const;
+  };
+
   Vector3d PositionAt(double seconds_later) const;
   Vector3d AstrayAt(const Vector3d& p_W) const;
-  double TiltAt(Timestamp t) const;
   void MoveTo(Timestamp t);
 
   std::optional<Timestamp> t_;  // of the last contradiction
   /// In the world: sizes of the differences, and where the body was at the last one.
   Vector3d theta_ = Vector3d::Zero(), p_ = Vector3d::Zero(), v_ = Vector3d::Zero();
   Vector3d place_ = Vector3d::Zero();
-  std::optional<Timestamp> tilted_at_;  // last
-  double tilt_ = 0;                     // then [rad]
-  double tilted_astray_m_ = 0;          // until then
-  Vector3d tilted_place_ = Vector3d::Zero();
+  std::optional<Tilt> tilt_;
 };
 
 }  // namespace facet

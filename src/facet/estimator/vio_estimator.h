@@ -79,9 +79,9 @@ class VioEstimator {
   void RemoveOutliers();
   /// Marginalises what does not fit into the window.
   void Shrink(std::vector<KeyframePose>& finished);
+  void WatchBiases();
   /// Gives up the state of the newest frame, a keyframe or not; the next frame is the first one of
   /// another segment.
-  void WatchBiases();
   void StartOver(EstimatorResult& result);
   /// Everything but the segments.
   void Forget();

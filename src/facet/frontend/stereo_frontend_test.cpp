@@ -300,7 +300,6 @@ TEST_F(FrontendTest, ABlackOrWhiteImageLosesEverythingQuietly) {
   EXPECT_GT(result.observations.features.size(), 40U);
 }
 
-// A covered lens is no frozen camera.
 TEST_F(FrontendTest, AnOlderImageIsNotUsed) {
   StereoFrontend frontend(rig_, Options());
   StageTimes times;
@@ -321,6 +320,7 @@ TEST_F(FrontendTest, AnOlderImageIsNotUsed) {
   EXPECT_GT(next.observations.features.size(), 40U);
 }
 
+// A covered lens is no frozen camera.
 TEST_F(FrontendTest, BlackImagesAreBlankAndNotRepeated) {
   StereoFrontend frontend(rig_, Options());
   StageTimes times;
