@@ -54,14 +54,26 @@ struct Image {
   std::shared_ptr<const void> owner = nullptr;
 };
 
-/// Pinhole camera with distortion.
+/// Camera with a lens. The coefficients of each model, in their order: k1 k2 p1 p2
+/// (radial-tangential), k1 k2 k3 k4 (equidistant), OpenCV's k1 k2 p1 p2 k3 k4 k5 k6 (rational), w
+/// (field of view), xi alpha (double sphere), alpha beta (extended unified), k1 k2 p1 p2 xi
+/// (unified, Kalibr's "omni").
 struct Camera {
-  enum class Distortion { kNone, kRadialTangential, kEquidistant };
+  enum class Distortion {
+    kNone,
+    kRadialTangential,
+    kEquidistant,
+    kRational,
+    kFieldOfView,
+    kDoubleSphere,
+    kExtendedUnified,
+    kUnified
+  };
   int width = 0, height = 0;              ///< [px]
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< [px]
   Distortion distortion = Distortion::kNone;
-  std::array<double, 4> coefficients{{0, 0, 0, 0}};  ///< k1 k2 p1 p2, or k1 k2 k3 k4
-  Pose T_BC;                                         ///< camera to body
+  std::array<double, 8> coefficients{{0, 0, 0, 0, 0, 0, 0, 0}};
+  Pose T_BC;  ///< camera to body
 };
 
 struct Calibration {

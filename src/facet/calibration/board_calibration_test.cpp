@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/calibration/board_calibration.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "facet/sim/euroc_rig.h"
+#include "facet/testing/lens_examples.h"
 
 namespace facet {
 namespace {
@@ -61,6 +63,40 @@ TEST(BoardCalibrationTest, CovarianceScalesWithTheSquareOfTheNoise) {
   EXPECT_LT((*twice - 4 * *usual).norm(), 1e-9 * twice->norm());
   const Eigen::SelfAdjointEigenSolver<RigMatrix> solver(*usual);
   EXPECT_GT(solver.eigenvalues().minCoeff(), 0);
+}
+
+// What every lens must allow before it is estimated: a calibration by a board finds it, and the
+// covariance of that is one.
+TEST(BoardCalibrationTest, EveryLensCanBeCalibrated) {
+  for (const CameraIntrinsics& lens : testing::LensExamples()) {
+    const int num = std::min<int>(4, static_cast<int>(NumCoefficients(lens.distortion)));
+    StereoRig rig = EurocRig();
+    rig.cameras.fill(CameraModel(lens));
+    BoardCalibrationOptions options;
+    const auto covariance = BoardCalibrationCovariance(rig, options);
+    ASSERT_TRUE(covariance) << NumCoefficients(lens.distortion);
+    EXPECT_TRUE(covariance->allFinite());
+    const RigVector sigma = covariance->diagonal().cwiseSqrt();
+    for (int c = 0; c < 2; ++c) {
+      const auto of_camera = sigma.segment<kNumIntrinsics>(c * kNumIntrinsics);
+      EXPECT_GT(of_camera.head(4 + num).minCoeff(), 0);
+      EXPECT_EQ(of_camera.tail(4 - num).norm(), 0);
+    }
+    // From three sigmas off in everything that can be seen by itself.
+    options.corner_noise_px = 0;
+    Rng rng(4);
+    const std::vector<BoardView> views = MakeUpBoardViews(rig, options.board, rng);
+    const std::vector<DetectedView> detected = DetectCorners(rig, views, options, rng);
+    const Eigen::LLT<RigMatrix> factor(*covariance + 1e-18 * RigMatrix::Identity());
+    const RigVector off = factor.matrixL() * RigVector::Constant(3 / std::sqrt(22.0));
+    const auto wrong = ChangeParameters(rig, off);
+    ASSERT_TRUE(wrong);
+    const auto found = CalibrateWithBoard(*wrong, views, detected);
+    ASSERT_TRUE(found);
+    const RigVector left = ParameterDifference(rig, *found);
+    for (int i = 0; i < kNumRigParameters; ++i)
+      EXPECT_LT(std::abs(left(i)), 1e-3 * sigma(i) + 1e-6) << i;
+  }
 }
 
 TEST(BoardCalibrationTest, CoefficientsThatALensDoesNotHaveAreHeld) {

@@ -3,11 +3,14 @@
 
 #include <cmath>
 
+#include "facet/camera/lens_models.h"
+
 namespace facet {
 namespace {
 
 /// d distorted / d coefficients at a point of the plane z = 1.
-Matrix<2, 4> CoefficientJacobian(DistortionModel model, const Vector2d& xy) {
+Matrix<2, 4> CoefficientJacobian(const CameraIntrinsics& k, const Vector2d& xy) {
+  const DistortionModel model = k.distortion;
   Matrix<2, 4> J = Matrix<2, 4>::Zero();
   const double x = xy.x(), y = xy.y(), r2 = xy.squaredNorm();
   if (model == DistortionModel::kRadialTangential) {
@@ -20,6 +23,8 @@ Matrix<2, 4> CoefficientJacobian(DistortionModel model, const Vector2d& xy) {
       power *= theta2;
       J.col(i) = power * xy;
     }
+  } else if (model != DistortionModel::kNone && model != DistortionModel::kEquidistant) {
+    return LensCoefficientJacobian(k, xy);
   }
   return J;
 }
@@ -37,7 +42,9 @@ Vector2d Distort(const CameraIntrinsics& k, const Vector2d& xy) {
     const double r = std::sqrt(r2), theta = std::atan(r), t2 = theta * theta;
     return xy * (theta / r * (1 + t2 * (c[0] + t2 * (c[1] + t2 * (c[2] + t2 * c[3])))));
   }
-  return xy;
+  if (k.distortion == DistortionModel::kNone || k.distortion == DistortionModel::kEquidistant)
+    return xy;
+  return DistortThroughLens(k, xy, nullptr);
 }
 
 }  // namespace
@@ -45,7 +52,7 @@ Vector2d Distort(const CameraIntrinsics& k, const Vector2d& xy) {
 Matrix<2, kNumIntrinsics> IntrinsicsJacobian(const CameraModel& camera, const Vector2d& xy) {
   const CameraIntrinsics& k = camera.intrinsics();
   const Vector2d distorted = Distort(k, xy);
-  const Matrix<2, 4> J = CoefficientJacobian(k.distortion, xy);
+  const Matrix<2, 4> J = CoefficientJacobian(k, xy);
   Matrix<2, kNumIntrinsics> out;
   out.row(0) << distorted.x(), 0, 1, 0, k.fx * J.row(0);
   out.row(1) << 0, distorted.y(), 0, 1, k.fy * J.row(1);
@@ -56,7 +63,7 @@ Vector2d ShiftByIntrinsics(const CameraIntrinsics& k,
                            const Vector2d& xy,
                            const Vector2d& px,
                            const IntrinsicsVector& change) {
-  const Vector2d moved = CoefficientJacobian(k.distortion, xy) * change.tail<4>();
+  const Vector2d moved = CoefficientJacobian(k, xy) * change.tail<4>();
   return {(px.x() - k.cx) / k.fx * change(0) + change(2) + k.fx * moved.x(),
           (px.y() - k.cy) / k.fy * change(1) + change(3) + k.fy * moved.y()};
 }
@@ -71,7 +78,7 @@ std::optional<ProjectionDerivatives> ProjectWithDerivatives(const CameraModel& c
   const Vector2d focal(k.fx, k.fy);
   const Vector2d xy_d = (*px - Vector2d(k.cx, k.cy)).cwiseQuotient(focal);
   d.J_px_k << Matrix2d(xy_d.asDiagonal()), Matrix2d::Identity(),
-      focal.asDiagonal() * CoefficientJacobian(k.distortion, p_C.head<2>() / p_C.z());
+      focal.asDiagonal() * CoefficientJacobian(k, p_C.head<2>() / p_C.z());
   return d;
 }
 

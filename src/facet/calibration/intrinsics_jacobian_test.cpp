@@ -5,30 +5,23 @@
 
 #include "facet/geometry/so3.h"
 #include "facet/sim/euroc_rig.h"
+#include "facet/testing/lens_examples.h"
 #include "facet/testing/numeric_jacobian.h"
 
 namespace facet {
 namespace {
 
-StereoRig RigWith(DistortionModel model) {
+StereoRig RigWith(const CameraIntrinsics& lens) {
   StereoRig rig = EurocRig();
-  for (CameraModel& camera : rig.cameras) {
-    CameraIntrinsics k = camera.intrinsics();
-    k.distortion = model;
-    if (model == DistortionModel::kEquidistant) k.coefficients = {0.01, -0.02, 0.005, 0.001};
-    if (model == DistortionModel::kNone) k.coefficients = {};
-    camera = CameraModel(k);
-  }
+  rig.cameras.fill(CameraModel(lens));
   return rig;
 }
 
-class IntrinsicsJacobianTest : public ::testing::TestWithParam<DistortionModel> {};
+class IntrinsicsJacobianTest : public ::testing::TestWithParam<CameraIntrinsics> {};
 
 INSTANTIATE_TEST_SUITE_P(Models,
                          IntrinsicsJacobianTest,
-                         ::testing::Values(DistortionModel::kNone,
-                                           DistortionModel::kRadialTangential,
-                                           DistortionModel::kEquidistant));
+                         ::testing::ValuesIn(testing::LensExamples()));
 
 TEST_P(IntrinsicsJacobianTest, IsTheDerivativeByEveryParameter) {
   const StereoRig rig = RigWith(GetParam());

@@ -17,7 +17,7 @@ CameraIntrinsics Change(CameraIntrinsics k, const Vector<kNumIntrinsics>& delta)
   k.fy += delta(1);
   k.cx += delta(2);
   k.cy += delta(3);
-  for (std::size_t i = 0; i < k.coefficients.size(); ++i)
+  for (std::size_t i = 0; i < 4; ++i)
     k.coefficients[i] += delta(4 + static_cast<Eigen::Index>(i));
   return k;
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "facet/base/check.h"
+#include "facet/camera/lens_models.h"
 
 namespace facet {
 
@@ -19,11 +20,9 @@ constexpr double kMinSlope = 0.02;
 constexpr int kMaxIterations = 50;
 constexpr double kConverged = 1e-12;  // on the plane z = 1, about 5e-10 px
 
-/// Distorted radius of an undistorted one, for the radial part of the model.
-struct Radial {
-  double value = 0;
-  double slope = 0;  // d value / d argument
-};
+/// Distorted radius of an undistorted one, for the radial part of the model; the slope is by the
+/// argument.
+using Radial = LensRadius;
 
 // Argument: radius on the plane z = 1. Tangential terms are left out.
 Radial RadialTangentialRadius(const CameraIntrinsics& k, double r) {
@@ -47,17 +46,25 @@ Radial RadialDistortion(const CameraIntrinsics& k, double argument) {
     case DistortionModel::kEquidistant:
       return EquidistantRadius(k, argument);
     case DistortionModel::kNone:
+      return {argument, 1};
+    default:
       break;
   }
-  return {argument, 1};
+  if (!IsWideLens(k.distortion)) return RadiusThroughLens(k, argument);
+  const double r = std::tan(argument);
+  const Radial radius = RadiusThroughLens(k, r);
+  return {radius.value, radius.slope * (1 + r * r)};
 }
 
 // The argument of RadialDistortion that belongs to a radius on the plane z = 1, and back.
+bool IsByAngle(const CameraIntrinsics& k) {
+  return k.distortion == DistortionModel::kEquidistant || IsWideLens(k.distortion);
+}
 double ArgumentOfRadius(const CameraIntrinsics& k, double r) {
-  return k.distortion == DistortionModel::kEquidistant ? std::atan(r) : r;
+  return IsByAngle(k) ? std::atan(r) : r;
 }
 double RadiusOfArgument(const CameraIntrinsics& k, double argument) {
-  return k.distortion == DistortionModel::kEquidistant ? std::tan(argument) : argument;
+  return IsByAngle(k) ? std::tan(argument) : argument;
 }
 
 /// Largest |xy| on the plane z = 1 up to which the radial distortion grows (or 85 deg).
@@ -116,10 +123,11 @@ Vector2d Distort(const CameraIntrinsics& k, const Vector2d& xy, Matrix2d* J) {
     case DistortionModel::kEquidistant:
       return DistortEquidistant(k, xy, J);
     case DistortionModel::kNone:
-      break;
+      if (J) J->setIdentity();
+      return xy;
+    default:
+      return DistortThroughLens(k, xy, J);
   }
-  if (J) J->setIdentity();
-  return xy;
 }
 
 /// Inverse of the radial part: the undistorted point in the direction of xy_d. RadialDistortion
@@ -197,7 +205,7 @@ std::string CameraModel::WhatIsWrong(const CameraIntrinsics& k) {
              k.cy > 1.5 * k.height) {
     text << "principal point " << k.cx << ", " << k.cy << " px is far outside the image of "
          << k.width << " x " << k.height;
-  } else {
+  } else if (text << WhatIsWrongWithLens(k); text.str().empty()) {
     // Half way from the principal point to each side every camera must see something.
     const double max_radius = FindMaxRadius(k);
     for (const Vector2d& side : {Vector2d(0, k.cy),
@@ -215,6 +223,7 @@ CameraModel::CameraModel(const CameraIntrinsics& k) : k_(k) {
   const std::string problem = WhatIsWrong(k);
   FACET_CHECK(problem.empty()) << problem;
   max_radius_ = FindMaxRadius(k);
+  mean_focal_px_ = 0.5 * (k.fx + k.fy) * RadialDistortion(k, 0).slope;
 }
 
 std::optional<Vector2d> CameraModel::Project(const Vector3d& p_C, Matrix<2, 3>* J) const {

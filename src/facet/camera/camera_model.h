@@ -1,33 +1,20 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Pinhole cameras with radial-tangential (OpenCV, Kalibr "radtan") or equidistant (Kannala-Brandt,
-// Kalibr "equidistant") distortion, any resolution. Images are never rectified: points are
-// undistorted.
+// Cameras of any resolution with the lenses of DistortionModel. Images are never rectified: points
+// are undistorted.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
 
 #include "facet/base/types.h"
+#include "facet/camera/camera_intrinsics.h"
 
 namespace facet {
 
 /// Along z [m]: what is nearer than this is beside, behind or on the lens and counts as not in
 /// view.
 inline constexpr double kMinDepth_m = 0.05;
-
-enum class DistortionModel { kNone, kRadialTangential, kEquidistant };
-
-/// Plain numbers of one camera, as in a calibration file.
-struct CameraIntrinsics {
-  int width = 0;   ///< pixels
-  int height = 0;  ///< pixels
-  double fx = 0, fy = 0, cx = 0, cy = 0;
-  DistortionModel distortion = DistortionModel::kNone;
-  /// k1 k2 p1 p2 (radial-tangential) or k1 k2 k3 k4 (equidistant).
-  std::array<double, 4> coefficients{};
-};
 
 /// A point on the plane z = 1 of the camera, with the derivative that carries pixel noise there.
 struct UndistortedPoint {
@@ -48,7 +35,8 @@ class CameraModel {
   const CameraIntrinsics& intrinsics() const { return k_; }
   int width() const { return k_.width; }
   int height() const { return k_.height; }
-  double mean_focal_px() const { return 0.5 * (k_.fx + k_.fy); }
+  /// Pixels per radian at the optical axis.
+  double mean_focal_px() const { return mean_focal_px_; }
 
   /// Pixel of a point in the camera frame; empty outside the field of view, that is behind the
   /// camera, more than 85 deg away from the axis, or where the distortion polynomial folds over.
@@ -73,6 +61,7 @@ class CameraModel {
 
  private:
   CameraIntrinsics k_;
+  double mean_focal_px_ = 0;
   double max_radius_ = 0;  // field of view: largest |xy| on the plane z = 1
 };
 

@@ -7,6 +7,7 @@
 
 #include "facet/base/check.h"
 #include "facet/base/random.h"
+#include "facet/testing/lens_examples.h"
 #include "facet/testing/numeric_jacobian.h"
 
 namespace facet {
@@ -35,15 +36,9 @@ CameraIntrinsics Fisheye() {
           {0.0034, 0.0008, -0.0024, 0.0003}};
 }
 
-CameraIntrinsics Pinhole() {
-  return {640, 480, 500, 510, 320, 240, DistortionModel::kNone, {}};
-}
-
 class EveryModelTest : public ::testing::TestWithParam<CameraIntrinsics> {};
 
-INSTANTIATE_TEST_SUITE_P(Models,
-                         EveryModelTest,
-                         ::testing::Values(EurocLeft(), Fisheye(), Pinhole()));
+INSTANTIATE_TEST_SUITE_P(Models, EveryModelTest, ::testing::ValuesIn(testing::LensExamples()));
 
 TEST_P(EveryModelTest, PixelsSurviveTheRoundTripOverTheWholeImage) {
   const CameraModel camera(GetParam());

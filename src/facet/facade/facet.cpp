@@ -26,6 +26,7 @@ static_assert(Number(Camera::Distortion::kNone) == Number(DistortionModel::kNone
 static_assert(Number(Camera::Distortion::kRadialTangential) ==
               Number(DistortionModel::kRadialTangential));
 static_assert(Number(Camera::Distortion::kEquidistant) == Number(DistortionModel::kEquidistant));
+static_assert(Number(Camera::Distortion::kUnified) == Number(DistortionModel::kUnified));
 
 Vec3 Plain(const Vector3d& v) {
   return {v.x(), v.y(), v.z()};

@@ -5,6 +5,7 @@
 #include <initializer_list>
 
 #include "facet/calibration/calibration_vector.h"
+#include "facet/io/lens_yaml.h"
 #include "facet/io/text_file.h"
 
 namespace facet {
@@ -21,7 +22,7 @@ std::string List(const Values& values) {
   std::string text;
   for (const double value : values)
     text += (text.empty() ? "[" : ", ") + Number(value);
-  return text + "]";
+  return (text.empty() ? "[" : text) + "]";
 }
 
 std::string Rigid(const std::string& key, const SE3& T) {
@@ -32,28 +33,17 @@ std::string Rigid(const std::string& key, const SE3& T) {
   return text + "  - [0.0, 0.0, 0.0, 1.0]\n";
 }
 
-const char* NameOf(DistortionModel model) {
-  switch (model) {
-    case DistortionModel::kRadialTangential:
-      return "radtan";
-    case DistortionModel::kEquidistant:
-      return "equidistant";
-    case DistortionModel::kNone:
-      break;
-  }
-  return "none";
-}
-
 std::string Camera(const StereoRig& rig, std::size_t c) {
   const CameraIntrinsics& k = rig.cameras[c].intrinsics();
+  const LensInFile lens = LensForFile(k);
   std::string text = "cam" + std::to_string(c) + ":\n";
   text += Rigid("T_cam_imu", rig.T_BC[c].Inverse());
   if (c == 1) text += Rigid("T_cn_cnm1", rig.T_C1C0());
   text += std::string("  cam_overlaps: [") + (c == 0 ? "1" : "0") + "]\n";
-  text += "  camera_model: pinhole\n";
-  text += "  distortion_coeffs: " + List(k.coefficients) + "\n";
-  text += std::string("  distortion_model: ") + NameOf(k.distortion) + "\n";
-  text += "  intrinsics: " + List(std::initializer_list<double>{k.fx, k.fy, k.cx, k.cy}) + "\n";
+  text += "  camera_model: " + lens.camera_model + "\n";
+  text += "  distortion_coeffs: " + List(lens.coefficients) + "\n";
+  text += "  distortion_model: " + lens.distortion_model + "\n";
+  text += "  intrinsics: " + List(lens.intrinsics) + "\n";
   text += "  resolution: [" + std::to_string(k.width) + ", " + std::to_string(k.height) + "]\n";
   text += "  timeshift_cam_imu: " + Number(ToSeconds(rig.time_offset)) + "\n";
   return text;

@@ -8,6 +8,7 @@
 
 #include "facet/calibration/calibration_vector.h"
 #include "facet/io/errors.h"
+#include "facet/io/lens_yaml.h"
 
 namespace facet {
 namespace {
@@ -19,46 +20,6 @@ constexpr double kMaxSide_px = 65536;
 // Densities that far from those of a usual sensor are no units' mistake.
 constexpr double kMostTimesUsual = 1e7;
 constexpr double kMaxRate_hz = 1e6;
-
-DistortionModel ParseDistortion(const YamlFile& yaml, const YAML::Node& camera) {
-  if (!YamlFile::Has(camera, "distortion_model")) {
-    const bool is_kalibr = YamlFile::Has(camera, "distortion_coeffs");
-    const char* key = is_kalibr ? "distortion_coeffs" : "distortion_coefficients";
-    if (YamlFile::Has(camera, key)) {
-      for (const double coefficient : yaml.Numbers(camera[key])) {
-        if (coefficient != 0)
-          yaml.Fail(camera[key],
-                    "there are distortion coefficients but no 'distortion_model' "
-                    "(radial-tangential, equidistant, none)");
-      }
-    }
-    return DistortionModel::kNone;
-  }
-  const std::string name = yaml.RequireText(camera, "distortion_model");
-  if (name == "radial-tangential" || name == "radtan" || name == "plumb_bob") {
-    return DistortionModel::kRadialTangential;
-  }
-  if (name == "equidistant" || name == "kannala_brandt" || name == "equi") {
-    return DistortionModel::kEquidistant;
-  }
-  if (name == "none") return DistortionModel::kNone;
-  yaml.Fail(
-      camera["distortion_model"],
-      "distortion model '" + name + "' is not supported (radial-tangential, equidistant, none)");
-}
-
-std::vector<double> ReadCoefficients(const YamlFile& yaml, const YAML::Node& camera) {
-  const bool is_kalibr = YamlFile::Has(camera, "distortion_coeffs");
-  const YAML::Node node =
-      yaml.Require(camera, is_kalibr ? "distortion_coeffs" : "distortion_coefficients");
-  std::vector<double> values = yaml.Numbers(node);
-  // A fifth coefficient is k3 of OpenCV's model; ours ends at k2.
-  if (values.size() == 5 && values[4] == 0) values.pop_back();
-  if (values.size() != 4) {
-    yaml.Fail(node, std::to_string(values.size()) + " distortion coefficients, 4 are expected");
-  }
-  return values;
-}
 
 Eigen::Matrix<double, 3, 4> ReadMatrix(const YamlFile& yaml, const YAML::Node& node) {
   const YAML::Node data = YamlFile::Has(node, "data") ? node["data"] : node;
@@ -113,10 +74,7 @@ SE3 ReadRigid(const YamlFile& yaml, const YAML::Node& parent, const std::string&
 
 CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera) {
   CameraIntrinsics k;
-  const YAML::Node model = yaml.Require(camera, "camera_model");
-  if (yaml.RequireText(camera, "camera_model") != "pinhole") {
-    yaml.Fail(model, "camera model '" + model.Scalar() + "' is not supported (pinhole)");
-  }
+  yaml.Require(camera, "camera_model");
   const YAML::Node resolution = yaml.Require(camera, "resolution");
   const std::vector<double> size = yaml.Numbers(resolution);
   if (size.size() != 2) yaml.Fail(resolution, "'resolution' must be [width, height]");
@@ -126,27 +84,7 @@ CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera) {
   }
   k.width = static_cast<int>(std::lround(size[0]));
   k.height = static_cast<int>(std::lround(size[1]));
-
-  const YAML::Node intrinsics = yaml.Require(camera, "intrinsics");
-  const std::vector<double> f = yaml.Numbers(intrinsics);
-  if (f.size() != 4) yaml.Fail(intrinsics, "'intrinsics' must be [fu, fv, cu, cv]");
-  k.fx = f[0], k.fy = f[1], k.cx = f[2], k.cy = f[3];
-
-  const std::string pinhole_problem = CameraModel::WhatIsWrong(k);
-  if (!pinhole_problem.empty()) yaml.Fail(intrinsics, "unusable camera: " + pinhole_problem);
-  k.distortion = ParseDistortion(yaml, camera);
-  if (k.distortion != DistortionModel::kNone) {
-    const std::vector<double> c = ReadCoefficients(yaml, camera);
-    for (std::size_t i = 0; i < 4; ++i)
-      k.coefficients[i] = c[i];
-  }
-  const std::string problem = CameraModel::WhatIsWrong(k);
-  if (!problem.empty()) {
-    const bool is_kalibr = YamlFile::Has(camera, "distortion_coeffs");
-    yaml.Fail(camera[is_kalibr ? "distortion_coeffs" : "distortion_coefficients"],
-              "unusable camera: " + problem);
-  }
-  return CameraModel(k);
+  return ReadLens(yaml, camera, k);
 }
 
 Vector3d ReadGyroScale(const YamlFile& yaml) {

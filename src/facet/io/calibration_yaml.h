@@ -16,7 +16,7 @@ namespace facet {
 /// data}.
 SE3 ReadRigid(const YamlFile& yaml, const YAML::Node& parent, const std::string& key);
 
-/// Resolution, camera_model (pinhole), intrinsics (fu fv cu cv) and distortion.
+/// Resolution, camera_model, intrinsics and distortion (lens_yaml.h).
 CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera);
 
 /// The `gyro_scale` that a run has written with its calibration; zero if there is none.

@@ -12,12 +12,12 @@
 #include <system_error>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "facet/io/calibration_yaml.h"
 #include "facet/io/csv_reader.h"
 #include "facet/io/errors.h"
+#include "facet/io/lens_yaml.h"
 
 namespace facet {
 namespace {
@@ -200,56 +200,7 @@ class KittiCalibrationFile {
   std::map<std::string, std::vector<double>> values_;
 };
 
-/// The distance from the optical axis, in focal lengths, that the lens maps to `distorted`.
-double UndistortRadius(const std::vector<double>& D, double distorted) {
-  constexpr double kStep = 1e-3, kMost = 3;
-  double r = 0;
-  const auto distort = [&](double x) {
-    const double r2 = x * x;
-    return x * (1 + r2 * (D[0] + r2 * (D[1] + r2 * D[4])));
-  };
-  while (r < kMost && distort(r) < distorted)
-    r += kStep;
-  return r;
-}
-
-/// f r (1 + k1 r^2 + k2 r^4 + k3 r^6) as f' r (1 + k1' r^2 + k2' r^4), by least squares over the
-/// image. Returns the largest difference in pixels.
-double FitWithoutThirdCoefficient(const std::vector<double>& D, CameraIntrinsics& k) {
-  std::copy_n(D.begin(), 4, k.coefficients.begin());
-  const double k3 = D[4];
-  if (k3 == 0) return 0;
-  const double corner =
-      std::hypot(std::max(k.cx, k.width - k.cx) / k.fx, std::max(k.cy, k.height - k.cy) / k.fy);
-  const double last = UndistortRadius(D, corner);
-  constexpr int kNum = 200;
-  const double half_height = 0.5 * k.height / k.fy;
-  Matrix3d A = Matrix3d::Zero();
-  Vector3d b = Vector3d::Zero();
-  const auto powers = [](double r) { return Vector3d(r, std::pow(r, 3), std::pow(r, 5)); };
-  for (int i = 1; i <= kNum; ++i) {
-    const double r = last * i / kNum;
-    const double weight = std::min(r, half_height);  // about what the image has of a ring
-    A += weight * powers(r) * powers(r).transpose();
-    b += weight * powers(r) * k3 * std::pow(r, 7);
-  }
-  const Vector3d more = A.ldlt().solve(b);
-  const double scale = 1 + more[0];
-  k.coefficients = {(D[0] + more[1]) / scale, (D[1] + more[2]) / scale, D[2] / scale, D[3] / scale};
-  double largest = 0;
-  for (int i = 1; i <= kNum; ++i) {
-    const double r = last * i / kNum;
-    largest = std::max(largest, k.fx * std::abs(k3 * std::pow(r, 7) - powers(r).dot(more)));
-  }
-  k.fx *= scale;
-  k.fy *= scale;
-  return largest;
-}
-
-CameraModel ReadLens(const KittiCalibrationFile& file,
-                     const std::string& camera,
-                     std::vector<std::string>& warnings) {
-  constexpr double kNoticed_px = 0.1, kMost_px = 3;
+CameraModel ReadLens(const KittiCalibrationFile& file, const std::string& camera) {
   const std::vector<double>& S = file.Require("S_" + camera, 2);
   const std::vector<double>& K = file.Require("K_" + camera, 9);
   CameraIntrinsics k;
@@ -259,23 +210,11 @@ CameraModel ReadLens(const KittiCalibrationFile& file,
   k.cx = K[2];
   k.fy = K[4];
   k.cy = K[5];
-  k.distortion = DistortionModel::kRadialTangential;
-  const std::vector<double>& D = file.Require("D_" + camera, 5);
-  std::string wrong = CameraModel::WhatIsWrong(k);  // before there is a division by f
-  const double error_px = wrong.empty() ? FitWithoutThirdCoefficient(D, k) : 0;
-  if (wrong.empty()) wrong = CameraModel::WhatIsWrong(k);
-  char text[120];
-  std::snprintf(text,
-                sizeof(text),
-                "the third radial coefficient was fitted by the other ones, within %.1f px",
-                error_px);
-  if (wrong.empty() && error_px > kMost_px) wrong = text;
+  SetOpenCvCoefficients(file.Require("D_" + camera, 5), k);
+  const std::string wrong = CameraModel::WhatIsWrong(k);
   if (!wrong.empty()) {
     throw InputError(file.file().string() + ": camera " + camera + ": " + wrong +
                      "; give a calibration with --calibration FILE");
-  }
-  if (error_px > kNoticed_px) {
-    warnings.push_back(file.file().string() + ": camera " + camera + ": " + text);
   }
   return CameraModel(k);
 }
@@ -292,7 +231,7 @@ Calibration ReadKittiCalibration(const fs::path& drive,
   Calibration calibration;
   for (std::size_t i = 0; i < 2; ++i) {
     const std::string camera = Number(cameras[i], 2);
-    calibration.rig.cameras[i] = ReadLens(lenses, camera, calibration.warnings);
+    calibration.rig.cameras[i] = ReadLens(lenses, camera);
     const SE3 T_CC0 = lenses.RequireMotion("_" + camera);
     calibration.rig.T_BC[i] = (T_CC0 * T_C0V * T_VB).Inverse();
   }

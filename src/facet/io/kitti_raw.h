@@ -14,9 +14,7 @@ namespace facet {
 bool IsKittiRaw(const std::filesystem::path& folder);
 
 /// Of the unsynchronised, unrectified variant ("extract"), whose IMU has 100 Hz; the other one has
-/// 10 Hz and is refused. Its lenses have a third radial coefficient, which ours have not: the
-/// other ones and the focal length are fitted to it over the image, and a warning says how well.
-/// Throws InputError for missing, empty and unusable files.
+/// 10 Hz and is refused. Throws InputError for missing, empty and unusable files.
 RecordingFiles ReadKittiRaw(const std::filesystem::path& folder,
                             const CalibrationFiles& calibration = {});
 

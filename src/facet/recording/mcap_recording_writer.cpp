@@ -5,6 +5,7 @@
 
 #include "facet/io/errors.h"
 #include "facet/recording/message_writer.h"
+#include "facet/recording/ros_calibration.h"
 
 namespace facet {
 namespace {
@@ -22,13 +23,7 @@ CameraInfoMessage CameraInfoOf(const CameraModel& camera) {
   CameraInfoMessage info;
   info.width = static_cast<std::uint32_t>(k.width);
   info.height = static_cast<std::uint32_t>(k.height);
-  info.D.assign(k.coefficients.begin(), k.coefficients.end());
-  if (k.distortion == DistortionModel::kEquidistant) {
-    info.distortion_model = "equidistant";
-  } else {
-    info.distortion_model = "plumb_bob";
-    info.D.push_back(0);  // its third radial coefficient
-  }
+  SetLens(k, info);
   info.K = {k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1};
   info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   info.P = {k.fx, 0, k.cx, 0, 0, k.fy, k.cy, 0, 0, 0, 1, 0};

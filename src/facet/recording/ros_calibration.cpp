@@ -8,9 +8,49 @@
 
 #include "facet/io/calibration_yaml.h"
 #include "facet/io/errors.h"
+#include "facet/io/lens_yaml.h"
 
 namespace facet {
 namespace {
+
+// Names of lenses in CameraInfo. ROS itself has the first three; the others are the names that
+// Kalibr has for them.
+struct LensName {
+  const char* name;
+  DistortionModel model;
+};
+constexpr LensName kLensNames[] = {
+    {"plumb_bob", DistortionModel::kRadialTangential},
+    {"rational_polynomial", DistortionModel::kRational},
+    {"equidistant", DistortionModel::kEquidistant},
+    {"fov", DistortionModel::kFieldOfView},
+    {"ds", DistortionModel::kDoubleSphere},
+    {"eucm", DistortionModel::kExtendedUnified},
+    {"omni", DistortionModel::kUnified},
+    // What drivers write, too.
+    {"radtan", DistortionModel::kRadialTangential},
+    {"radial-tangential", DistortionModel::kRadialTangential},
+    {"fisheye", DistortionModel::kEquidistant},
+};
+
+/// The model and coefficients of a lens; false if they are none of ours.
+bool ReadLens(const CameraInfoMessage& info, CameraIntrinsics& k) {
+  const auto* lens = std::ranges::find_if(
+      kLensNames, [&](const LensName& l) { return info.distortion_model == l.name; });
+  if (lens == std::end(kLensNames)) return false;
+  if (lens->model == DistortionModel::kRadialTangential ||
+      lens->model == DistortionModel::kRational) {
+    return SetOpenCvCoefficients(info.D, k);
+  }
+  const std::size_t num = NumCoefficients(lens->model);
+  const auto is_zero = [](double d) { return d == 0; };
+  if (info.D.size() < num ||
+      !std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(num), info.D.end(), is_zero))
+    return false;
+  k.distortion = lens->model;
+  std::copy_n(info.D.begin(), num, k.coefficients.begin());
+  return true;
+}
 
 /// A problem instead of intrinsics where the model is none of ours.
 std::pair<CameraIntrinsics, std::string> IntrinsicsOf(const CameraInfoMessage& info) {
@@ -23,23 +63,10 @@ std::pair<CameraIntrinsics, std::string> IntrinsicsOf(const CameraInfoMessage& i
   k.fy = info.K[4];
   k.cy = info.K[5];
   const auto is_zero = [](double d) { return d == 0; };
-  const std::size_t num_used = std::min<std::size_t>(4, info.D.size());
-  std::copy_n(info.D.begin(), num_used, k.coefficients.begin());
-  const bool has_more =
-      !std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(num_used), info.D.end(), is_zero);
-  const std::string& model = info.distortion_model;
-  const bool is_radtan = model == "plumb_bob" || model == "rational_polynomial" ||
-                         model == "radtan" || model == "radial-tangential";
-  const bool is_fisheye = model == "equidistant" || model == "fisheye";
-  if (std::ranges::all_of(info.D, is_zero)) {
-    k.distortion = DistortionModel::kNone;
-  } else if (is_radtan && !has_more) {
-    k.distortion = DistortionModel::kRadialTangential;
-  } else if (is_fisheye && !has_more) {
-    k.distortion = DistortionModel::kEquidistant;
-  } else {
+  if (std::ranges::all_of(info.D, is_zero)) return {k, CameraModel::WhatIsWrong(k)};
+  if (!ReadLens(info, k)) {
     return {k,
-            "the lens model '" + model + "' with " + std::to_string(info.D.size()) +
+            "the lens model '" + info.distortion_model + "' with " + std::to_string(info.D.size()) +
                 " coefficients is not known"};
   }
   return {k, CameraModel::WhatIsWrong(k)};
@@ -64,6 +91,16 @@ std::string Rectify(const CameraInfoMessage& info, CameraIntrinsics& k, SE3& T_B
 }
 
 }  // namespace
+
+void SetLens(const CameraIntrinsics& k, CameraInfoMessage& info) {
+  const std::size_t num = std::max<std::size_t>(NumCoefficients(k.distortion), 4);
+  info.D.assign(k.coefficients.begin(), k.coefficients.begin() + static_cast<std::ptrdiff_t>(num));
+  const DistortionModel model =
+      k.distortion == DistortionModel::kNone ? DistortionModel::kRadialTangential : k.distortion;
+  if (model == DistortionModel::kRadialTangential) info.D.push_back(0);  // its third radial one
+  info.distortion_model =
+      std::ranges::find_if(kLensNames, [&](const LensName& l) { return l.model == model; })->name;
+}
 
 std::optional<SE3> FindTransform(const std::vector<FrameTransform>& transforms,
                                  const std::string& a,

@@ -30,6 +30,9 @@ struct RosCalibration {
 RosCalibration CalibrationFromMessages(const RosCalibrationMessages& messages,
                                        const std::filesystem::path& imu_file);
 
+/// Model and coefficients of the lens, in the names that ROS has, or else Kalibr's.
+void SetLens(const CameraIntrinsics& intrinsics, CameraInfoMessage& info);
+
 /// T_ab of two frames of a tree of transforms, empty if they are not connected.
 std::optional<SE3> FindTransform(const std::vector<FrameTransform>& transforms,
                                  const std::string& a,

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <initializer_list>
 #include <string>
+#include <vector>
 
 #include "facet/io/errors.h"
+#include "facet/io/lens_yaml.h"
 #include "facet/io/ply_writer.h"
 #include "facet/io/text_file.h"
 
@@ -25,7 +26,7 @@ std::string Digits(double value) {
   return text.data();
 }
 
-std::string Join(std::initializer_list<double> values) {
+std::string Join(const std::vector<double>& values) {
   std::string text;
   for (const double value : values)
     text += (text.empty() ? "" : ",") + Digits(value);
@@ -47,10 +48,6 @@ std::string FormatTransform(const SE3& T) {
   return text + "0.0, 0.0, 0.0, 1.0]\n";
 }
 
-const char* DistortionName(DistortionModel model) {
-  return model == DistortionModel::kEquidistant ? "equidistant" : "radial-tangential";
-}
-
 /// Only where there is one, as in EuRoC's own files.
 std::string FormatTimeOffset(Duration time_offset) {
   if (time_offset == Duration{}) return "";
@@ -59,13 +56,15 @@ std::string FormatTimeOffset(Duration time_offset) {
 
 std::string FormatCamera(const StereoRig& rig, std::size_t camera, double rate_hz) {
   const CameraIntrinsics& k = rig.cameras[camera].intrinsics();
-  const auto& c = k.coefficients;
+  const LensInFile lens = LensForFile(k);
+  const bool is_radtan = lens.distortion_model == "radtan";
   return "%YAML:1.0\nsensor_type: camera\ncomment: simulated by facet simulate\n\n" +
          FormatTransform(rig.T_BC[camera]) + "\nrate_hz: " + Digits(rate_hz) + "\nresolution: [" +
          std::to_string(k.width) + ", " + std::to_string(k.height) +
-         "]\ncamera_model: pinhole\nintrinsics: [" + Join({k.fx, k.fy, k.cx, k.cy}) +
-         "] #fu, fv, cu, cv\ndistortion_model: " + DistortionName(k.distortion) +
-         "\ndistortion_coefficients: [" + Join({c[0], c[1], c[2], c[3]}) + "]\n" +
+         "]\ncamera_model: " + lens.camera_model + "\nintrinsics: [" + Join(lens.intrinsics) +
+         "] #" + (lens.camera_model == "pinhole" ? "fu, fv, cu, cv" : "as Kalibr has them") +
+         "\ndistortion_model: " + (is_radtan ? "radial-tangential" : lens.distortion_model) +
+         "\ndistortion_coefficients: [" + Join(lens.coefficients) + "]\n" +
          FormatTimeOffset(rig.time_offset);
 }
 

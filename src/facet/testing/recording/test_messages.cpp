@@ -160,7 +160,7 @@ std::vector<TestMessage> CalibrationMessagesOfSequence(const std::filesystem::pa
     info.width = static_cast<std::uint32_t>(k.width);
     info.height = static_cast<std::uint32_t>(k.height);
     info.distortion_model = "plumb_bob";
-    info.D.assign(k.coefficients.begin(), k.coefficients.end());
+    info.D.assign(k.coefficients.begin(), k.coefficients.begin() + 4);
     info.D.push_back(0);
     info.K = {k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1};
     messages.push_back(
