@@ -68,7 +68,9 @@ void AddOptions(CLI::App& command, RunArguments& a) {
   command.add_option("--config", a.config, "YAML with any subset of the parameters");
   command.add_option("--set", a.overrides, "key.path=value, repeatable; wins over the file")
       ->allow_extra_args(false);
-  command.add_option("--calibration", a.calibration, "Kalibr camchain.yaml, or EuRoC folder");
+  command.add_option("--calibration",
+                     a.calibration,
+                     "Kalibr camchain.yaml, Basalt calibration.json, or EuRoC folder");
   command.add_option(
       "--imu-calibration", a.imu_calibration, "Kalibr imu.yaml, or EuRoC sensor.yaml");
   command.add_option("--start", a.range.start_s, "seconds after the first stereo pair")

@@ -83,7 +83,7 @@ fuzz_target() {
 }
 
 fuzz_all() {
-  fuzz_text="config,camera,kalibr,image list,imu,trajectory,states,truth,planes,true planes,json"
+  fuzz_text="config,camera,kalibr,image list,imu,trajectory,states,truth,planes,true planes,json,basalt"
   fuzz_text="$fuzz_text,kitti calibration,kitti times,kitti oxts"
   executions=
   fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \

@@ -7,6 +7,7 @@
 #include <optional>
 #include <system_error>
 
+#include "facet/io/basalt_calibration.h"
 #include "facet/io/calibration_yaml.h"
 #include "facet/io/errors.h"
 
@@ -36,24 +37,6 @@ std::vector<fs::path> YamlFilesNamed(const fs::path& folder, const std::string& 
   }
   std::sort(found.begin(), found.end());
   return found;
-}
-
-void CheckBaseline(const StereoRig& rig, const std::string& file) {
-  const double baseline = rig.baseline_m();
-  if (baseline < kMinBaselineM) {
-    throw InputError(file + ": both cameras are at the same place (baseline " +
-                     std::to_string(baseline) + " m); is the left calibration in both files?");
-  }
-  if (baseline > kMaxBaselineM) {
-    throw InputError(file + ": the cameras are " + std::to_string(baseline) +
-                     " m apart; translations must be in metres");
-  }
-}
-
-std::string OffsetText(Duration offset) {
-  char text[80];
-  std::snprintf(text, sizeof(text), ", t_imu = t_cam %+.6f s", ToSeconds(offset));
-  return text;
 }
 
 Duration ReadTimeOffset(const YamlFile& yaml, const YAML::Node& camera) {
@@ -111,7 +94,29 @@ fs::path FindImuFile(const std::vector<fs::path>& folders, const fs::path& mav0)
   return IsFile(euroc) ? euroc : fs::path();
 }
 
+bool IsBasalt(const fs::path& file) {
+  return file.extension() == ".json";
+}
+
 }  // namespace
+
+void CheckBaseline(const StereoRig& rig, const std::string& file) {
+  const double baseline = rig.baseline_m();
+  if (baseline < kMinBaselineM) {
+    throw InputError(file + ": both cameras are at the same place (baseline " +
+                     std::to_string(baseline) + " m); is the left calibration in both files?");
+  }
+  if (baseline > kMaxBaselineM) {
+    throw InputError(file + ": the cameras are " + std::to_string(baseline) +
+                     " m apart; translations must be in metres");
+  }
+}
+
+std::string TimeOffsetText(Duration offset) {
+  char text[80];
+  std::snprintf(text, sizeof(text), ", t_imu = t_cam %+.6f s", ToSeconds(offset));
+  return text;
+}
 
 Calibration ReadEurocCalibration(const fs::path& mav0, const fs::path& imu_file) {
   Calibration result;
@@ -129,7 +134,7 @@ Calibration ReadEurocCalibration(const fs::path& mav0, const fs::path& imu_file)
   }
   CheckBaseline(result.rig, (mav0 / "cam1" / "sensor.yaml").string());
   result.source = "EuRoC sensor.yaml in " + mav0.string() + " (T_BS maps camera to body)" +
-                  OffsetText(result.rig.time_offset);
+                  TimeOffsetText(result.rig.time_offset);
   return result;
 }
 
@@ -164,7 +169,7 @@ Calibration ReadKalibrCalibration(const fs::path& camchain, const fs::path& imu_
   result.source =
       "Kalibr " + camchain.string() +
       (is_inverse ? " (T_cam_imu maps IMU to camera)" : " (T_imu_cam maps camera to IMU)") +
-      OffsetText(result.rig.time_offset);
+      TimeOffsetText(result.rig.time_offset);
   if (result.rig.covariance) result.source += ", with the covariance of the run that wrote it";
   if (!imu_file.empty()) result.source += ", IMU noise from " + imu_file.string();
   return result;
@@ -180,6 +185,7 @@ Calibration FindCalibration(const fs::path& mav0, const CalibrationFiles& files)
   std::vector<fs::path> folders = {mav0, parent, parent / "dso"};
   if (!files.cameras.empty()) folders.insert(folders.begin(), files.cameras.parent_path());
   const fs::path imu = files.imu.empty() ? FindImuFile(folders, mav0) : files.imu;
+  if (IsBasalt(files.cameras)) return ReadBasaltCalibration(files.cameras, files.imu);
   if (!files.cameras.empty()) return ReadKalibrCalibration(files.cameras, imu);
 
   const fs::path camchain = FindCamchain(folders);

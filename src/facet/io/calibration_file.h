@@ -27,9 +27,17 @@ struct Calibration {
 
 /// Paths of calibration files; an empty one means "in the sequence".
 struct CalibrationFiles {
-  std::filesystem::path cameras;  ///< Kalibr camchain, or a folder with cam0/sensor.yaml (EuRoC)
-  std::filesystem::path imu;      ///< Kalibr imu.yaml or EuRoC sensor.yaml of the IMU
+  /// Kalibr's camchain, Basalt's calibration.json, or a folder with cam0/sensor.yaml (EuRoC).
+  std::filesystem::path cameras;
+  std::filesystem::path imu;  ///< Kalibr imu.yaml or EuRoC sensor.yaml of the IMU
 };
+
+/// Throws InputError for cameras at the same place, or more than 10 m apart. `file`: for the
+/// message.
+void CheckBaseline(const StereoRig& rig, const std::string& file);
+
+/// For Calibration::source.
+std::string TimeOffsetText(Duration offset);
 
 /// mav0/cam0/sensor.yaml, mav0/cam1/sensor.yaml and the IMU's noise.
 Calibration ReadEurocCalibration(const std::filesystem::path& mav0,

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "facet/io/asl_files.h"
+#include "facet/io/basalt_calibration.h"
 #include "facet/io/calibration_file.h"
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
@@ -60,6 +61,17 @@ const char* const kBinaryPlyHeader =
     "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float "
     "y\nproperty float z\n"
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+constexpr const char* kBasalt =
+    R"({"value0": {"T_imu_cam": [
+{"px": 0.04, "py": -0.07, "pz": 0.01, "qx": 0.6, "qy": 0, "qz": 0, "qw": 0.8},
+{"px": 0.15, "py": -0.07, "pz": 0.01, "qx": 0.6, "qy": 0, "qz": 0, "qw": 0.8}],
+"intrinsics": [
+{"camera_type": "ds", "intrinsics": {"fx": 158, "fy": 158, "cx": 255, "cy": 257, "xi": -0.1, "alpha": 0.6}},
+{"camera_type": "pinhole-radtan8", "intrinsics": {"fx": 400, "fy": 400, "cx": 320, "cy": 240, "k1": 0.1,
+"k2": 0, "p1": 0, "p2": 0, "k3": 0, "k4": 0, "k5": 0, "k6": 0}}],
+"resolution": [[512, 512], [640, 480]], "imu_update_rate": 200.0, "accel_noise_std": [0.01, 0.01, 0.01],
+"gyro_noise_std": [0.0002, 0.0002, 0.0002], "accel_bias_std": [0.001, 0.001, 0.001],
+"gyro_bias_std": [0.0001, 0.0001, 0.0001], "cam_time_offset_ns": 0}})";
 const char* const kJson =
     R"({"ate_m": 1.5e-3, "names": ["a", "\u00e4", null, true], "inner": {"x": -1}})";
 const char* const kKittiCameras =
@@ -184,6 +196,10 @@ std::vector<FuzzedReader> FuzzedReaders() {
            "49.0 8.4 112 0.03 0.02 -1.2 -3 4 5 6 0.1 -0.1 0.2 9.8 0 0 9.8 0.01 -0.02 0.3 7\n")},
        [](const Path& file) { ReadKittiDrive(file.parent_path().parent_path().parent_path()); }},
       {"json", "a.json", {kJson}, read_json},
+      {"basalt",
+       "calibration.json",
+       {kBasalt},
+       [](const Path& file) { ReadBasaltCalibration(file, {}); }},
       {"image", "a.png", ImageSeeds(), read_image},
   };
 }
