@@ -113,5 +113,27 @@ TEST(StatesFileTest, NamesFileAndLine) {
   }
 }
 
+TEST(StatesFileTest, ASigmaIsANumberFromZeroOnOrUnknown) {
+  const TempFolder folder;
+  const auto read = [&](const std::string& sigma) -> std::string {
+    WriteText(folder / "states.csv",
+              "timestamp_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,sigma_px,sigma_py,sigma_pz,sigma_rx,"
+              "sigma_ry,sigma_rz\n7,1,2,3,1,0,0,0,4,5,6,.01,.02,.03,.1," +
+                  sigma + ",.3\n");
+    try {
+      const auto states = ReadStates(folder / "states.csv");
+      return states.size() == 1 && states[0].sigma_theta.allFinite() ? "known" : "unknown";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(read("0.2"), "known");
+  EXPECT_EQ(read("0"), "known");
+  EXPECT_EQ(read(""), "unknown");
+  EXPECT_EQ(read("nan"), "unknown");
+  for (const char* bad : {"-0.2", "inf", "-inf", "1e999", "large"})
+    EXPECT_THAT(read(bad), HasSubstr("states.csv:2: sigma_ry is '" + std::string(bad) + "'"));
+}
+
 }  // namespace
 }  // namespace facet

@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 #include <string>
+#include <string_view>
 
 #include "facet/io/csv_reader.h"
 #include "facet/io/errors.h"
@@ -75,6 +76,22 @@ class StateColumns {
     return v.allFinite() ? v : Unknown3();
   }
 
+  // The same for a 1-sigma, which is unknown only where it is empty or "nan": what is negative or
+  // infinite would drop out of every statistic without a word.
+  Vector3d GetSigma3(const CsvReader& row, const std::string& stem) const {
+    for (const char* axis : {"x", "y", "z"}) {
+      const auto column = columns_.find(stem + axis);
+      if (column == columns_.end()) continue;
+      const std::string_view text = row.fields()[column->second];
+      const auto sigma = ParseDouble(text);
+      const bool is_unknown = text.empty() || (sigma && std::isnan(*sigma));
+      if (is_unknown || (sigma && *sigma >= 0 && std::isfinite(*sigma))) continue;
+      throw InputError(row.Where() + ": " + column->first + " is '" + std::string(text) +
+                       "'; a 1-sigma is a number from 0 on, or empty where it is unknown");
+    }
+    return Get3(row, stem);
+  }
+
  private:
   std::filesystem::path file_;
   std::map<std::string, std::size_t> columns_;
@@ -110,11 +127,11 @@ std::vector<EstimatedState> ReadStates(const std::filesystem::path& file) {
     if (segment >= 0 && segment < 1e6) s.segment = static_cast<int>(segment);
     s.state.v_WB = columns.Get3(row, "v");
     s.state.bias = {columns.Get3(row, "bg"), columns.Get3(row, "ba")};
-    s.sigma_p = columns.Get3(row, "sigma_p");
-    s.sigma_theta = columns.Get3(row, "sigma_r");
-    s.sigma_v = columns.Get3(row, "sigma_v");
-    s.sigma_b_g = columns.Get3(row, "sigma_bg");
-    s.sigma_b_a = columns.Get3(row, "sigma_ba");
+    s.sigma_p = columns.GetSigma3(row, "sigma_p");
+    s.sigma_theta = columns.GetSigma3(row, "sigma_r");
+    s.sigma_v = columns.GetSigma3(row, "sigma_v");
+    s.sigma_b_g = columns.GetSigma3(row, "sigma_bg");
+    s.sigma_b_a = columns.GetSigma3(row, "sigma_ba");
     states.push_back(s);
   }
   return states;

@@ -29,7 +29,7 @@ struct EstimatedState {
 
 /// Columns are found by their names in the first line (px .. baz, sigma_px .. sigma_vz,
 /// sigma_bgx .. sigma_baz); biases and their sigmas may be missing. Frames without a pose are left
-/// out. Throws InputError with file and line.
+/// out. Throws InputError with file and line, also for a sigma that is no number from 0 on.
 std::vector<EstimatedState> ReadStates(const std::filesystem::path& file);
 
 /// EuRoC csv: t[ns], p, q (wxyz), v, b_g, b_a. Columns behind the pose that are missing or not
