@@ -121,6 +121,32 @@ TEST_F(AslDatasetTest, AFewBadLinesAreSkippedAndReported) {
   EXPECT_THAT(dataset.warnings(), Contains(AllOf(HasSubstr(":51:"), HasSubstr("no stamp"))));
 }
 
+TEST_F(AslDatasetTest, NamesWithControlCharactersAreNoFiles) {
+  const auto add_to_name = [](std::string& line, char c) { line += std::string{c, 'x'}; };
+  EditLines(Csv("cam0"), [&](std::vector<std::string>& lines) { add_to_name(lines[2], '\0'); });
+  const AslDataset dataset(Sequence());
+  EXPECT_EQ(dataset.frames().size(), 11u);
+  EXPECT_THAT(dataset.warnings(),
+              Contains(AllOf(HasSubstr("cam0/data.csv:3: 1 of 12 lines"), HasSubstr("NUL bytes"))));
+  for (const char c : {'\0', '\x1b', '\x7f'}) {
+    EditLines(Csv("cam1"), [&](std::vector<std::string>& lines) {
+      for (std::size_t i = 1; i < lines.size(); ++i)
+        add_to_name(lines[i], c);
+    });
+    EXPECT_THAT(Error(), HasSubstr("cam1/data.csv:2: 12 of 12 lines have a file name with NUL"));
+  }
+}
+
+TEST_F(AslDatasetTest, NamesMayLeadToAnotherFolder) {
+  std::filesystem::rename(Mav0() / "cam0" / "data", Mav0() / "left images");
+  EditLines(Csv("cam0"), [](std::vector<std::string>& lines) {
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      lines[i].insert(lines[i].find(',') + 1, "../../left images/");
+  });
+  std::filesystem::create_directory(Mav0() / "cam0" / "data");
+  EXPECT_EQ(AslDataset(Sequence()).frames().size(), 12u);
+}
+
 TEST_F(AslDatasetTest, DamagedImages) {
   Truncate(Image(0, 0), 1000);
   Truncate(Image(1, 3), 1000);

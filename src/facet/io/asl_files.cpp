@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -114,6 +115,18 @@ void CheckUnit(const std::string& where, const std::vector<Row>& rows) {
                    " apart; they must be nanoseconds and look like " + unit);
 }
 
+/// The system would end the name at a NUL byte and open another file. Where a name leads to does
+/// not matter: `../cam0/data/1.png` and links are somebody's way to save space, and images are only
+/// read.
+bool IsFileName(std::string_view name, RowProblems& problems) {
+  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; };
+  if (std::ranges::none_of(name, is_control)) return true;
+  problems.AddProblem("a file name with NUL bytes or other control characters",
+                      "a stamp, a comma and the name of the image are expected: is the file "
+                      "damaged, or no UTF-8?");
+  return false;
+}
+
 std::optional<ImuSample> ParseImu(const CsvReader& row, Timestamp t, RowProblems& problems) {
   std::array<double, 6> value{};
   for (std::size_t i = 0; i < value.size(); ++i) {
@@ -146,9 +159,9 @@ std::vector<ImageListEntry> ReadImageList(const std::filesystem::path& csv,
     const auto t = ParseStamp(row.fields().front(), problems);
     if (!t) continue;
     if (!IsNext(*t, images, problems, left_out)) continue;
-    const bool has_name = row.fields().size() > 1 && !row.fields()[1].empty();
-    images.push_back(
-        {*t, has_name ? std::string(row.fields()[1]) : std::to_string(t->ns) + ".png"});
+    const std::string_view name = row.fields().size() > 1 ? row.fields()[1] : std::string_view();
+    if (!IsFileName(name, problems)) continue;
+    images.push_back({*t, name.empty() ? std::to_string(t->ns) + ".png" : std::string(name)});
   }
   problems.Finish(warnings);
   CheckUnit(csv.string() + ":2", images);
