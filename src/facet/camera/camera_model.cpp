@@ -161,6 +161,15 @@ bool AllFinite(const CameraIntrinsics& k) {
          });
 }
 
+/// Whether a coordinate of the principal point is one of an image of this side. Lenses sit before
+/// the middle of their sensor. Cropped images may have it anywhere, but a border that comes to lie
+/// at the axis would be chance, and nobody crops away the middle; values that were left out,
+/// normalised or measured otherwise are all there or beyond.
+bool IsInTheImage(double c, int side) {
+  constexpr double kBorder = 0.02;
+  return c >= kBorder * side && c <= (1 - kBorder) * side;
+}
+
 /// What is wrong with the distortion at a point that every camera must see; empty: nothing.
 std::string WhatIsWrongAt(const CameraIntrinsics& k, const Vector2d& px, double max_radius) {
   // No lens does more: magnify as much, or be as skew.
@@ -201,10 +210,12 @@ std::string CameraModel::WhatIsWrong(const CameraIntrinsics& k) {
              k.fy > 50.0 * k.height) {
     text << "focal length " << k.fx << ", " << k.fy << " px does not fit an image of " << k.width
          << " x " << k.height;
-  } else if (k.cx < -0.5 * k.width || k.cx > 1.5 * k.width || k.cy < -0.5 * k.height ||
-             k.cy > 1.5 * k.height) {
-    text << "principal point " << k.cx << ", " << k.cy << " px is far outside the image of "
-         << k.width << " x " << k.height;
+  } else if (!IsInTheImage(k.cx, k.width) || !IsInTheImage(k.cy, k.height)) {
+    text << "principal point " << k.cx << ", " << k.cy << " px is outside the image of " << k.width
+         << " x " << k.height
+         << ", or at its border: it is a place in the recorded image, near the middle, in pixels "
+            "(not in shares of the image or in millimetres); was the image cropped or scaled after "
+            "the calibration?";
   } else if (text << WhatIsWrongWithLens(k); text.str().empty()) {
     // Half way from the principal point to each side every camera must see something.
     const double max_radius = FindMaxRadius(k);

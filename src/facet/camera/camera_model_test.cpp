@@ -173,7 +173,10 @@ TEST(CameraModelTest, SaysWhatIsWrong) {
   expect_wrong("positive", [](CameraIntrinsics& k) { k.fy = -458; });
   expect_wrong("does not fit", [](CameraIntrinsics& k) { k.fx = 458e6; });
   expect_wrong("does not fit", [](CameraIntrinsics& k) { k.fy = 0.458; });
-  expect_wrong("principal point", [](CameraIntrinsics& k) { k.cx = 1e4; });
+  for (const double c : {1e4, 800.0, 752.0, 0.4, 0.0, -100.0}) {
+    expect_wrong("principal point", [&](CameraIntrinsics& k) { k.cx = c; });
+    expect_wrong("principal point", [&](CameraIntrinsics& k) { k.cy = c; });
+  }
   expect_wrong("singular", [](CameraIntrinsics& k) { k.coefficients[0] = -5; });
   for (const double absurd : {1e6, 1e30, 1e300}) {
     for (const double sign : {1.0, -1.0}) {
@@ -187,6 +190,16 @@ TEST(CameraModelTest, SaysWhatIsWrong) {
   CameraIntrinsics fisheye = Fisheye();
   fisheye.coefficients[3] = 1e300;
   EXPECT_NE(CameraModel::WhatIsWrong(fisheye), "");
+}
+
+TEST(CameraModelTest, CroppedImagesMayHaveTheirPrincipalPointOffTheMiddle) {
+  CameraIntrinsics k = EurocLeft();
+  k.height = 300;  // without the lowest 180 rows
+  EXPECT_EQ(CameraModel::WhatIsWrong(k), "");
+  k.cx = 100, k.width = 485;  // without the left 267 columns
+  EXPECT_EQ(CameraModel::WhatIsWrong(k), "");
+  k.cy = 8, k.height = 240;  // the lower half
+  EXPECT_EQ(CameraModel::WhatIsWrong(k), "");
 }
 
 TEST(CameraModelTest, KnowsItsBorder) {

@@ -179,6 +179,7 @@ TEST_F(CalibrationFileTest, CameraErrorsNameFileAndLine) {
       {"0.0, 0.0, 0.0, 1.0]", "0.1, 0.0, 0.0, 1.0]", "is the matrix transposed?"},
       {"0.0453689425024", "-0.064676986768", "both cameras are at the same place"},
       {"intrinsics: [100.5", "intrinsics: [0", "sensor.yaml:12: unusable camera"},
+      {"101.25, 80, 60]", "101.25, 0.5, 0.5]", "sensor.yaml:12: unusable camera: principal point"},
       {"intrinsics: [100.5,", "intrinsics: [", "must be [fu, fv, cu, cv]"},
       {"resolution: [160, 120]", "resolution: [160]", "[width, height]"},
       {"resolution: [160, 120]", "resolution: [160, -120]", "unusable camera"},
