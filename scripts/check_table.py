@@ -58,6 +58,8 @@ DEFECTS = [
     ("accel_axes", "accel_exchanged:axis=2", None),
     ("accel_axes", "accel_exchanged:axis=1", None),
     ("imu_saturated", "imu_saturated:share=0.01", "imu_saturated:share=0.005"),
+    ("imu_dead_axis", "imu_dead_axis:axis=1", None),
+    ("imu_dead_axis", "imu_dead_axis:axis=0,of_gyro=1", None),
     ("imu_frozen", "imu_frozen:length=0.3", "imu_frozen:length=0.15"),
     ("imu_glitch", "imu_glitch:gyro=35", "imu_glitch:gyro=17.5"),
     ("gyro_density", "densities:gyro=100,accel=1", "densities:gyro=10,accel=1"),

@@ -186,6 +186,27 @@ TEST(CheckRecordingTest, TheEndOfARangeIsNamed) {
   EXPECT_THAT(NamesOf(recording), Contains("imu_saturated"));
 }
 
+TEST(CheckRecordingTest, ADeadAxisIsNamed) {
+  MemoryRecording recording;
+  Fill(recording);
+  Rng rng(5);
+  for (RecordingEvent& event : recording.events) {
+    auto* sample = std::get_if<ImuSample>(&event);
+    if (sample == nullptr) continue;
+    sample->gyro += 0.05 * rng.Normal3();
+    sample->accel += 0.2 * rng.Normal3();
+  }
+  EXPECT_THAT(NamesOf(recording), Not(Contains("imu_dead_axis")));
+  recording.Rewind();
+  for (RecordingEvent& event : recording.events) {
+    if (auto* sample = std::get_if<ImuSample>(&event)) sample->accel.x() = 0;
+  }
+  const CheckReport report = CheckRecording(recording);
+  const auto dead = std::ranges::find(report.findings, "imu_dead_axis", &Finding::name);
+  ASSERT_NE(dead, report.findings.end());
+  EXPECT_THAT(dead->what, ::testing::HasSubstr("axis x of the accelerometer"));
+}
+
 TEST(CheckRecordingTest, WhatIsWrongWithImagesIsNamed) {
   struct Case {
     const char* name;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Samples that cannot be what the body did (the screen of the estimator counts them), and samples
-// at the end of the range.
+// Samples that cannot be what the body did (the screen of the estimator counts them), samples at
+// the end of the range, and axes that measure nothing.
 #include <algorithm>
 #include <deque>
 
 #include "facet/check/detectors.h"
 #include "facet/imu/imu_screen.h"
+#include "facet/plausibility/dead_axis_check.h"
 
 namespace facet {
 namespace {
@@ -71,6 +72,7 @@ class ImuValues : public Detector {
     gyro_end_.Add(sample.gyro, sample.t);
     accel_end_.Add(sample.accel, sample.t);
     repeated_.Follow(screen_.counts().num_repeated, sample.t);
+    dead_axes_.Add(sample);
   }
 
   void Finish(CheckReport& report) override {
@@ -81,6 +83,13 @@ class ImuValues : public Detector {
                   Text("%d IMU samples contradict the ones before and after them", cut_.count),
                   "look at the bus and the driver of the IMU, and at its supply",
                   cut_.when});
+    }
+    for (const DeadAxis& dead : dead_axes_.found()) {
+      report.Add({"imu_dead_axis",
+                  Sureness::kCertain,
+                  InWords(dead),
+                  kDeadAxisAdvice,
+                  Span{dead.from, dead.to}});
     }
     FinishRange("gyroscope", "rad/s", gyro_end_, report);
     FinishRange("accelerometer", "m/s^2", accel_end_, report);
@@ -120,6 +129,7 @@ class ImuValues : public Detector {
   Timestamp last_;
   int num_ = 0;
   Rise cut_, repeated_;
+  DeadAxisCheck dead_axes_;
   RangeEnd gyro_end_{0.3}, accel_end_{12.0};
 };
 

@@ -235,6 +235,12 @@ TEST_F(FaultTest, TheImuIsWhatIsWrong) {
   EXPECT_EQ(recording_.imu[3].accel.x(), before.imu[3].accel.y());
   EXPECT_EQ(recording_.imu[3].accel.z(), before.imu[3].accel.z());
   recording_ = before;
+  PlantFault("imu_dead_axis:axis=2,of_gyro=1,value=0.5", recording_);
+  EXPECT_EQ(recording_.imu[3].gyro.z(), 0.5);
+  EXPECT_EQ(recording_.imu[3].accel, before.imu[3].accel);
+  PlantFault("imu_dead_axis:axis=0", recording_);
+  EXPECT_EQ(recording_.imu[3].accel.x(), 0);
+  recording_ = before;
   PlantFault("accel_scaled:percent=-50", recording_);
   EXPECT_NEAR(recording_.imu[3].accel.norm(), 0.5 * before.imu[3].accel.norm(), 1e-9);
   recording_ = before;

@@ -46,6 +46,12 @@ void FreezeImu(const FaultValues& value, RecordingCopy& recording) {
   }
 }
 
+void KillImuAxis(const FaultValues& value, RecordingCopy& recording) {
+  const auto axis = static_cast<Eigen::Index>(value.at("axis"));
+  for (ImuSample& sample : recording.imu)
+    (value.at("of_gyro") != 0 ? sample.gyro : sample.accel)[axis] = value.at("value");
+}
+
 void ShiftImu(const FaultValues& value, RecordingCopy& recording) {
   for (ImuSample& sample : recording.imu)
     sample.t = sample.t - FromSeconds(1e-3 * value.at("ms"));
@@ -147,6 +153,11 @@ std::vector<FaultKind> ImuFaults() {
       {"imu_gap", {{"at", 5}, {"length", 0.3}}, "no IMU", CutImu},
       {"imu_clip", {{"gyro", 0.6}, {"accel", 0}}, "the sensor's range ends there", ClipImu},
       {"imu_frozen", {{"at", 5}, {"length", 0.3}}, "the IMU repeats itself", FreezeImu},
+      {"imu_dead_axis",
+       {{"axis", 1}, {"of_gyro", 0}, {"value", 0}},
+       "an axis of the accelerometer, or of the gyroscope, has this value [m/s^2, rad/s] all the "
+       "time",
+       KillImuAxis},
       {"imu_early", {{"ms", 10}}, "stamps of the IMU are early", ShiftImu},
       {"imu_degrees", {}, "the gyroscope measures in deg/s", GyroInDegrees},
       {"imu_negated",

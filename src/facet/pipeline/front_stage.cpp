@@ -55,9 +55,19 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   if (!tracked.frontend.in_order) return tracked;
   previous_t_ = frame.t + rig_.time_offset;
   has_previous_ = true;
+  tracked.warning = WatchAxes(tracked.imu);
   tracked.refusal = CheckSensors(frame, tracked);
   ForgetOldImu();
   return tracked;
+}
+
+std::string FrontStage::WatchAxes(const ImuInterval& imu) {
+  std::string warning;
+  for (const ImuSample& sample : imu.samples) {
+    if (dead_axes_.Add(sample))
+      warning = InWords(dead_axes_.found().back()) + ": " + kDeadAxisAdvice;
+  }
+  return warning;
 }
 
 std::string FrontStage::CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked) {

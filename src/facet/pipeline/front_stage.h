@@ -10,6 +10,7 @@
 #include "facet/pipeline/tracked_frame.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/plausibility/calibration_check.h"
+#include "facet/plausibility/dead_axis_check.h"
 #include "facet/plausibility/dead_imu_check.h"
 
 namespace facet {
@@ -46,6 +47,7 @@ class FrontStage {
   ImuInterval IntervalTo(Timestamp t_imu) const;
   FrontendHint MakeHint(const ImuInterval& now);
   void TakeFeedback();
+  std::string WatchAxes(const ImuInterval& imu);
   std::string CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked);
   void ForgetOldImu();
 
@@ -54,6 +56,7 @@ class FrontStage {
   StereoFrontend frontend_;
   bool check_calibration_;
   DeadImuCheck dead_imu_;
+  DeadAxisCheck dead_axes_;
   CalibrationCheck calibration_;
   ImuBuffer imu_;
   int num_refused_imu_ = 0;

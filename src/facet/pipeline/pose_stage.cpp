@@ -19,7 +19,9 @@ VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   out.times = frame.times;
   EstimatorResult result = estimator_.AddFrame(frame.frontend.observations, frame.imu, out.times);
   const ScopedStage stage(out.times, Stage::kOutput);
-  out.warning = JudgeCalibration(frame.frontend, result);
+  out.warning = frame.warning;
+  const std::string of_estimate = JudgeCalibration(frame.frontend, result);
+  if (out.warning.empty()) out.warning = of_estimate;
   FillPose(frame, std::move(result), out);
   if (check_calibration_) CheckScale(frame, out);
   HandBack(out);

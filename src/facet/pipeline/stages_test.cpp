@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the two halves of a frame tell each other around a reset, and what the front half keeps.
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -55,6 +56,24 @@ TEST_F(FrontStageTest, KeepsLittleImuWhileNothingComesBack) {
     EXPECT_EQ(tracked.imu.samples.size(), 11u) << i;
     EXPECT_LE(front_.num_imu_samples(), 25u) << i;
   }
+}
+
+TEST_F(FrontStageTest, ADeadAxisOfTheImuIsAWarningOnce) {
+  int num_warnings = 0;
+  for (int i = 0; i < 200; ++i) {
+    for (const Timestamp end = frame_.t + kFrameInterval + kImuInterval; t_imu_ <= end;
+         t_imu_ = t_imu_ + kImuInterval) {
+      const double s = ToSeconds(t_imu_ - kBegin);
+      const Vector3d waves(std::sin(3 * s), std::sin(4 * s), std::cos(3 * s));
+      front_.AddImu({t_imu_, 0.5 * waves, Vector3d(waves.x(), 0, 9.81 + waves.y())});
+    }
+    const TrackedFrame tracked = Next();
+    if (tracked.warning.empty()) continue;
+    ++num_warnings;
+    EXPECT_NE(tracked.warning.find("axis y of the accelerometer has sent 0 m/s^2"),
+              std::string::npos);
+  }
+  EXPECT_EQ(num_warnings, 1);
 }
 
 TEST_F(FrontStageTest, FeedbackReachesBackToItsFrame) {

@@ -25,6 +25,7 @@ struct TrackedFrame {
   ImuInterval imu;             ///< from the previous frame to this one
   bool used_feedback = false;  ///< the tracks were predicted with more than the gyroscope
   std::string refusal;         ///< see VioOutput
+  std::string warning;         ///< the same
   StageTimes times;
 };
 
