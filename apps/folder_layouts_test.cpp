@@ -66,6 +66,17 @@ class FolderLayoutsTest : public ::testing::Test {
   TestSequenceOptions options_;
 };
 
+TEST_F(FolderLayoutsTest, TheConfigOfAResultSaysWhatElseWasGiven) {
+  ASSERT_EQ(Run(Sequence(), "plain").exit_code, 0);
+  const std::string plain = ReadText(folder_ / "plain/config.yaml");
+  EXPECT_TRUE(plain.starts_with("# Facet's parameters"));
+  const std::string cut = "cut --start 0.05 --calibration " + Sequence().string();
+  Run(Sequence(), cut);
+  EXPECT_EQ(ReadText(folder_ / "cut/config.yaml"),
+            "# Run with --start 0.05 --calibration " + Sequence().string() + "\n" + plain);
+  EXPECT_EQ(RunFacet("config --config " + (folder_ / "cut/config.yaml").string()).exit_code, 0);
+}
+
 TEST_F(FolderLayoutsTest, RightAlignedImagesGiveTheTrajectoryOfTheScaledOnes) {
   ASSERT_EQ(Run(Sequence(), "plain").exit_code, 0);
   for (const char* camera : {"cam0", "cam1"})

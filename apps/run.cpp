@@ -2,6 +2,8 @@
 // `facet run`: from a recording to a result folder.
 #include "run.h"
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -43,6 +45,33 @@ std::unique_ptr<Recording> OpenForRun(const RunArguments& arguments) {
   options.calibration = {arguments.calibration, arguments.imu_calibration};
   options.topics = ParseTopics(arguments.topics);
   return OpenRecording(arguments.sequence, options);
+}
+
+std::string ShortNumber(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/// A line of comment with what decides about the result beside the parameters; empty: the whole
+/// recording with its own calibration.
+std::string GivenBesideParameters(const RunArguments& arguments) {
+  std::string given;
+  const auto add = [&](const char* option, const std::string& value) {
+    if (!value.empty()) given += std::string(" ") + option + " " + value;
+  };
+  const RunRange& range = arguments.range;
+  if (range.start_s > 0) add("--start", ShortNumber(range.start_s));
+  if (std::isfinite(range.duration_s)) add("--duration", ShortNumber(range.duration_s));
+  if (range.realtime) given += " --realtime";
+  add("--calibration", arguments.calibration);
+  add("--imu-calibration", arguments.imu_calibration);
+  for (const std::string& topic : arguments.topics)
+    add("--topics", topic);
+  // A name with a line break would end the comment.
+  std::ranges::replace_if(
+      given, [](char c) { return c == '\n' || c == '\r'; }, '?');
+  return given.empty() ? given : "# Run with" + given + "\n";
 }
 
 void LogFrame(const VioOutput& output) {
@@ -192,7 +221,7 @@ void RunCommand(const RunArguments& arguments) {
   run.record.version = FACET_VERSION;
   run.record.pipeline = ToString(options.pipeline);
   run.record.threads = arguments.threads;
-  run.record.config = FormatOptions(options);
+  run.record.config = GivenBesideParameters(arguments) + FormatOptions(options);
   WriteResult(folder.staging(), run.record);
   if (arguments.mesh_format == "glb") WriteGlbMeshes(folder.staging(), run.record);
   folder.Commit();

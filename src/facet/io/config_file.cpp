@@ -147,21 +147,38 @@ std::string LastPart(const std::string& key) {
   return key.substr(key.rfind('.') + 1);
 }
 
+/// How far a key is from the one that somebody wrote; the same name in another group is near.
+std::size_t Distance(const std::string& key, const std::string& written) {
+  return LastPart(key) == LastPart(written) ? 0 : EditDistance(key, written);
+}
+
+std::string InWords(const RetiredOption& option) {
+  const std::string new_key = option.new_key;
+  return "did you mean '" + std::string(option.key) + "', which is " +
+         (new_key.empty() ? "no option any more?" : "now called '" + new_key + "'?");
+}
+
 /// A hint in words for an unknown key.
-std::string Suggest(const std::string& key, std::span<const ConfigField> fields) {
+std::string Suggest(const std::string& key,
+                    std::span<const ConfigField> fields,
+                    std::span<const RetiredOption> retired) {
   const std::string group = key + ".";
-  const ConfigField* best = nullptr;
-  std::size_t best_distance = std::numeric_limits<std::size_t>::max();
+  std::string best = "`facet config --all` prints all keys";
+  std::size_t best_distance = std::max<std::size_t>(3, key.size() / 3) + 1;
   for (const ConfigField& field : fields) {
     if (field.key.starts_with(group)) return "it is a group; its keys begin with '" + group + "'";
-    const bool same_name = LastPart(field.key) == LastPart(key);
-    const std::size_t distance = same_name ? 0 : EditDistance(field.key, key);
-    if (distance < best_distance) best = &field, best_distance = distance;
+    const std::size_t distance = Distance(field.key, key);
+    if (distance >= best_distance) continue;
+    best = "did you mean '" + field.key + "'?";
+    best_distance = distance;
   }
-  if (best == nullptr || best_distance > std::max<std::size_t>(3, key.size() / 3)) {
-    return "`facet config --all` prints all keys";
+  for (const RetiredOption& option : retired) {
+    const std::size_t distance = Distance(option.key, key);
+    if (distance >= best_distance) continue;
+    best = InWords(option);
+    best_distance = distance;
   }
-  return "did you mean '" + best->key + "'?";
+  return best;
 }
 
 // ------------------------------------------------------------------------------------- reading
@@ -269,7 +286,7 @@ std::vector<std::string> ApplyConfig(std::span<const ConfigEntry> entries,
         retired.begin(), retired.end(), [&](const RetiredOption& r) { return r.key == entry.key; });
     if (option == retired.end()) {
       throw ConfigError(entry.origin + ": unknown key '" + entry.key + "'; " +
-                        Suggest(entry.key, fields));
+                        Suggest(entry.key, fields, retired));
     }
     notices.push_back(ApplyRetired(entry, *option, fields));
   }

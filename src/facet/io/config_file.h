@@ -110,8 +110,8 @@ std::vector<ConfigEntry> ReadConfigFile(const std::filesystem::path& file);
 ConfigEntry ParseOverride(const std::string& text);
 
 /// Writes the entries, in order, into the fields. Throws ConfigError that names the origin, the key
-/// and what is allowed: unknown key (with the nearest known one), wrong type, out of range. Either
-/// all entries up to the bad one were applied, or all.
+/// and what is allowed: unknown key (with the nearest known or retired one), wrong type, out of
+/// range. Either all entries up to the bad one were applied, or all.
 ///
 /// `retired` options are no error where they have the value that they had by default, or where
 /// another option replaced them, which then gets the value. Returns one line for each of them.

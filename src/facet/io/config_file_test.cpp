@@ -120,6 +120,24 @@ TEST(ConfigFileTest, UnknownKeysAreErrorsWithASuggestion) {
               AllOf(HasSubstr("--set: unknown key 'max_feature'"), HasSubstr("'max_features'?")));
 }
 
+TEST(ConfigFileTest, SuggestionsKnowRetiredKeys) {
+  OuterOptions options;
+  const RetiredOption retired[] = {{"klt.window_px", "4", ""}, {"max_points", "3", "max_features"}};
+  const auto error_of = [&](const std::string& text) -> std::string {
+    try {
+      ApplyOverrides(std::vector{text}, ListFields(options), retired);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_THAT(error_of("klt.windw_px=4"),
+              HasSubstr("did you mean 'klt.window_px', which is no option any more?"));
+  EXPECT_THAT(error_of("max_point=4"),
+              HasSubstr("did you mean 'max_points', which is now called 'max_features'?"));
+  EXPECT_THAT(error_of("max_feature=4"), HasSubstr("did you mean 'max_features'?"));
+}
+
 TEST(ConfigFileTest, ValuesMustBeOfTheTypeAndInRange) {
   EXPECT_THAT(ErrorOf("\nmax_features: 0\n"),
               AllOf(HasSubstr("c.yaml:2: max_features = '0' is out of range, allowed: 1 .. 5000")));

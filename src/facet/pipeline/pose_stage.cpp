@@ -28,6 +28,13 @@ VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   return out;
 }
 
+// Before the start the window holds keyframes whose poses are nothing but the beginning of a
+// search.
+std::vector<KeyframePose> PoseStage::WindowKeyframes() const {
+  if (!estimator_.is_initialised()) return {};
+  return estimator_.Snapshot().keyframes;
+}
+
 void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioOutput& out) const {
   const FrameObservations& observations = frame.frontend.observations;
   out.frame = observations.frame;

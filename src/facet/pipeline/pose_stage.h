@@ -32,7 +32,7 @@ class PoseStage {
   std::optional<Feedback> TakeFeedback() { return std::exchange(feedback_, std::nullopt); }
 
   /// The keyframes that are still in the window, oldest first.
-  std::vector<KeyframePose> WindowKeyframes() const { return estimator_.Snapshot().keyframes; }
+  std::vector<KeyframePose> WindowKeyframes() const;
 
   /// What has been learnt of it; see VioEstimator.
   std::optional<StereoRig> Calibration() const { return estimator_.Calibration(); }

@@ -157,5 +157,29 @@ TEST(PoseStageTest, TellsTheFrontStageOfAReset) {
   EXPECT_GT(num_feedbacks, num_resets);
 }
 
+TEST(PoseStageTest, KeyframesHaveNoPosesBeforeTheStart) {
+  FeatureSimulatorOptions options;
+  options.max_tracks = 70;
+  options.duration_s = 5;
+  const SimulatedRun run =
+      SimulateFeatures(SplineTrajectory::Fit(MakeFlight(10, 2)), EurocRig(), options, 1);
+  PoseStage pose(run.rig, ImuNoise{}, WithoutMesh());
+  ImuBuffer imu;
+  for (const ImuSample& sample : run.imu)
+    imu.Add(sample);
+  int num_before = 0, num_after = 0;
+  for (std::size_t i = 1; i < 60; ++i) {
+    TrackedFrame tracked;
+    tracked.frontend.observations = run.frames[i];
+    tracked.imu =
+        imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{20'000'000}, Duration{0});
+    const bool has_started = pose.Estimate(tracked).has_pose;
+    ++(has_started ? num_after : num_before);
+    EXPECT_EQ(pose.WindowKeyframes().empty(), !has_started) << i;
+  }
+  EXPECT_GT(num_before, 3);
+  EXPECT_GT(num_after, 3);
+}
+
 }  // namespace
 }  // namespace facet
