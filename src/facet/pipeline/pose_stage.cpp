@@ -19,6 +19,7 @@ VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   out.times = frame.times;
   EstimatorResult result = estimator_.AddFrame(frame.frontend.observations, frame.imu, out.times);
   const ScopedStage stage(out.times, Stage::kOutput);
+  if (result.bias_drift && !result.bias_drift->is_gyro) scale_.DistrustAccelerometer();
   out.warning = frame.warning;
   const std::string of_estimate = JudgeCalibration(frame.frontend, result);
   if (out.warning.empty()) out.warning = of_estimate;

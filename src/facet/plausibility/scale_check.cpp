@@ -125,6 +125,7 @@ void ScaleCheck::WorldHasChanged() {
   scale_.reset();
   num_doubts_ = 0;
   has_doubted_ = is_hopeless_ = false;
+  is_accel_trusted_ = true;
 }
 
 // From one leg to the next the mean velocity changes by s (g (T1 + T2) / 2 + a), where a is what
@@ -200,10 +201,12 @@ ScaleCheck::Finding ScaleCheck::Judge() {
   if (!scale_) return Finding::kNothing;
   // Whatever changes after the size was right once is no calibration.
   if (scale_->sigma < kSigmaOfKnown && !scale_->IsOff(kLeastRefusal, 0)) was_right_ = true;
-  if (!was_right_ && num_all_legs <= kMostLegsForRefusal &&
-      scale_->IsOff(kLeastRefusal, kSureSigmas))
-    is_hopeless_ = true;
-  if (is_hopeless_ && num_legs >= kLeastLegsForRefusal) return Finding::kRefusal;
+  const bool is_useless = !was_right_ && num_all_legs <= kMostLegsForRefusal &&
+                          scale_->IsOff(kLeastRefusal, kSureSigmas);
+  // An estimator gives way to a wrong size, so what was clear once stays so; but not what an
+  // accelerometer said whose bias was running away.
+  if (is_useless && is_accel_trusted_) is_hopeless_ = true;
+  if ((is_useless || is_hopeless_) && num_legs >= kLeastLegsForRefusal) return Finding::kRefusal;
   num_doubts_ = scale_->IsOff(kLeastDoubt, kSureSigmas) ? num_doubts_ + 1 : 0;
   if (has_doubted_ || num_doubts_ < kDoubtsInARow) return Finding::kNothing;
   has_doubted_ = true;

@@ -43,6 +43,10 @@ class ScaleCheck {
   /// its pose and the bias of the gyroscope are used.
   Finding AddKeyframe(const NavState& state);
 
+  /// The accelerometer's bias changes faster than it can (estimator/bias_watch.h): what it says of
+  /// the size meanwhile is no reason to refuse a calibration later, when the size is right.
+  void DistrustAccelerometer() { is_accel_trusted_ = false; }
+
   /// Poses from before and after this are not to be compared.
   void Break();
 
@@ -82,6 +86,7 @@ class ScaleCheck {
   std::string negated_axes_;
   int num_doubts_ = 0;  // in a row
   bool has_doubted_ = false, is_hopeless_ = false, was_right_ = false;
+  bool is_accel_trusted_ = true;
 };
 
 /// What is wrong, in words that follow "warning: ".

@@ -34,7 +34,8 @@ Judgement Fly(std::uint64_t seed,
               double early_size = 1,
               double early_s = 0,
               const Vector3d& axes = Vector3d::Ones(),
-              bool change_is_told = false) {
+              bool change_is_told = false,
+              bool is_distrusted = false) {
   FeatureSimulatorOptions options;
   options.max_tracks = 1;
   options.duration_s = duration_s;
@@ -47,6 +48,7 @@ Judgement Fly(std::uint64_t seed,
   }
   Rng rng(seed);
   ScaleCheck check;
+  if (is_distrusted) check.DistrustAccelerometer();
   Judgement out;
   bool was_early = false;
   for (std::size_t i = 1; i < run.truth.size(); ++i) {
@@ -140,6 +142,17 @@ TEST(ScaleCheckTest, WhatWasRightOnceIsNotRefused) {
     EXPECT_TRUE(Fly(seed, 2, 30).is_refused) << seed;
     EXPECT_FALSE(Fly(seed, 2, 30, 1, 10).is_refused) << seed;
   }
+}
+
+// The size is wrong for the first seconds only, and the accelerometer may be to blame for it.
+TEST(ScaleCheckTest, WhatADistrustedAccelerometerSaysOnceIsNoReasonToRefuse) {
+  int num_trusted = 0;
+  for (std::uint64_t seed = 40; seed < 46; ++seed) {
+    num_trusted += Fly(seed, 1, 30, 1.25, 4.2).is_refused ? 1 : 0;
+    EXPECT_FALSE(Fly(seed, 1, 30, 1.25, 4.2, Vector3d::Ones(), false, true).is_refused) << seed;
+    EXPECT_TRUE(Fly(seed, 2, 20, 1, 0, Vector3d::Ones(), false, true).is_refused) << seed;
+  }
+  EXPECT_GE(num_trusted, 5);
 }
 
 // The first half is a world of another size; only what follows the change counts.
