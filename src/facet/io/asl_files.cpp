@@ -11,6 +11,7 @@
 
 #include "facet/io/csv_reader.h"
 #include "facet/io/errors.h"
+#include "facet/io/stray_stamps.h"
 
 namespace facet {
 namespace {
@@ -26,9 +27,13 @@ class RowProblems {
 
   void AddRow() { ++num_rows_; }
   void AddProblem(const std::string& kind, const std::string& advice) {
+    AddProblem(kind, advice, row_.line());
+  }
+  void AddProblem(const std::string& kind, const std::string& advice, int line) {
+    const std::string where = row_.file().string() + ":" + std::to_string(line);
     auto it =
         std::find_if(kinds_.begin(), kinds_.end(), [&](const Kind& k) { return k.name == kind; });
-    if (it == kinds_.end()) it = kinds_.insert(it, {kind, advice, row_.Where(), 0});
+    if (it == kinds_.end()) it = kinds_.insert(it, {kind, advice, where, 0});
     ++it->count;
     ++num_bad_;
   }
@@ -82,22 +87,63 @@ std::optional<Timestamp> ParseStamp(std::string_view text, RowProblems& problems
   return Timestamp{*ns};
 }
 
-/// Whether t is later than the last accepted row.
+/// The rows of a table whose stamps rise strictly. Others are problems.
 template <class Row>
-bool IsNext(Timestamp t,
-            const std::vector<Row>& rows,
-            RowProblems& problems,
-            StampCounts& left_out) {
-  if (rows.empty() || t > rows.back().t) return true;
-  if (t == rows.back().t) {
-    ++left_out.num_repeated;
-    problems.AddProblem("a duplicate stamp", "each stamp may appear once");
-  } else {
-    ++left_out.num_backward;
-    problems.AddProblem("a stamp that runs backwards", "sort the lines by their stamp");
+class RisingRows {
+ public:
+  RisingRows(std::size_t num_to_confirm,
+             const CsvReader& csv,
+             RowProblems& problems,
+             StampCounts& left_out)
+      : strays_(num_to_confirm), csv_(csv), problems_(problems), left_out_(left_out) {}
+
+  void Add(Row row) {
+    const Timestamp t = row.t;
+    strays_.Add({t, csv_.line(), std::move(row)}, Taker(), Leaver());
   }
-  return false;
-}
+
+  std::vector<Row> Finish() {
+    strays_.End(Taker(), Leaver());
+    return std::move(rows_);
+  }
+
+ private:
+  struct Line {
+    Timestamp t;
+    int number = 0;
+    Row row;
+  };
+
+  auto Taker() {
+    return [this](Line line) { Take(std::move(line)); };
+  }
+  auto Leaver() {
+    return [this](const Line& line) {
+      problems_.AddProblem("a stamp far away from those of the lines around it",
+                           "is a clock set while recording, or a line damaged?",
+                           line.number);
+    };
+  }
+
+  void Take(Line line) {
+    if (rows_.empty() || line.t > rows_.back().t) {
+      rows_.push_back(std::move(line.row));
+    } else if (line.t == rows_.back().t) {
+      ++left_out_.num_repeated;
+      problems_.AddProblem("a duplicate stamp", "each stamp may appear once", line.number);
+    } else {
+      ++left_out_.num_backward;
+      problems_.AddProblem(
+          "a stamp that runs backwards", "sort the lines by their stamp", line.number);
+    }
+  }
+
+  StrayStamps<Line> strays_;
+  const CsvReader& csv_;
+  RowProblems& problems_;
+  StampCounts& left_out_;
+  std::vector<Row> rows_;
+};
 
 /// Integer stamps of another unit show by their spacing: no camera or IMU runs at 50 kHz.
 template <class Row>
@@ -127,6 +173,18 @@ bool IsFileName(std::string_view name, RowProblems& problems) {
   return false;
 }
 
+/// Names that are numbers but no stamps of this recording.
+std::vector<ImageListEntry> WithoutStrays(std::vector<ImageListEntry> images, int& num_others) {
+  std::vector<ImageListEntry> taken;
+  StrayStamps<ImageListEntry> strays(kImagesToConfirm);
+  const auto take = [&](ImageListEntry image) { taken.push_back(std::move(image)); };
+  const auto leave_out = [&](const ImageListEntry&) { ++num_others; };
+  for (ImageListEntry& image : images)
+    strays.Add(std::move(image), take, leave_out);
+  strays.End(take, leave_out);
+  return taken;
+}
+
 std::optional<ImuSample> ParseImu(const CsvReader& row, Timestamp t, RowProblems& problems) {
   std::array<double, 6> value{};
   for (std::size_t i = 0; i < value.size(); ++i) {
@@ -153,16 +211,16 @@ std::vector<ImageListEntry> ReadImageList(const std::filesystem::path& csv,
                                           StampCounts& left_out) {
   CsvReader row(csv);
   RowProblems problems(row);
-  std::vector<ImageListEntry> images;
+  RisingRows<ImageListEntry> rising(kImagesToConfirm, row, problems, left_out);
   while (row.Next()) {
     problems.AddRow();
     const auto t = ParseStamp(row.fields().front(), problems);
     if (!t) continue;
-    if (!IsNext(*t, images, problems, left_out)) continue;
     const std::string_view name = row.fields().size() > 1 ? row.fields()[1] : std::string_view();
     if (!IsFileName(name, problems)) continue;
-    images.push_back({*t, name.empty() ? std::to_string(t->ns) + ".png" : std::string(name)});
+    rising.Add({*t, name.empty() ? std::to_string(t->ns) + ".png" : std::string(name)});
   }
+  std::vector<ImageListEntry> images = rising.Finish();
   problems.Finish(warnings);
   CheckUnit(csv.string() + ":2", images);
   return images;
@@ -191,6 +249,7 @@ std::vector<ImageListEntry> ListImageFolder(const std::filesystem::path& folder,
   const auto same = std::unique(images.begin(), images.end(), is_same);
   num_others += static_cast<int>(images.end() - same);
   images.erase(same, images.end());
+  images = WithoutStrays(std::move(images), num_others);
   if (images.empty()) {
     throw InputError(folder.string() +
                      ": no image that is named by its stamp in nanoseconds, such as "
@@ -209,14 +268,14 @@ std::vector<ImuSample> ReadImuFile(const std::filesystem::path& csv,
                                    StampCounts& left_out) {
   CsvReader row(csv);
   RowProblems problems(row);
-  std::vector<ImuSample> samples;
+  RisingRows<ImuSample> rising(kSamplesToConfirm, row, problems, left_out);
   while (row.Next()) {
     problems.AddRow();
     const auto t = ParseStamp(row.fields().front(), problems);
     if (!t) continue;
-    if (!IsNext(*t, samples, problems, left_out)) continue;
-    if (const auto sample = ParseImu(row, *t, problems)) samples.push_back(*sample);
+    if (const auto sample = ParseImu(row, *t, problems)) rising.Add(*sample);
   }
+  std::vector<ImuSample> samples = rising.Finish();
   problems.Finish(warnings);
   CheckUnit(csv.string() + ":2", samples);
   return samples;

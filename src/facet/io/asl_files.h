@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The csv files of an ASL/EuRoC sequence, and folders that do without. Bad lines in an otherwise
 // good file (unreadable, not finite, duplicate or backward stamps) are skipped, counted and
-// reported; a file full of them is an error.
+// reported, as are single stamps that are far away from the ones around them
+// (stray_stamps.h); a file full of them is an error.
 #pragma once
 
 #include <filesystem>

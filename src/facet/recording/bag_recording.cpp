@@ -120,6 +120,9 @@ Timestamp BagRecording::StampOf(const Message& message, Timestamp header) const 
 
 void BagRecording::Rewind() {
   source_->Rewind();
+  images_.fill(StrayStamps<StampedImage>(kImagesToConfirm));
+  readings_.clear();
+  num_stray_images_ = num_stray_imu_ = 0;
   imu_.Clear();
   pairer_ = StereoPairer(stamps_.tolerance);
   last_imu_.reset();
@@ -132,25 +135,60 @@ void BagRecording::Rewind() {
 
 void BagRecording::Take(const Message& message) {
   received_ = std::max(received_, message.received);
-  const Topic& topic = source_->topics()[message.topic];
   try {
     if (message.topic == choice_.left || message.topic == choice_.right) {
-      const ImageMessage image = ReadAnyImageMessage(topic, message.bytes);
-      pairer_.Add(message.topic == choice_.left ? 0 : 1,
-                  StampOf(message, image.header.t),
-                  std::make_shared<MessageImage>(image, sample_bits_, PlaceOf(message)),
-                  message.received,
-                  image.data.size());
+      TakeImage(message, message.topic == choice_.left ? 0 : 1);
     } else if (message.topic == choice_.rates() || message.topic == choice_.accel) {
-      ImuSample sample = ReadImuMessage(message.bytes, topic.encoding).sample;
-      sample.t = StampOf(message, sample.t);
-      if (message.topic == choice_.imu) imu_.AddSample(sample);
-      if (message.topic == choice_.gyro) imu_.AddGyro(sample.t, sample.gyro);
-      if (message.topic == choice_.accel) imu_.AddAccel(sample.t, sample.accel);
+      TakeImuMessage(message);
     }
   } catch (const InputError& error) {
     if (num_damaged_++ == 0) first_damaged_ = PlaceOf(message) + ": " + error.what();
   }
+}
+
+void BagRecording::TakeImage(const Message& message, int camera) {
+  const ImageMessage image = ReadAnyImageMessage(source_->topics()[message.topic], message.bytes);
+  images_[camera].Add(
+      {StampOf(message, image.header.t),
+       message.received,
+       std::make_shared<MessageImage>(image, sample_bits_, PlaceOf(message)),
+       image.data.size()},
+      [&](const StampedImage& one) { PassImage(camera, one); },
+      [&](const StampedImage&) { ++num_stray_images_; });
+}
+
+void BagRecording::TakeImuMessage(const Message& message) {
+  const Topic& topic = source_->topics()[message.topic];
+  ImuSample reading = ReadImuMessage(message.bytes, topic.encoding).sample;
+  reading.t = StampOf(message, reading.t);
+  readings_.try_emplace(message.topic, kSamplesToConfirm)
+      .first->second.Add(
+          reading,
+          [&](const ImuSample& one) { PassReading(message.topic, one); },
+          [&](const ImuSample&) { ++num_stray_imu_; });
+}
+
+void BagRecording::PassImage(int camera, const StampedImage& image) {
+  pairer_.Add(camera, image.t, image.image, image.received, image.num_bytes);
+}
+
+void BagRecording::PassReading(std::size_t topic, const ImuSample& reading) {
+  if (topic == choice_.imu) imu_.AddSample(reading);
+  if (topic == choice_.gyro) imu_.AddGyro(reading.t, reading.gyro);
+  if (topic == choice_.accel) imu_.AddAccel(reading.t, reading.accel);
+}
+
+void BagRecording::End() {
+  for (int camera = 0; camera < 2; ++camera) {
+    images_[camera].End([&](const StampedImage& one) { PassImage(camera, one); },
+                        [&](const StampedImage&) { ++num_stray_images_; });
+  }
+  for (auto& [topic, readings] : readings_) {
+    readings.End([&, name = topic](const ImuSample& one) { PassReading(name, one); },
+                 [&](const ImuSample&) { ++num_stray_imu_; });
+  }
+  is_ended_ = true;
+  pairer_.End();
 }
 
 std::optional<RecordingEvent> BagRecording::TakeImu() {
@@ -195,8 +233,7 @@ std::optional<RecordingEvent> BagRecording::Next() {
     } catch (const InputError& error) {
       damage_ = error.what();
     }
-    is_ended_ = true;
-    pairer_.End();
+    End();
   }
 }
 
@@ -217,6 +254,13 @@ std::vector<std::string> BagRecording::Warnings() const {
   append(source_->Warnings());
   append(pairer_.Warnings());
   append(imu_.Warnings());
+  const auto warn_of_strays = [&](int num, const char* what) {
+    if (num > 0)
+      warnings.push_back(std::to_string(num) + what +
+                         " have stamps far away from those around them and were left out");
+  };
+  warn_of_strays(num_stray_images_, " images");
+  warn_of_strays(num_stray_imu_, " IMU messages");
   if (num_damaged_ > 0) {
     warnings.push_back(std::to_string(num_damaged_) +
                        " messages are damaged and were left out; the first: " + first_damaged_);

@@ -2,9 +2,12 @@
 // The messages of a bag as a stream of IMU samples and stereo pairs.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <map>
 #include <memory>
 
+#include "facet/io/stray_stamps.h"
 #include "facet/recording/bag_opening.h"
 #include "facet/recording/imu_joiner.h"
 #include "facet/recording/message_source.h"
@@ -22,7 +25,9 @@ struct BagOptions {
 };
 
 /// Stamps are those of the message headers (those of the recorder only where headers have none).
-/// In memory are what waits for its partner, at most two seconds or 256 MB, and what the source
+/// Single stamps
+/// far away from those around them are left out (io/stray_stamps.h). In memory are what waits for
+/// its partner, at most two seconds or 256 MB, and what the source
 /// keeps.
 class BagRecording : public Recording {
  public:
@@ -47,11 +52,22 @@ class BagRecording : public Recording {
   StampCounts ImuLeftOut() const override { return imu_.left_out(); }
 
  private:
+  struct StampedImage {
+    Timestamp t, received;
+    std::shared_ptr<const EncodedImage> image;
+    std::size_t num_bytes = 0;
+  };
+
   void FindCalibrationOf(const BagOpening& opening, const BagOptions& options);
   void RequireReadablePair();
   std::string PlaceOf(const Message& message) const;
   Timestamp StampOf(const Message& message, Timestamp header) const;
   void Take(const Message& message);
+  void TakeImage(const Message& message, int camera);
+  void TakeImuMessage(const Message& message);
+  void PassImage(int camera, const StampedImage& image);
+  void PassReading(std::size_t topic, const ImuSample& reading);
+  void End();
   bool IsSettled(const RecordedFrame& frame) const;
   std::optional<RecordingEvent> TakeImu();
 
@@ -63,6 +79,10 @@ class BagRecording : public Recording {
   std::optional<Calibration> calibration_;
   std::vector<std::string> warnings_;
   int sample_bits_ = 16;
+  std::array<StrayStamps<StampedImage>, 2> images_{StrayStamps<StampedImage>(kImagesToConfirm),
+                                                   StrayStamps<StampedImage>(kImagesToConfirm)};
+  std::map<std::size_t, StrayStamps<ImuSample>> readings_;  ///< by topic
+  int num_stray_images_ = 0, num_stray_imu_ = 0;
   ImuJoiner imu_;
   StereoPairer pairer_;
   std::optional<Timestamp> last_imu_;  ///< the newest one that was handed out

@@ -294,6 +294,50 @@ TEST_F(BagRecordingTest, DamagedMessagesAreLeftOutAndCounted) {
       Contains(AllOf(HasSubstr("1 messages are damaged"), HasSubstr(": /cam1/image_raw: "))));
 }
 
+// In a folder and in a bag.
+TEST_F(BagRecordingTest, OneStampFarInTheFutureCostsWhatCarriesIt) {
+  constexpr std::int64_t kYear = 365LL * 86400 * 1000000000;
+  const std::pair<const char*, const char*> streams[] = {
+      {"/cam0/image_raw", "cam0"}, {"/cam1/image_raw", "cam1"}, {"/imu0", "imu0"}};
+  FolderRecording clean{AslDataset(Sequence())};
+  const std::size_t num_clean = Events(clean).size();
+  for (const auto& [topic, folder_name] : streams) {
+    for (const int place : {0, 4}) {
+      WriteTestSequence(Sequence(), options_);
+      std::vector<TestMessage> messages = Messages();
+      int number = 0;
+      for (TestMessage& message : messages) {
+        if (message.topic != topic || number++ != place) continue;
+        const Timestamp t = message.received + Duration{kYear};
+        message.bytes =
+            message.topic == "/imu0"
+                ? ImuBytes(MessageEncoding::kCdr, {t, Vector3d::Zero(), Vector3d::Zero()}, "imu0")
+                : ImageBytes(MessageEncoding::kCdr,
+                             t,
+                             "cam",
+                             {160, 120, "mono8", std::string(160 * 120, 'x')});
+      }
+      EditLines(Sequence() / "mav0" / folder_name / "data.csv",
+                [&](std::vector<std::string>& lines) {
+                  std::string& line = lines[static_cast<std::size_t>(1 + place)];
+                  const std::int64_t ns = std::stoll(line.substr(0, 19)) + kYear;
+                  line.replace(0, 19, std::to_string(ns));
+                });
+      const AslDataset dataset(Sequence());
+      EXPECT_THAT(dataset.warnings(),
+                  Contains(AllOf(HasSubstr(std::string(folder_name) +
+                                           "/data.csv:" + std::to_string(2 + place) + ": 1 of "),
+                                 HasSubstr("far away"))));
+      FolderRecording folder{AslDataset(Sequence())};
+      const auto bag = Open(messages);
+      const std::vector<std::string> events = Events(*bag);
+      EXPECT_EQ(events, Events(folder)) << topic << place;
+      EXPECT_GE(events.size() + 1, num_clean) << topic << place;
+      EXPECT_THAT(bag->Warnings(), Contains(HasSubstr("far away")));
+    }
+  }
+}
+
 TEST_F(BagRecordingTest, WhatCameBeforeTheDamageIsGiven) {
   FolderRecording folder{AslDataset(Sequence())};
   const std::vector<std::string> all = Events(folder);
