@@ -152,7 +152,11 @@ SequenceRun RunWith(Vio& vio,
     bar.Update(done, total, ToString(output.status));
     return !WasInterrupted();
   };
-  SequenceRun run = RunSequence(recording, functions, arguments.range, observer);
+  RunRange range = arguments.range;
+  // Two threads are the pipeline's.
+  constexpr int kMostDecoders = 8;
+  range.num_decoders = std::clamp(arguments.threads - 2, 0, kMostDecoders);
+  SequenceRun run = RunSequence(recording, functions, range, observer);
   WarnOfFullMap(options.mesh.map.max_memory_mb, run.record);
   WarnOfMissingMesh(options, run.record);
   return run;

@@ -19,6 +19,7 @@
 #include "facet/base/check.h"
 #include "facet/io/errors.h"
 #include "facet/pipeline/refusal.h"
+#include "facet/recording/decode_ahead.h"
 #include "facet/recording/frame_decoder.h"
 #include "facet/recording/image_turner.h"
 
@@ -177,6 +178,10 @@ class SequenceRunner {
         turner_(recording.calibration()->rig.cameras[1]),
         start_(Clock::now()) {
     if (!steps_.FindFirst(step_)) ThrowNoPair();
+    if (range.num_decoders > 0 && !range.realtime) {
+      decode_ahead_.emplace(recording.calibration()->rig, range.num_decoders);
+      decode_ahead_->Add(step_.frame);
+    }
     RunRecord& record = run_.record;
     record.sequence = recording.name();
     record.calibration = recording.calibration()->source;
@@ -192,7 +197,7 @@ class SequenceRunner {
       TakeStep();
       const bool goes_on = ProcessFrame();
       if (!goes_on) Stop();
-      has_step = next_ || (goes_on && steps_.Next(step_));
+      has_step = next_ || (goes_on && NextStep(step_));
       if (next_) step_ = std::move(*std::exchange(next_, std::nullopt));
     }
     Deliver(vio_.finish());
@@ -249,6 +254,20 @@ class SequenceRunner {
     }
   }
 
+  /// With threads that decode, reads on so that they have something to do.
+  bool NextStep(RunStep& step) {
+    if (!decode_ahead_) return steps_.Next(step);
+    RunStep next;
+    while (decode_ahead_->num_under_way() < decode_ahead_->capacity() && steps_.Next(next)) {
+      decode_ahead_->Add(next.frame);
+      steps_ahead_.push_back(std::move(next));
+    }
+    if (steps_ahead_.empty()) return false;
+    step = std::move(steps_ahead_.front());
+    steps_ahead_.pop_front();
+    return true;
+  }
+
   /// Its frame is the one to process, its IMU samples wait until a frame is fed.
   void TakeStep() {
     ++num_frames_;
@@ -269,10 +288,8 @@ class SequenceRunner {
   /// False when the observer wants to stop. A frame with an unusable left image is passed over.
   bool ProcessFrame() {
     const auto wall_start = Clock::now();
-    const double decode_start_ms = ThreadCpuMs();
-    if (!Decode()) return true;
     PendingFrame frame{wall_start, {}};
-    frame.cost.decode_ms = ThreadCpuMs() - decode_start_ms;
+    if (!Decode(frame.cost.decode_ms)) return true;
     const double decode_wall_ms = MsSince(wall_start);
     if (range_.realtime) {
       frame.arrival = ArrivalOf(frame_.t);
@@ -307,17 +324,26 @@ class SequenceRunner {
     return goes_on;
   }
 
-  /// False when the left image is unusable.
-  bool Decode() {
-    try {
-      const std::string problem = decoder_.Decode(frame_, images_.left, images_.right);
-      if (!problem.empty()) problems_.right.Add(problem);
-      TurnRightImage();
-      return true;
-    } catch (const InputError& error) {
-      problems_.left.Add(error.what());
+  /// False when the left image is unusable. Says how much processor time was spent, by whichever
+  /// thread.
+  bool Decode(double& cpu_ms) {
+    if (decode_ahead_) {
+      decode_ahead_->Take(decoded_);
+    } else {
+      decoder_.Decode(frame_, decoded_);
+    }
+    if (!decoded_.left_problem.empty()) {
+      problems_.left.Add(decoded_.left_problem);
       return false;
     }
+    if (!decoded_.right_problem.empty()) problems_.right.Add(decoded_.right_problem);
+    // The images before these are decoded into.
+    std::swap(images_.left, decoded_.left);
+    std::swap(images_.right, decoded_.right);
+    const double start_ms = ThreadCpuMs();
+    TurnRightImage();
+    cpu_ms = decoded_.cpu_ms + ThreadCpuMs() - start_ms;
+    return true;
   }
 
   /// A right image of another moment becomes that of the moment of the left one, as far as the
@@ -482,6 +508,8 @@ class SequenceRunner {
   const RunRange range_;
   StepReader steps_;
   FrameDecoder decoder_;
+  std::optional<DecodeAhead> decode_ahead_;
+  std::deque<RunStep> steps_ahead_;  // those whose frames are decoded, but the newest taken one
   ImageTurner turner_;
   std::deque<ImuSample> recent_imu_;  // of the last moments before the frame in work, and one more
   const Clock::time_point start_;
@@ -491,6 +519,7 @@ class SequenceRunner {
   RunStep step_;                 // the newest one that was read, until it is taken
   std::optional<RunStep> next_;  // the one behind it, at recorded speed
   RecordedFrame frame_;          // the one in work
+  DecodedFrame decoded_;
   StereoFrame images_;
   std::vector<ImuSample> unfed_imu_;
   std::deque<PendingFrame> pending_;

@@ -30,6 +30,9 @@ struct RunRange {
   double duration_s = std::numeric_limits<double>::infinity();
   double imu_history_s = 0;  ///< IMU from before the first frame
   bool realtime = false;     ///< at recorded speed; what arrives while busy is dropped
+  /// Threads that decode the images of the next frames meanwhile, with the same results; none at
+  /// recorded speed, because the next frames have not arrived.
+  int num_decoders = 0;
 };
 
 enum class RunEnd {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -124,6 +125,35 @@ TEST_F(RunSequenceTest, FeedsEverythingInOrder) {
   EXPECT_EQ(run.record.keyframes.size(), 3u);
   EXPECT_GT(run.record.peak_rss_mb, 1);
   EXPECT_EQ(run.record.frames[2].status, "ok");
+}
+
+TEST_F(RunSequenceTest, DecodingAheadChangesNothing) {
+  options_.num_frames = 30;
+  Write();
+  for (const int i : {3, 4, 29})
+    WriteText(Image(0, i), "P5\n160 120\n255\nshort");
+  for (const int i : {6, 17})
+    WriteText(Image(1, i), "no image");
+  for (const int stop_after : {1 << 30, 9}) {
+    stop_after_ = stop_after;
+    vio_ = FakeVio();
+    const SequenceRun expected = Run();
+    const FakeVio alone = std::exchange(vio_, FakeVio());
+    RunRange range;
+    range.num_decoders = 3;
+    const SequenceRun run = Run(range);
+    EXPECT_EQ(vio_.frames, alone.frames);
+    EXPECT_EQ(vio_.imu, alone.imu);
+    EXPECT_EQ(vio_.newest_imu, alone.newest_imu);
+    EXPECT_EQ(vio_.mono, alone.mono);
+    EXPECT_EQ(cv::countNonZero(vio_.right != alone.right), 0);
+    EXPECT_EQ(run.end, expected.end);
+    EXPECT_EQ(run.message, expected.message);
+    EXPECT_EQ(run.record.warnings, expected.record.warnings);
+    EXPECT_EQ(run.record.num_frames, expected.record.num_frames);
+    EXPECT_EQ(run.record.num_damaged, expected.record.num_damaged);
+    EXPECT_EQ(run.record.num_damaged, stop_after == 9 ? 2 : 3);
+  }
 }
 
 TEST_F(RunSequenceTest, RightImagesOfAnotherMomentAreTurnedByTheGyroscope) {

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "facet/io/errors.h"
+#include "facet/io/grey_png.h"
 #include "facet/io/image_codecs.h"
 
 namespace facet {
@@ -53,7 +54,7 @@ bool IsPng(Bytes bytes) {
 void Decode(Bytes bytes, std::vector<std::uint8_t>& colour, GreyTarget& target) {
   using std::string_view_literals::operator""sv;
   if (IsPng(bytes)) {
-    DecodePng(bytes, colour, target);
+    if (!DecodeGreyPng(bytes, colour, target)) DecodePng(bytes, colour, target);
   } else if (HasMagic(bytes, 0, "\xFF\xD8\xFF"sv)) {
     DecodeJpeg(bytes, target);
   } else if (HasMagic(bytes, 0, "RIFF"sv) && HasMagic(bytes, 8, "WEBP"sv)) {

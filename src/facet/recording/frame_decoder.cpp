@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/recording/frame_decoder.h"
 
+#include "facet/base/stage_timer.h"
 #include "facet/io/errors.h"
 
 namespace facet {
@@ -33,6 +34,18 @@ std::string FrameDecoder::Decode(const RecordedFrame& frame, cv::Mat& left, cv::
     return error.what();
   }
   return {};
+}
+
+void FrameDecoder::Decode(const RecordedFrame& frame, DecodedFrame& decoded) {
+  const double start_ms = ThreadCpuMs();
+  decoded.left_problem.clear();
+  decoded.right_problem.clear();
+  try {
+    decoded.right_problem = Decode(frame, decoded.left, decoded.right);
+  } catch (const InputError& error) {
+    decoded.left_problem = error.what();
+  }
+  decoded.cpu_ms = ThreadCpuMs() - start_ms;
 }
 
 }  // namespace facet
