@@ -28,11 +28,18 @@ struct PlaneAttachment {
   double max_distance_m = 0;
 };
 
+/// How far the surface of a plane is from flat, 1-sigma.
+struct PlaneUnevenness {
+  PlaneId plane;
+  double sigma_m = 0;
+};
+
 struct PlaneAssignments {
   std::vector<NewPlane> created;
   std::vector<PlaneAttachment> attached;
   std::vector<std::pair<LandmarkId, PlaneId>> detached;  ///< landmarks that no longer lie there
   std::vector<PlaneId> retired;                          ///< planes that leave the estimator
+  std::vector<PlaneUnevenness> unevenness;               ///< from now on
   std::vector<PlaneRelation> relations;                  ///< hold from now on
   std::vector<PlaneMeasurement> measurements;            ///< by the newest keyframe
   /// Pipeline SP: landmarks that count with the paper's projection noise and loss from now on, and
@@ -41,7 +48,8 @@ struct PlaneAssignments {
 
   bool IsEmpty() const {
     return created.empty() && attached.empty() && detached.empty() && retired.empty() &&
-           relations.empty() && measurements.empty() && projected.empty() && unprojected.empty();
+           unevenness.empty() && relations.empty() && measurements.empty() && projected.empty() &&
+           unprojected.empty();
   }
 };
 

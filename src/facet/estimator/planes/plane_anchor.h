@@ -13,7 +13,10 @@ namespace facet {
 void MoveAnchor(const Vector3d& anchor_W, int plane, SlidingWindow& window);
 
 /// Moves the anchors that are farther than `max_distance_m` from the mean of the landmarks on their
-/// planes to that mean. Planes with fewer than three landmarks stay. Returns how many moved.
+/// planes to that mean. Planes with fewer than three landmarks stay. Anchors of uneven surfaces
+/// follow as soon as they are farther away than the landmarks are from each other, and what the
+/// prior knows of the plane is forgotten by as much as another piece of the surface may differ.
+/// Returns how many moved.
 int FollowLandmarks(double max_distance_m, SlidingWindow& window);
 
 }  // namespace facet

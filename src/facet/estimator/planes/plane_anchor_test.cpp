@@ -2,6 +2,9 @@
 // A plane with another anchor is the same plane, and what the prior knows of it is the same.
 #include "facet/estimator/planes/plane_anchor.h"
 
+#include <cmath>
+#include <vector>
+
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
@@ -158,6 +161,55 @@ TEST(PlaneAnchorTest, AnchorsFollowTheLandmarks) {
   for (WindowLandmark& landmark : test.window.landmarks())
     landmark.planes = PlaneLinks();
   EXPECT_EQ(FollowLandmarks(0.0, test.window), 0);
+}
+
+// Covariance of a plane's own three numbers by the prior.
+Matrix3d CovarianceByThePrior(const SlidingWindow& window, PlaneId plane) {
+  const MatrixXd covariance = window.prior.H.inverse();
+  for (const MarginalPrior::Block& block : window.prior.blocks) {
+    if (block.kind == Variable::Kind::kPlane && block.plane == plane)
+      return covariance.block<3, 3>(block.offset, block.offset);
+  }
+  ADD_FAILURE() << "the prior does not know the plane";
+  return {};
+}
+
+// Against the same move on a flat surface: normal and offset are known less by the unevenness, once
+// for each time that the landmarks' spread fits into the way.
+TEST(PlaneAnchorTest, OfAnUnevenSurfaceAnotherPieceIsKnownLess) {
+  TestWindow flat = MakeWindow(11);
+  TestWindow uneven = MakeWindow(11);
+  constexpr double kUnevenness_m = 0.03;
+  uneven.window.planes[0].unevenness_m = kUnevenness_m;
+  Vector3d sum = Vector3d::Zero();
+  std::vector<Vector3d> points;
+  for (const WindowLandmark& landmark : flat.window.landmarks()) {
+    if (landmark.planes.Contains(0)) points.push_back(flat.window.PositionOf(landmark));
+  }
+  for (const Vector3d& p : points)
+    sum += p;
+  const Vector3d mean = sum / static_cast<double>(points.size());
+  double square = 0;
+  for (const Vector3d& p : points)
+    square += (p - mean).squaredNorm();
+  const double spread_m = std::sqrt(square / static_cast<double>(points.size()));
+  for (TestWindow* test : {&flat, &uneven}) {
+    test->window.prior.H.diagonal().array() +=
+        1;  // what the gauge leaves open has a covariance, too
+    MoveAnchor(mean + 2 * spread_m * Vector3d::UnitX(), 0, test->window);
+  }
+  ASSERT_EQ(FollowLandmarks(1.5 * spread_m, flat.window), FollowLandmarks(10, uneven.window));
+
+  const Matrix3d added = CovarianceByThePrior(uneven.window, PlaneId{0}) -
+                         CovarianceByThePrior(flat.window, PlaneId{0});
+  const double slope = kUnevenness_m / spread_m;
+  const Matrix3d expected =
+      2 * Vector3d(slope * slope, slope * slope, kUnevenness_m * kUnevenness_m).asDiagonal();
+  EXPECT_LT((added - expected).norm(), 0.02 * expected.norm());
+  EXPECT_LT((CovarianceByThePrior(uneven.window, PlaneId{1}) -
+             CovarianceByThePrior(flat.window, PlaneId{1}))
+                .norm(),
+            0.05 * expected.norm());
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ void PlaneLifecycle::Announce(const PlaneAssignments& assignments) {
   append(assignments.attached, waiting_.attached);
   append(assignments.detached, waiting_.detached);
   append(assignments.retired, retired_);
+  append(assignments.unevenness, waiting_.unevenness);
   append(assignments.relations, waiting_.relations);
   append(assignments.measurements, waiting_.measurements);
   append(assignments.projected, waiting_.projected);

@@ -17,6 +17,10 @@ namespace {
 // Of a landmark that is known to ten times the sigma of planes' landmarks.
 constexpr double kMaxInnovationRatio = 10;
 
+// Which share of a surface's unevenness all landmarks of a window have in common: waves of ground
+// are longer than what is seen of it at once.
+constexpr double kCommonUnevenness = 0.3;
+
 // 1-sigma of the landmark in the direction n_W, as vision knows it when the poses are given.
 double SigmaAlong(const FrameGeometry& geometry,
                   WindowLandmark landmark,
@@ -80,6 +84,10 @@ void ApplyAssignments(const PlaneAssignments& assignments,
     const int plane = window.IndexOf(plane_id);
     if (landmark != nullptr && plane >= 0) landmark->planes.Remove(plane);
   }
+  for (const auto& [plane_id, sigma_m] : assignments.unevenness) {
+    const int plane = window.IndexOf(plane_id);
+    if (plane >= 0) window.planes[plane].unevenness_m = sigma_m;
+  }
   AttachLandmarks(assignments.attached, limits, noise, geometry, evidence, window);
   for (const PlaneRelation& relation : assignments.relations)
     window.AddRelation(relation);
@@ -142,8 +150,11 @@ void WeighPlanes(const FactorNoise& noise, SlidingWindow& window) {
           1 / (landmark.planes.row_scale(k) * landmark.planes.row_scale(k));
   }
   for (std::size_t k = 0; k < num_rows.size(); ++k) {
-    window.planes[k].row_sigma_m =
-        std::hypot(noise.plane_sigma_m, std::sqrt(num_rows[k]) * noise.plane_common_sigma_m);
+    WindowPlane& plane = window.planes[k];
+    const double common_m =
+        std::hypot(noise.plane_common_sigma_m, kCommonUnevenness * plane.unevenness_m);
+    plane.row_sigma_m =
+        std::hypot(noise.plane_sigma_m, plane.unevenness_m, std::sqrt(num_rows[k]) * common_m);
   }
 }
 

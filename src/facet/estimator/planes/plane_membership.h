@@ -50,7 +50,8 @@ void RemoveSparsePlanes(int min_landmarks, SlidingWindow& window);
 /// Sets the sigma of each plane's rows. What n landmarks have in common (prints, frames and panels
 /// stand in front of a wall) does not become less with n: the mean of rows with the variance
 /// s^2 + n c^2 has the variance s^2 / n + c^2. Rows that the prior has taken up are not counted: c
-/// is for the landmarks of a window; those of the next are on other things.
+/// is for the landmarks of a window; those of the next are on other things. Surfaces that are not
+/// flat (WindowPlane::unevenness_m) have both more.
 void WeighPlanes(const FactorNoise& noise, SlidingWindow& window);
 
 }  // namespace facet

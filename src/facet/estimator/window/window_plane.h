@@ -17,9 +17,10 @@ namespace facet {
 struct WindowPlane {
   PlaneId id;
   Vector3d anchor_W;
-  Vector3d n;          ///< unit normal in W
-  double offset;       ///< [m]
-  double row_sigma_m;  ///< 1-sigma of the rows that hold landmarks on it (WeighPlanes)
+  Vector3d n;               ///< unit normal in W
+  double offset;            ///< [m]
+  double unevenness_m = 0;  ///< how far the surface is from flat, 1-sigma; 0: as planes usually are
+  double row_sigma_m;       ///< 1-sigma of the rows that hold landmarks on it (WeighPlanes)
 
   /// Once the prior touches it, Jacobians are taken at n_lin, and n = n_lin (+) delta.
   bool frozen = false;

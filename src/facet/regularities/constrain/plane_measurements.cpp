@@ -90,6 +90,7 @@ WeightedPoints PointsOn(const TrackedPlane& plane,
 }
 
 std::optional<PlaneMeasurement> Measure(const WeightedPoints& points,
+                                        double unevenness_m,
                                         const SE3& T_WB,
                                         const PlaneMeasurementOptions& options) {
   const auto& [p_W, weights] = points;
@@ -101,8 +102,9 @@ std::optional<PlaneMeasurement> Measure(const WeightedPoints& points,
 
   // Equation (9.1).
   const double point_sigma_m = std::sqrt(static_cast<double>(p_W.size()) / total);
-  const double sigma_m =
-      std::hypot(options.sigma_scale / std::sqrt(total), options.common_share * point_sigma_m);
+  // What the surface rises above the plane here, all points see alike.
+  const double sigma_m = std::hypot(
+      options.sigma_scale / std::sqrt(total), options.common_share * point_sigma_m, unevenness_m);
   const auto slope_sigma = [&](double extent_m) {
     return std::hypot(sigma_m / extent_m, options.min_sigma_deg * kDegree);
   };
@@ -133,7 +135,8 @@ std::vector<PlaneMeasurement> MeasurePlanes(const SearchMesh& mesh,
     if (plane.IsTentative() || plane.seen.last < mesh.t) continue;
     const WeightedPoints points =
         PointsOn(plane, static_cast<int>(k), faces, matched, around, map.latest.T_WB);
-    std::optional<PlaneMeasurement> measured = Measure(points, map.latest.T_WB, options);
+    std::optional<PlaneMeasurement> measured =
+        Measure(points, plane.fit.unevenness.sigma_m(), map.latest.T_WB, options);
     if (!measured) continue;
     measured->frame = map.keyframes.back().id;
     measured->plane = plane.id;

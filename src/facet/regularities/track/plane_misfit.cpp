@@ -20,7 +20,8 @@ constexpr std::size_t kMinLandmarks = 8;
 // Landmarks stand out from their plane more than its surface does: prints, frames and panels are in
 // front of walls.
 constexpr double kLandmarkFlatness_m = 0.01;
-constexpr double kMaxSigmas = 2.5;  // a landmark that is farther off weighs as if it were here
+constexpr double kMostUneven_m = 0.1;  // what is farther off is on something else
+constexpr double kMaxSigmas = 2.5;     // a landmark that is farther off weighs as if it were here
 // Errors that the poses give to all landmarks of a plane, 1-sigma.
 constexpr double kSigmaOffset_m = 0.003, kSigmaSlope = 0.004;
 // A plane is removed when it exceeds either limit in kMaxMisfits keyframes in a row.
@@ -40,8 +41,9 @@ double Square(double x) {
 // estimates towards the plane, and that is undone here.
 struct PlaneLandmarks {
   std::vector<Vector3d> points_W;
-  std::vector<double> across_m;  // the plane
-  std::vector<double> weights;   // [1/m^2]
+  std::vector<double> across_m;   // the plane
+  std::vector<double> variances;  // of vision, across the plane [m^2]
+  std::vector<double> weights;    // [1/m^2]
 };
 
 PlaneLandmarks LandmarksByVision(const MapSnapshot& map,
@@ -61,6 +63,7 @@ PlaneLandmarks LandmarksByVision(const MapSnapshot& map,
     const double sigmas = std::abs(across_m) / std::sqrt(expected);
     landmarks.points_W.emplace_back(landmark.p_W + (across_m - at_m) * plane.n);
     landmarks.across_m.push_back(across_m);
+    landmarks.variances.push_back(variance);
     landmarks.weights.push_back(std::min(1.0, Square(kMaxSigmas / sigmas)) / expected);
   }
   return landmarks;
@@ -71,7 +74,25 @@ struct LandmarkFit {
   double chi_square = 0;  // between this plane and the one that fits the landmarks best
   double scatter = 0;     // mean square about the latter, over what is expected
   std::optional<SurfaceCurvature> curvature;
+  double excess = 0, excess_weight = 0;  // as in SurfaceUnevenness::Add
 };
+
+// Sums up by how much the landmarks are farther from the best plane, `fit` against the present one,
+// than vision explains. Each weighs by how exactly its square says so.
+void AddExcess(const PlaneLandmarks& landmarks,
+               const Matrix<3, 2>& tangents,
+               const Vector3d& centroid_W,
+               const Vector3d& fit,
+               LandmarkFit& out) {
+  for (std::size_t i = 0; i < landmarks.points_W.size(); ++i) {
+    const Vector2d along_m = tangents.transpose() * (landmarks.points_W[i] - centroid_W);
+    const double off_m = landmarks.across_m[i] - fit.dot(Vector3d(1, along_m.x(), along_m.y()));
+    const double variance = landmarks.variances[i];
+    const double weight = Square(1 / (variance + Square(kLandmarkFlatness_m)));
+    out.excess += weight * (Square(std::min(std::abs(off_m), kMostUneven_m)) - variance);
+    out.excess_weight += weight;
+  }
+}
 
 std::optional<LandmarkFit> FitLandmarks(const PlaneLandmarks& landmarks,
                                         const PlaneEstimate& plane,
@@ -108,9 +129,10 @@ std::optional<LandmarkFit> FitLandmarks(const PlaneLandmarks& landmarks,
       B * (covariance.bottomRightCorner<2, 2>() + Square(kSigmaSlope) * Matrix2d::Identity()) *
       B.transpose();
   best.offset_variance_m2 = covariance(0, 0) + Square(kSigmaOffset_m);
-  const LandmarkFit out{ChiSquare(best, plane, T_WB),
-                        (square - b.dot(fit)) / static_cast<double>(num),
-                        FitCurvature(landmarks.points_W, landmarks.weights, n)};
+  LandmarkFit out{ChiSquare(best, plane, T_WB),
+                  (square - b.dot(fit)) / static_cast<double>(num),
+                  FitCurvature(landmarks.points_W, landmarks.weights, n)};
+  AddExcess(landmarks, B, best.centroid_W, fit, out);
   if (!std::isfinite(out.chi_square) || !std::isfinite(out.scatter)) return std::nullopt;
   return out;
 }
@@ -125,6 +147,7 @@ bool IsMisfit(const MapSnapshot& map, double sigma_direction, TrackedPlane& plan
   const bool misfits = fit->chi_square > kMaxChiSquare || fit->scatter > kMaxScatterAtOnce;
   plane.fit.num_misfits = misfits ? plane.fit.num_misfits + 1 : 0;
   plane.fit.scatter.Add(fit->scatter);
+  plane.fit.unevenness.Add(fit->excess, fit->excess_weight);
   if (fit->curvature) plane.fit.curvature.Add(IsCurved(*fit->curvature));
   return plane.fit.num_misfits >= kMaxMisfits ||
          (plane.fit.scatter.num >= kMinJudged && plane.fit.scatter.mean > kMaxScatter);
@@ -144,6 +167,9 @@ void RemoveMisfits(const MapSnapshot& map,
     out.retired.push_back(plane.id);
     return true;
   });
+  for (const TrackedPlane& plane : planes) {
+    if (!plane.IsTentative()) out.unevenness.push_back({plane.id, plane.fit.unevenness.sigma_m()});
+  }
 }
 
 }  // namespace facet

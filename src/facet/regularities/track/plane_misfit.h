@@ -14,7 +14,8 @@ namespace facet {
 /// the plane that fits them best is too large. Their landmarks are detached;
 /// the detector may find planes among them anew. Planes whose landmarks lie on a curved surface
 /// stay, because seeing them again still helps the estimator, but it is recorded
-/// (TrackedPlane::curvature). `sigma_direction`: of a landmark, 1-sigma [rad].
+/// (TrackedPlane::curvature). How uneven the surface of each plane is, is estimated and announced.
+/// `sigma_direction`: of a landmark, 1-sigma [rad].
 void RemoveMisfits(const MapSnapshot& map,
                    double sigma_direction,
                    std::vector<TrackedPlane>& planes,

@@ -12,6 +12,7 @@
 #include "facet/regularities/detect/plane_candidate.h"
 #include "facet/regularities/track/landmark_count.h"
 #include "facet/regularities/track/plane_extent.h"
+#include "facet/regularities/track/surface_unevenness.h"
 
 namespace facet {
 
@@ -51,6 +52,7 @@ struct FitHistory {
   int num_misfits = 0;  ///< keyframes in a row in which they did not
   RecentMean scatter;   ///< across the plane, mean square over what is expected
   CurvatureRecord curvature;
+  SurfaceUnevenness unevenness;
 };
 
 /// Detections of a plane in the mesh of a keyframe.
