@@ -19,6 +19,7 @@
 #include "progress_bar.h"
 #include "run_sequence.h"
 
+#include "facet/estimator/window/imu_link.h"
 #include "facet/io/errors.h"
 #include "facet/io/glb_writer.h"
 #include "facet/io/ply_writer.h"
@@ -222,6 +223,9 @@ void RunCommand(const RunArguments& arguments) {
   }
   SequenceRun run = RunPipeline(recording, aligned.rig, options, arguments, mesh_files);
   if (!aligned.warning.empty()) run.record.warnings.push_back(aligned.warning);
+  for (const std::string& warning :
+       InflationWarnings(recording.calibration()->imu_noise, options.estimator.imu))
+    run.record.warnings.push_back(warning);
   run.record.version = FACET_VERSION;
   run.record.pipeline = ToString(options.pipeline);
   run.record.threads = arguments.threads;

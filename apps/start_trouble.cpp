@@ -29,7 +29,8 @@ std::string AdviceFor(const std::string& reason, bool has_tracks) {
   if (is("no IMU") || is("too little IMU"))
     return "check the IMU's stamps and its clock against the cameras'";
   if (is("gravity")) {
-    return "check the units of the IMU (m/s^2, rad/s), T_BS or T_cam_imu, and the baseline";
+    return "check the units of the IMU (m/s^2, rad/s), T_BS or T_cam_imu, the baseline, and "
+           "estimator.imu.gravity_mps2 if this is not on Earth";
   }
   if (is("too few") && has_tracks) {
     return "the left images have corners, but the right ones do not show them where the "

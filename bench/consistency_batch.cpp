@@ -39,7 +39,7 @@ BatchProblem::BatchProblem(const StereoRig& rig,
                            const EstimatorOptions& options)
     : rig_(rig),
       options_(options),
-      imu_noise_(InflatedNoise(noise, options.imu)),
+      imu_noise_(ParametersInUse(noise, options.imu)),
       bias_walk_(noise, options.imu) {}
 
 void BatchProblem::Begin(const SlidingWindow& window) {

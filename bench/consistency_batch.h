@@ -36,7 +36,7 @@ class BatchProblem {
 
   StereoRig rig_;
   EstimatorOptions options_;
-  PreintegrationNoise imu_noise_;
+  ImuParameters imu_noise_;
   BiasWalk bias_walk_;
   SlidingWindow window_;
   ImuPreintegration imu_;  // since the newest keyframe

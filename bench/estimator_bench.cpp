@@ -32,7 +32,7 @@ void BM_Preintegrate(benchmark::State& state) {
   for (int i = 0; i < kSamples; ++i)
     samples.push_back(motion.ImuAt(0.005 * i, ImuBias{}));
   for (auto _ : state) {
-    ImuPreintegration imu(ImuBias{}, PreintegrationNoise{1.7e-4, 2e-3, 1e-8});
+    ImuPreintegration imu(ImuBias{}, ImuParameters{1.7e-4, 2e-3, 1e-8});
     imu.Integrate(samples);
     benchmark::DoNotOptimize(imu);
   }

@@ -45,7 +45,7 @@ PredictedInterval Predict(const NavState& start,
                           const NavState& end,
                           const std::vector<ImuSample>& samples,
                           const Vector3d& g_W) {
-  ImuPreintegration preintegration(start.bias, PreintegrationNoise{});
+  ImuPreintegration preintegration(start.bias, ImuParameters{});
   preintegration.Integrate(samples);
   NavState predicted = preintegration.Predict(start);
   const Vector3d dg_W = g_W - GravityInWorld();

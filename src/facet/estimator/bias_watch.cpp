@@ -60,9 +60,9 @@ std::optional<BiasDrift> BiasWatch::Compare(const BiasEvidence& before,
 
 // An accelerometer that is off is what gravity is off by; a gyroscope turns it for about a second,
 // after which the images have the last word.
-double TiltOf(const BiasDrift& drift) {
+double TiltOf(const BiasDrift& drift, double gravity) {
   constexpr double kWindow_s = 1;
-  return std::abs(drift.change) * (drift.is_gyro ? kWindow_s : 1 / kGravity);
+  return std::abs(drift.change) * (drift.is_gyro ? kWindow_s : 1 / gravity);
 }
 
 std::string InWords(const BiasDrift& drift) {

@@ -48,7 +48,7 @@ class BiasWatch {
 };
 
 /// By how much what is taken for gravity may be turned meanwhile [rad].
-double TiltOf(const BiasDrift& drift);
+double TiltOf(const BiasDrift& drift, double gravity);
 
 /// The warning of a drift.
 std::string InWords(const BiasDrift& drift);

@@ -286,7 +286,7 @@ void VioEstimator::WatchBiases() {
   if (contradiction_.IsRecentAt(x.t)) return;
   const Vector<15> sigma = newest_covariance_.diagonal().cwiseMax(0).cwiseSqrt();
   bias_drift_ = bias_watch_.Add({x.t, x.bias, sigma.segment<3>(9), sigma.segment<3>(12)});
-  if (bias_drift_) contradiction_.AddTilt(x, TiltOf(*bias_drift_));
+  if (bias_drift_) contradiction_.AddTilt(x, TiltOf(*bias_drift_, options_.imu.gravity_mps2));
 }
 
 void VioEstimator::StartOver(EstimatorResult& result) {

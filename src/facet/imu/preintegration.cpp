@@ -34,7 +34,7 @@ void ImuPreintegration::Append(const ImuPreintegration& next) {
 }
 
 void ImuPreintegration::Reintegrate(const ImuBias& bias, const Vector3d& gyro_scale) {
-  ImuPreintegration fresh(bias, noise_, gyro_scale);
+  ImuPreintegration fresh(bias, parameters_, gyro_scale);
   fresh.Append(*this);
   *this = std::move(fresh);
 }
@@ -92,11 +92,11 @@ void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b, const StepN
   // Variance of the mean measurement over the step. Neighbouring steps share a sample, yet count as
   // independent: summed over a chain of intervals that gives every sample its full weight.
   const bool is_gap = dt > step_noise.max_step_s;
-  const double gap_w = is_gap ? noise_.gyro_in_gap : 0.0;
-  const double gap_a = is_gap ? noise_.accel_in_gap : 0.0;
-  const double gyro_noise = noise_.gyro * step_noise.scale;
-  const double accel_noise = noise_.accel * step_noise.scale;
-  const double integration = noise_.integration * step_noise.scale;
+  const double gap_w = is_gap ? parameters_.gyro_in_gap : 0.0;
+  const double gap_a = is_gap ? parameters_.accel_in_gap : 0.0;
+  const double gyro_noise = parameters_.gyro * step_noise.scale;
+  const double accel_noise = parameters_.accel * step_noise.scale;
+  const double integration = parameters_.integration * step_noise.scale;
   Vector<6> variance;
   variance.head<3>().setConstant(gyro_noise * gyro_noise / dt + gap_w * gap_w);
   variance.tail<3>().setConstant(accel_noise * accel_noise / dt + gap_a * gap_a);
@@ -121,7 +121,7 @@ NavState ImuPreintegration::Predict(const NavState& start) const {
   Vector<6> db;
   db << start.bias.b_g - bias_.b_g, start.bias.b_a - bias_.b_a;
   const Vector<9> correction = J_bias_ * db;
-  const Vector3d g_W = GravityInWorld();
+  const Vector3d g_W = this->g_W();
 
   NavState end = start;
   if (!samples_.empty()) end.t = start.t + (samples_.back().t - samples_.front().t);

@@ -10,8 +10,9 @@
 
 namespace facet {
 
-/// Noise of one integration, after inflation; see ImuOptions in the estimator.
-struct PreintegrationNoise {
+/// What one integration assumes of the IMU, noise after inflation, and of the world; see ImuOptions
+/// in the estimator.
+struct ImuParameters {
   double gyro = 1.6968e-4;    ///< rad/s/sqrt(Hz)
   double accel = 2.0e-3;      ///< m/s^2/sqrt(Hz)
   double integration = 1e-8;  ///< m/sqrt(s): keeps the position covariance regular
@@ -20,12 +21,16 @@ struct PreintegrationNoise {
   /// artificial holes of 25-200 ms: up to 0.07 rad/s and 0.9 m/s^2 rms per axis.
   double gyro_in_gap = 0.1;   ///< rad/s
   double accel_in_gap = 1.0;  ///< m/s^2
+  /// Magnitude [m/s^2]. Not part of the integral: Predict adds it.
+  double gravity = kGravity;
+
+  Vector3d g_W() const { return {0, 0, -gravity}; }
 };
 
 /// How much the steps between some samples are trusted. It stays with them when an interval is
 /// integrated again or joined to another one.
 struct StepNoise {
-  double scale = 1;           ///< multiplies the densities of PreintegrationNoise
+  double scale = 1;           ///< multiplies the densities of ImuParameters
   double max_step_s = 0.021;  ///< a longer step is a hole
 };
 
@@ -40,9 +45,9 @@ class ImuPreintegration {
   ImuPreintegration() = default;
   /// `gyro_scale`: by what share the gyroscope reads too much on each of its axes.
   ImuPreintegration(const ImuBias& bias,
-                    const PreintegrationNoise& noise,
+                    const ImuParameters& parameters,
                     const Vector3d& gyro_scale = Vector3d::Zero())
-      : bias_(bias), gyro_scale_(gyro_scale), noise_(noise) {}
+      : bias_(bias), gyro_scale_(gyro_scale), parameters_(parameters) {}
 
   /// Extends the interval by the samples, with the same noise for each of their steps. CHECKs that
   /// they are in order of time and that the first one has the stamp of the last one that is already
@@ -62,6 +67,8 @@ class ImuPreintegration {
   const ImuBias& bias() const { return bias_; }
   const Vector3d& gyro_scale() const { return gyro_scale_; }
   const std::vector<ImuSample>& samples() const { return samples_; }
+  /// Gravity of the world in which the IMU moved.
+  Vector3d g_W() const { return parameters_.g_W(); }
   const Quaterniond& dR() const { return dR_; }
   const Vector3d& dp() const { return dp_; }
   const Vector3d& dv() const { return dv_; }
@@ -86,7 +93,7 @@ class ImuPreintegration {
 
   ImuBias bias_;
   Vector3d gyro_scale_ = Vector3d::Zero();
-  PreintegrationNoise noise_;
+  ImuParameters parameters_;
   std::vector<ImuSample> samples_;
   std::vector<StepNoise> step_noise_;  // of the step that ends at the sample of the same index
   double dt_s_ = 0;

@@ -48,7 +48,7 @@ struct AnalyticMotion {
 
 ImuPreintegration Integrated(const std::vector<ImuSample>& samples,
                              const ImuBias& bias = {},
-                             const PreintegrationNoise& noise = {}) {
+                             const ImuParameters& noise = {}) {
   ImuPreintegration result(bias, noise);
   result.Integrate(samples);
   return result;
@@ -91,6 +91,22 @@ TEST(PreintegrationTest, IsExactForConstantRateAtRestAndForFreeFall) {
   EXPECT_LT(LogSO3(end.T_WB.q.conjugate() * ExpSO3(0.2 * Vector3d(0.1, -0.4, 0.9))).norm(), 1e-12);
   EXPECT_LT((end.v_WB - Vector3d(1, 2, 3 - 0.2 * kGravity)).norm(), 1e-12);
   EXPECT_LT((end.T_WB.p - Vector3d(0.2, 0.4, 0.6 - 0.02 * kGravity)).norm(), 1e-12);
+}
+
+TEST(PreintegrationTest, PredictsWithTheGravityItIsGiven) {
+  ImuParameters on_mars;
+  on_mars.gravity = 3.71;
+  ImuPreintegration fall({}, on_mars);
+  std::vector<ImuSample> samples(2);
+  for (ImuSample& weightless : samples)
+    weightless.gyro = weightless.accel = Vector3d::Zero();
+  samples[1].t = Timestamp{} + FromSeconds(2);
+  fall.Integrate(samples);
+  fall.Reintegrate({Vector3d::Zero(), Vector3d(0.1, 0, 0)}, Vector3d::Zero());
+  fall.Reintegrate({}, Vector3d::Zero());
+  const NavState end = fall.Predict(NavState());
+  EXPECT_LT((end.v_WB - Vector3d(0, 0, -7.42)).norm(), 1e-12);
+  EXPECT_LT((end.T_WB.p - Vector3d(0, 0, -7.42)).norm(), 1e-12);
 }
 
 TEST(PreintegrationTest, BiasJacobianMatchesNumericDerivative) {
@@ -192,7 +208,7 @@ TEST(PreintegrationTest, ASlowSensorHasNoHoles) {
 
 // Samples with white noise of variance density^2 * rate, as a real sensor's.
 std::vector<ImuSample> WithNoise(std::vector<ImuSample> samples,
-                                 const PreintegrationNoise& noise,
+                                 const ImuParameters& noise,
                                  Rng& rng) {
   const double root_rate = std::sqrt(kRate);
   for (ImuSample& s : samples) {
@@ -206,7 +222,7 @@ TEST(PreintegrationTest, CovarianceAgreesWithMonteCarlo) {
   constexpr int kRuns = 6000;
   // Gyro noise large enough that its effect on velocity and position is seen beside the
   // accelerometer's.
-  PreintegrationNoise noise;
+  ImuParameters noise;
   noise.gyro = 1e-3;
   const auto samples = AnalyticMotion().Samples(0, 0.5);
   const ImuPreintegration truth = Integrated(samples, {}, noise);

@@ -122,10 +122,17 @@ Calibration ReadEurocCalibration(const fs::path& mav0, const fs::path& imu_file)
   Calibration result;
   SE3 T_BS_imu;
   const fs::path imu = imu_file.empty() ? mav0 / "imu0" / "sensor.yaml" : imu_file;
-  const YamlFile imu_yaml(imu);
-  result.imu_noise = ReadImuNoise(imu_yaml, result.warnings);
-  if (YamlFile::Has(imu_yaml.root(), "T_BS"))
-    T_BS_imu = ReadRigid(imu_yaml, imu_yaml.root(), "T_BS");
+  if (imu_file.empty() && !IsFile(imu)) {
+    result.warnings.push_back(imu.string() +
+                              ": no such file, the IMU is taken for the body, with the noise "
+                              "densities of an ADIS16448; give the real ones with "
+                              "--imu-calibration");
+  } else {
+    const YamlFile imu_yaml(imu);
+    result.imu_noise = ReadImuNoise(imu_yaml, result.warnings);
+    if (YamlFile::Has(imu_yaml.root(), "T_BS"))
+      T_BS_imu = ReadRigid(imu_yaml, imu_yaml.root(), "T_BS");
+  }
   for (std::size_t i = 0; i < 2; ++i) {
     const YamlFile yaml(mav0 / ("cam" + std::to_string(i)) / "sensor.yaml");
     result.rig.cameras[i] = ReadCamera(yaml, yaml.root());

@@ -39,7 +39,9 @@ void CheckBaseline(const StereoRig& rig, const std::string& file);
 /// For Calibration::source.
 std::string TimeOffsetText(Duration offset);
 
-/// mav0/cam0/sensor.yaml, mav0/cam1/sensor.yaml and the IMU's noise.
+/// mav0/cam0/sensor.yaml, mav0/cam1/sensor.yaml and the IMU's noise. An empty `imu_file` means
+/// mav0/imu0/sensor.yaml; where that is missing, the noise is the built-in one (ADIS16448), with a
+/// warning.
 Calibration ReadEurocCalibration(const std::filesystem::path& mav0,
                                  const std::filesystem::path& imu_file);
 

@@ -149,6 +149,24 @@ TEST_F(CalibrationFileTest, KalibrWithoutImuYamlWarns) {
   EXPECT_THAT(FindCalibration(Mav0(), {}).warnings, testing::Contains(HasSubstr("ADIS16448")));
 }
 
+TEST_F(CalibrationFileTest, WithoutDensitiesTheUsualOnesCountWithAWarning) {
+  EditLines(Imu(), [](std::vector<std::string>& lines) {
+    std::erase_if(lines, [](const std::string& line) { return line.starts_with("gyroscope_"); });
+  });
+  const Calibration some = FindCalibration(Mav0(), {});
+  EXPECT_EQ(some.imu_noise.gyro_noise, ImuNoise().gyro_noise);
+  EXPECT_EQ(some.imu_noise.gyro_walk, ImuNoise().gyro_walk);
+  EXPECT_THAT(some.warnings,
+              testing::ElementsAre(HasSubstr("'gyroscope_noise_density' is missing"),
+                                   HasSubstr("'gyroscope_random_walk' is missing")));
+
+  std::filesystem::remove(Imu());
+  const Calibration none = FindCalibration(Mav0(), {});
+  EXPECT_EQ(none.imu_noise.accel_noise, ImuNoise().accel_noise);
+  EXPECT_EQ(PoseError(none.rig.T_BC[0], some.rig.T_BC[0]), 0);
+  EXPECT_THAT(none.warnings, testing::ElementsAre(HasSubstr("imu0/sensor.yaml: no such file")));
+}
+
 TEST_F(CalibrationFileTest, EquidistantModel) {
   ReplaceInFile(Sensor(1), "radial-tangential", "equidistant");
   ReplaceInFile(Sensor(1), "[-0.28340811, 0.07395907,", "[0.0034, 0.0007,");
@@ -241,8 +259,7 @@ TEST_F(CalibrationFileTest, OtherErrors) {
   ReplaceInFile(Imu(), "1.6968e-04", "0");
   EXPECT_THAT(Error(),
               HasSubstr("sensor.yaml:8: 'gyroscope_noise_density' must be greater than 0"));
-  std::filesystem::remove(Imu());
-  EXPECT_THAT(Error(), HasSubstr("imu0/sensor.yaml: no such file"));
+  EXPECT_THAT(Error({{}, Mav0() / "imu1.yaml"}), HasSubstr("imu1.yaml: no such file"));
   std::filesystem::remove(Sensor(0));
   EXPECT_THAT(Error(), HasSubstr("--calibration FILE"));
   WriteText(folder_ / "alone.yaml", "cam0:\n  camera_model: pinhole\n");

@@ -2,6 +2,7 @@
 #include "facet/io/calibration_yaml.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -34,11 +35,19 @@ Eigen::Matrix<double, 3, 4> ReadMatrix(const YamlFile& yaml, const YAML::Node& n
   return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(v.data());
 }
 
-double RequireDensity(const YamlFile& yaml,
-                      const YAML::Node& node,
-                      const std::string& key,
-                      double expected,
-                      std::vector<std::string>& warnings) {
+/// `expected`: that of a usual MEMS IMU, which takes the place of one that is missing.
+double ReadDensity(const YamlFile& yaml,
+                   const YAML::Node& node,
+                   const std::string& key,
+                   double expected,
+                   std::vector<std::string>& warnings) {
+  if (!YamlFile::Has(node, key)) {
+    char value[40];
+    std::snprintf(value, sizeof(value), "%.5g", expected);
+    warnings.push_back(yaml.file().string() + ": '" + key + "' is missing, that of an ADIS16448 (" +
+                       value + ") is used");
+    return expected;
+  }
   const double value = yaml.RequireNumber(node, key);
   if (value <= 0) yaml.Fail(node[key], "'" + key + "' must be greater than 0");
   if (value > kMostTimesUsual * expected || value < expected / kMostTimesUsual)
@@ -134,12 +143,11 @@ ImuNoise ReadImuNoise(const YamlFile& yaml, std::vector<std::string>& warnings) 
   const YAML::Node node = YamlFile::Has(yaml.root(), "imu0") ? yaml.root()["imu0"] : yaml.root();
   const ImuNoise usual;
   ImuNoise n;
-  n.gyro_noise = RequireDensity(yaml, node, "gyroscope_noise_density", usual.gyro_noise, warnings);
-  n.gyro_walk = RequireDensity(yaml, node, "gyroscope_random_walk", usual.gyro_walk, warnings);
+  n.gyro_noise = ReadDensity(yaml, node, "gyroscope_noise_density", usual.gyro_noise, warnings);
+  n.gyro_walk = ReadDensity(yaml, node, "gyroscope_random_walk", usual.gyro_walk, warnings);
   n.accel_noise =
-      RequireDensity(yaml, node, "accelerometer_noise_density", usual.accel_noise, warnings);
-  n.accel_walk =
-      RequireDensity(yaml, node, "accelerometer_random_walk", usual.accel_walk, warnings);
+      ReadDensity(yaml, node, "accelerometer_noise_density", usual.accel_noise, warnings);
+  n.accel_walk = ReadDensity(yaml, node, "accelerometer_random_walk", usual.accel_walk, warnings);
   for (const char* key : {"rate_hz", "update_rate"}) {
     if (!YamlFile::Has(node, key)) continue;
     n.rate_hz = yaml.RequireNumber(node, key);

@@ -28,7 +28,7 @@ Vector3d ReadGyroScale(const YamlFile& yaml);
 std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml);
 
 /// Noise densities at the root of the file or below `imu0`; warns of values that are off by
-/// decades.
+/// decades, and of missing ones, whose place those of an ADIS16448 take.
 ImuNoise ReadImuNoise(const YamlFile& yaml, std::vector<std::string>& warnings);
 
 }  // namespace facet

@@ -14,6 +14,13 @@ namespace {
 // The newest image may come this much before the IMU sample that follows it.
 constexpr double kMaxExtrapolation_s = 0.03;
 
+// The samples as they would be on Earth, which is what the checks know.
+ImuInterval OnEarth(ImuInterval imu, double gravity) {
+  for (ImuSample& sample : imu.samples)
+    sample.accel *= kGravity / gravity;
+  return imu;
+}
+
 // Support points are for the mesh only.
 FrontendOptions FrontendOptionsOf(const VioOptions& options) {
   FrontendOptions frontend = options.frontend;
@@ -26,6 +33,7 @@ FrontendOptions FrontendOptionsOf(const VioOptions& options) {
 FrontStage::FrontStage(const StereoRig& rig, const VioOptions& options)
     : rig_(rig),
       max_gap_s_(options.estimator.imu.max_gap_s),
+      gravity_(options.estimator.imu.gravity_mps2),
       frontend_(rig, FrontendOptionsOf(options)),
       check_calibration_(options.check_calibration),
       calibration_(rig) {}
@@ -73,10 +81,11 @@ std::string FrontStage::WatchAxes(const ImuInterval& imu) {
 std::string FrontStage::CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked) {
   if (!check_calibration_) return {};
   const FrontendResult& seen = tracked.frontend;
-  std::string dead = dead_imu_.Add(tracked.imu.samples, seen.observations.features);
+  const ImuInterval imu = OnEarth(tracked.imu, gravity_);
+  std::string dead = dead_imu_.Add(imu.samples, seen.observations.features);
   if (!dead.empty()) return dead;
   const bool is_usable = seen.image_ok && !seen.is_repeated && !seen.is_blank;
-  const std::string wrong = calibration_.Add(is_usable ? frame.left : cv::Mat(), tracked.imu);
+  const std::string wrong = calibration_.Add(is_usable ? frame.left : cv::Mat(), imu);
   return wrong.empty() ? wrong : kWrongCalibration + wrong;
 }
 
@@ -111,8 +120,9 @@ FrontendHint FrontStage::MakeHint(const ImuInterval& now) {
   FrontendHint hint;
   if (!has_previous_ || imu_.empty()) return hint;
   const Duration gap = FromSeconds(max_gap_s_), extrapolation = FromSeconds(kMaxExtrapolation_s);
-  ImuPreintegration motion(has_feedback_ ? feedback_.front().state.bias : ImuBias(),
-                           PreintegrationNoise());
+  ImuParameters parameters;
+  parameters.gravity = gravity_;
+  ImuPreintegration motion(has_feedback_ ? feedback_.front().state.bias : ImuBias(), parameters);
   motion.Integrate(now.samples);
   hint.R_prev_now = motion.dR();
   if (!has_feedback_) return hint;
@@ -120,7 +130,7 @@ FrontendHint FrontStage::MakeHint(const ImuInterval& now) {
   const Feedback& feedback = feedback_.front();
   const ImuInterval since = imu_.Between(feedback.state.t, previous_t_, gap, extrapolation);
   if (since.samples.empty()) return hint;
-  ImuPreintegration to_previous(feedback.state.bias, PreintegrationNoise());
+  ImuPreintegration to_previous(feedback.state.bias, parameters);
   to_previous.Integrate(since.samples);
   NavState previous = to_previous.Predict(feedback.state);
   previous.t = previous_t_;

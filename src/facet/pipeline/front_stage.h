@@ -52,7 +52,7 @@ class FrontStage {
   void ForgetOldImu();
 
   StereoRig rig_;
-  double max_gap_s_;
+  double max_gap_s_, gravity_;
   StereoFrontend frontend_;
   bool check_calibration_;
   DeadImuCheck dead_imu_;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the two halves of a frame tell each other around a reset, and what the front half keeps.
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -29,11 +32,11 @@ class FrontStageTest : public testing::Test {
   TrackedFrame Next() {
     frame_.t = frame_.t + kFrameInterval;
     FeedImuUntil(frame_.t + kImuInterval);
-    return front_.Track(frame_, front_.Predict(frame_.t));
+    return front_->Track(frame_, front_->Predict(frame_.t));
   }
   void FeedImuUntil(Timestamp t) {
     for (; t_imu_ <= t; t_imu_ = t_imu_ + kImuInterval)
-      front_.AddImu({t_imu_, Vector3d::Zero(), Vector3d(0, 0, 9.81)});
+      front_->AddImu({t_imu_, Vector3d::Zero(), Vector3d(0, 0, gravity_)});
   }
   Feedback FeedbackOf(const TrackedFrame& tracked) const {
     Feedback feedback;
@@ -43,7 +46,8 @@ class FrontStageTest : public testing::Test {
   }
 
   StereoRig rig_ = EurocRig();
-  FrontStage front_{rig_, WithoutMesh()};
+  double gravity_ = kGravity;
+  std::optional<FrontStage> front_{std::in_place, rig_, WithoutMesh()};
   StereoFrame frame_{kBegin,
                      cv::Mat(rig_.cameras[0].height(), rig_.cameras[0].width(), CV_8UC1, 99.0),
                      cv::Mat(rig_.cameras[1].height(), rig_.cameras[1].width(), CV_8UC1, 99.0)};
@@ -54,7 +58,7 @@ TEST_F(FrontStageTest, KeepsLittleImuWhileNothingComesBack) {
   for (int i = 0; i < 100; ++i) {
     const TrackedFrame tracked = Next();
     EXPECT_EQ(tracked.imu.samples.size(), 11u) << i;
-    EXPECT_LE(front_.num_imu_samples(), 25u) << i;
+    EXPECT_LE(front_->num_imu_samples(), 25u) << i;
   }
 }
 
@@ -65,7 +69,7 @@ TEST_F(FrontStageTest, ADeadAxisOfTheImuIsAWarningOnce) {
          t_imu_ = t_imu_ + kImuInterval) {
       const double s = ToSeconds(t_imu_ - kBegin);
       const Vector3d waves(std::sin(3 * s), std::sin(4 * s), std::cos(3 * s));
-      front_.AddImu({t_imu_, 0.5 * waves, Vector3d(waves.x(), 0, 9.81 + waves.y())});
+      front_->AddImu({t_imu_, 0.5 * waves, Vector3d(waves.x(), 0, 9.81 + waves.y())});
     }
     const TrackedFrame tracked = Next();
     if (tracked.warning.empty()) continue;
@@ -81,7 +85,32 @@ TEST_F(FrontStageTest, FeedbackReachesBackToItsFrame) {
     const TrackedFrame tracked = Next();
     EXPECT_EQ(tracked.used_feedback, i >= 3) << i;
     // Every fifth frame is a keyframe after the first one.
-    if (i == 1 || i % 5 == 4) front_.AddFeedback(FeedbackOf(tracked));
+    if (i == 1 || i % 5 == 4) front_->AddFeedback(FeedbackOf(tracked));
+  }
+}
+
+TEST_F(FrontStageTest, PredictsAndJudgesWithTheGravityOfTheOptions) {
+  gravity_ = 3.71;
+  VioOptions options = WithoutMesh();
+  for (const bool is_set : {false, true}) {
+    if (is_set) options.estimator.imu.gravity_mps2 = gravity_;
+    front_.emplace(rig_, options);
+    bool is_refused = false;
+    double largest_m = 0;
+    for (int i = 0; i < 60; ++i) {
+      if (i % 5 == 4) front_->AddFeedback(FeedbackOf(Next()));
+      frame_.t = frame_.t + kFrameInterval;
+      FeedImuUntil(frame_.t + kImuInterval);
+      MotionPrediction prediction = front_->Predict(frame_.t);
+      largest_m = std::max(largest_m, prediction.hint.p_prev_now.norm());
+      is_refused = is_refused || !front_->Track(frame_, std::move(prediction)).refusal.empty();
+    }
+    EXPECT_EQ(is_refused, !is_set);
+    if (is_set) {
+      EXPECT_LT(largest_m, 1e-9) << "at rest";
+    } else {
+      EXPECT_GT(largest_m, 0.01);
+    }
   }
 }
 
@@ -91,7 +120,7 @@ TEST_F(FrontStageTest, AFrameOutOfOrderLeavesNoTrace) {
   for (const Duration back : {Duration{0}, Duration{30'000'000}, Duration{500'000'000}}) {
     StereoFrame late = frame_;
     late.t = frame_.t - back;
-    const TrackedFrame refused = front_.Track(late, front_.Predict(late.t));
+    const TrackedFrame refused = front_->Track(late, front_->Predict(late.t));
     EXPECT_FALSE(refused.frontend.in_order);
     EXPECT_TRUE(refused.frontend.observations.features.empty());
     const TrackedFrame next = Next();
@@ -102,18 +131,18 @@ TEST_F(FrontStageTest, AFrameOutOfOrderLeavesNoTrace) {
 }
 
 TEST_F(FrontStageTest, ForgetsWhatWasKnownBeforeAReset) {
-  front_.AddFeedback(FeedbackOf(Next()));
+  front_->AddFeedback(FeedbackOf(Next()));
   Next();
   EXPECT_TRUE(Next().used_feedback);
   Feedback reset = FeedbackOf(Next());
   reset.is_reset = true;
-  front_.AddFeedback(reset);
+  front_->AddFeedback(reset);
   EXPECT_TRUE(Next().used_feedback) << "the same delay as for everything else";
   for (int i = 0; i < 100; ++i) {
     EXPECT_FALSE(Next().used_feedback) << i;
-    EXPECT_LE(front_.num_imu_samples(), 25u) << i;
+    EXPECT_LE(front_->num_imu_samples(), 25u) << i;
   }
-  front_.AddFeedback(FeedbackOf(Next()));
+  front_->AddFeedback(FeedbackOf(Next()));
   Next();
   EXPECT_TRUE(Next().used_feedback);
 }
@@ -121,7 +150,7 @@ TEST_F(FrontStageTest, ForgetsWhatWasKnownBeforeAReset) {
 TEST_F(FrontStageTest, KeepsTheLastMinutesOfImuBeforeTheFirstFrame) {
   FeedImuUntil(kBegin + FromSeconds(900));
   const auto kept = static_cast<std::size_t>(FrontStage::kLongestHistory.ns / kImuInterval.ns);
-  EXPECT_LE(front_.num_imu_samples(), kept + 1);
+  EXPECT_LE(front_->num_imu_samples(), kept + 1);
   frame_.t = kBegin + FromSeconds(900);
   EXPECT_EQ(Next().imu.samples.back().t, frame_.t);
 }

@@ -142,7 +142,7 @@ double GyroMisfit(const SplineTrajectory& path,
     if (a < path.begin() || b > path.end()) continue;
     while (state + 1 < truth.size() && truth[state + 1].t <= a)
       ++state;
-    ImuPreintegration turned(truth[state].bias, PreintegrationNoise());
+    ImuPreintegration turned(truth[state].bias, ImuParameters());
     turned.Integrate(std::span(imu).subspan(i, 1001));
     const Quaterniond of_path = path.At(a).state.T_WB.q.conjugate() * path.At(b).state.T_WB.q;
     squares += LogSO3(of_path.conjugate() * turned.dR()).squaredNorm();

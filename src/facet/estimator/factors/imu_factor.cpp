@@ -28,7 +28,7 @@ Vector<15> CorrectedError(const ImuPreintegration& measured,
                           const NavState& j,
                           const Vector<9>& correction) {
   const double T = measured.dt();
-  const Vector3d g = GravityInWorld();
+  const Vector3d g = measured.g_W();
   const Quaterniond q_i_inv = i.T_WB.q.conjugate();
 
   const Quaterniond dR = measured.dR() * ExpSO3(correction.head<3>());
@@ -56,7 +56,7 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured,
                          const NavState& j,
                          const Vector3d& gyro_scale) {
   const double T = measured.dt();
-  const Vector3d g = GravityInWorld();
+  const Vector3d g = measured.g_W();
   const Matrix<9, 6>& Jb = measured.BiasJacobian();
   const Matrix<9, 3>& Js = measured.ScaleJacobian();
   const Matrix3d R_BiW = i.T_WB.R().transpose();

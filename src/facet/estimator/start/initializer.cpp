@@ -111,7 +111,7 @@ VelocityAndGravity SolveVelocityAndGravity(const SlidingWindow& window) {
   const VectorXd solution = A.colPivHouseholderQr().solve(y);
   VelocityAndGravity result{solution.head<3>(), solution.tail<3>()};
   // Once more for the velocity, with gravity of the right length.
-  const Vector3d g = kGravity * result.g.normalized();
+  const Vector3d g = total.g_W().norm() * result.g.normalized();
   const VectorXd rest = y - A.rightCols<3>() * g;
   const auto A_v = A.leftCols<3>();
   result.v = (A_v.transpose() * A_v).ldlt().solve(A_v.transpose() * rest);
@@ -148,7 +148,8 @@ InitializationResult InitializeFromStereo(const StereoRig& rig,
   if (!SolveVisionOnly(rig, options, window)) return {false, "stereo bundle adjustment failed"};
   SolveGyroBias(window);
   const VelocityAndGravity motion = SolveVelocityAndGravity(window);
-  if (!motion.g.allFinite() || std::abs(motion.g.norm() - kGravity) > kMaxGravityError) {
+  if (!motion.g.allFinite() ||
+      std::abs(motion.g.norm() - options.imu.gravity_mps2) > kMaxGravityError) {
     return {false, "gravity from stereo and IMU is " + std::to_string(motion.g.norm()) + " m/s^2"};
   }
   AlignWithGravity(motion, window);

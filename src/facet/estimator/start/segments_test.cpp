@@ -27,7 +27,7 @@ class SegmentsTest : public ::testing::Test {
       const Timestamp t = x_.t + FromSeconds(i / 200.0);
       samples.push_back({t, Vector3d(0, 0, kTurn), Vector3d(accel_x, 0, kGravity)});
     }
-    link.measured = ImuPreintegration({}, PreintegrationNoise());
+    link.measured = ImuPreintegration({}, ImuParameters());
     link.measured.Integrate(samples);
     return link;
   }
@@ -107,7 +107,7 @@ TEST_F(SegmentsTest, UncertaintyStaysAVarianceHoweverLongItLasts) {
   segments_.Begin(x_);
   segments_.Keep(x_, Small(), true);
   ImuLink link;
-  link.measured = ImuPreintegration({}, PreintegrationNoise());
+  link.measured = ImuPreintegration({}, ImuParameters());
   const ImuSample first{x_.t, {0.3, 0.2, 0.1}, {0.1, 0, kGravity}};
   ImuSample last = first;
   last.t = x_.t + FromSeconds(9e9);

@@ -34,7 +34,7 @@ TEST(DeadReckoningTest, AgreesWithMonteCarlo) {
   const TestMotion motion = TestMotion::Random(rng);
   const ImuBias bias{{0.01, -0.02, 0.03}, {0.1, 0.2, -0.1}};
   const std::vector<ImuSample> samples = Samples(motion, 0, 1, bias);
-  PreintegrationNoise noise;
+  ImuParameters noise;
   noise.gyro = 2e-3;
   noise.accel = 2e-2;
   const BiasWalk walk = testing::DefaultBiasWalk();

@@ -62,7 +62,7 @@ ImageMotion MotionToImage(const ImuLink& link, const NavState& x, double offset_
   // Means over the way; the second integral of the acceleration weighs its beginning twice.
   motion.w_B = trend.gyro + 0.5 * reach * trend.gyro_slope - x.bias.b_g;
   const Vector3d f_B = trend.accel + reach / 3 * trend.accel_slope - x.bias.b_a;
-  motion.dv_B = 0.5 * reach * (f_B + x.T_WB.q.conjugate() * GravityInWorld());
+  motion.dv_B = 0.5 * reach * (f_B + x.T_WB.q.conjugate() * link.measured.g_W());
   return motion;
 }
 

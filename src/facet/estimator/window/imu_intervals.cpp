@@ -31,8 +31,11 @@ bool IsUsable(const std::vector<ImuSample>& samples, Timestamp t0, Timestamp t1)
 }
 
 // What an IMU would have seen at constant velocity.
-std::vector<ImuSample> ConstantVelocity(const NavState& x, Timestamp t0, Timestamp t1) {
-  ImuSample sample{t0, x.bias.b_g, x.bias.b_a - x.T_WB.q.conjugate() * GravityInWorld()};
+std::vector<ImuSample> ConstantVelocity(const NavState& x,
+                                        const Vector3d& g_W,
+                                        Timestamp t0,
+                                        Timestamp t1) {
+  ImuSample sample{t0, x.bias.b_g, x.bias.b_a - x.T_WB.q.conjugate() * g_W};
   std::vector<ImuSample> samples = {sample, sample};
   samples.back().t = std::max(t0, t1);
   return samples;
@@ -41,7 +44,7 @@ std::vector<ImuSample> ConstantVelocity(const NavState& x, Timestamp t0, Timesta
 }  // namespace
 
 ImuIntervals::ImuIntervals(const ImuNoise& noise, const ImuOptions& options, Duration time_offset)
-    : noise_(InflatedNoise(noise, options)),
+    : parameters_(ParametersInUse(noise, options)),
       bias_walk_(noise, options),
       time_offset_(time_offset) {}
 
@@ -56,7 +59,7 @@ PredictedFrame ImuIntervals::Next(const NavState& last,
   const Timestamp t1 = t + time_offset_;
   const bool is_synthetic = !IsUsable(imu.samples, end_, t1);
   std::vector<ImuSample> invented;
-  if (is_synthetic) invented = ConstantVelocity(last, end_, t1);
+  if (is_synthetic) invented = ConstantVelocity(last, parameters_.g_W(), end_, t1);
   const std::span<const ImuSample> samples = is_synthetic ? invented : imu.samples;
   const double scale = is_synthetic ? kNoImuNoiseScale : imu.has_hole ? kGapNoiseScale : 1.0;
   const StepNoise noise{scale, ToSeconds(imu.allowed_gap)};
@@ -64,7 +67,7 @@ PredictedFrame ImuIntervals::Next(const NavState& last,
   PredictedFrame frame;
   frame.link.is_synthetic = is_synthetic;
   ImuPreintegration& measured = frame.link.measured;
-  measured = ImuPreintegration(last.bias, noise_, gyro_scale_);
+  measured = ImuPreintegration(last.bias, parameters_, gyro_scale_);
   measured.Integrate(samples, noise);
   frame.x = measured.Predict(last);
   frame.x.t = t;

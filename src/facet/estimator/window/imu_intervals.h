@@ -46,7 +46,7 @@ class ImuIntervals {
  private:
   void UpdateSqrtInfo(ImuLink& link) const;
 
-  PreintegrationNoise noise_;
+  ImuParameters parameters_;
   BiasWalk bias_walk_;
   Duration time_offset_;
   Vector3d gyro_scale_ = Vector3d::Zero();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include <Eigen/Cholesky>
 
@@ -12,11 +13,37 @@ BiasWalk::BiasWalk(const ImuNoise& noise, const ImuOptions& options)
     : gyro(noise.gyro_walk * options.gyro_walk_scale),
       accel(noise.accel_walk * options.accel_walk_scale) {}
 
-PreintegrationNoise InflatedNoise(const ImuNoise& noise, const ImuOptions& options) {
-  PreintegrationNoise inflated;
-  inflated.gyro = noise.gyro_noise * options.gyro_noise_scale;
-  inflated.accel = noise.accel_noise * options.accel_noise_scale;
-  return inflated;
+ImuParameters ParametersInUse(const ImuNoise& noise, const ImuOptions& options) {
+  ImuParameters parameters;
+  parameters.gyro = std::min(noise.gyro_noise, options.max_gyro_noise) * options.gyro_noise_scale;
+  parameters.accel =
+      std::min(noise.accel_noise, options.max_accel_noise) * options.accel_noise_scale;
+  parameters.gravity = options.gravity_mps2;
+  return parameters;
+}
+
+std::vector<std::string> InflationWarnings(const ImuNoise& noise, const ImuOptions& options) {
+  std::vector<std::string> warnings;
+  const auto look = [&](double density, double most, const char* key, const char* option) {
+    if (density <= most) return;
+    char text[400];
+    std::snprintf(
+        text,
+        sizeof(text),
+        "'%s' is %.3g in the calibration, more than any usual IMU's: it is taken for "
+        "inflated, and %.3g counts, which is inflated as always (estimator.imu.%s_scale); "
+        "estimator.imu.max_%s=%.3g takes it as it is",
+        key,
+        density,
+        most,
+        option,
+        option,
+        density);
+    warnings.emplace_back(text);
+  };
+  look(noise.gyro_noise, options.max_gyro_noise, "gyroscope_noise_density", "gyro_noise");
+  look(noise.accel_noise, options.max_accel_noise, "accelerometer_noise_density", "accel_noise");
+  return warnings;
 }
 
 Vector3d RateAtEnd(const ImuLink& link, const ImuBias& bias) {

@@ -2,6 +2,9 @@
 // The IMU between two neighbouring frames, ready for the solver.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "facet/estimator/estimator_options.h"
 #include "facet/imu/preintegration.h"
 
@@ -15,8 +18,12 @@ struct BiasWalk {
   BiasWalk(const ImuNoise& noise, const ImuOptions& options);
 };
 
-/// Densities of the measurements' noise in use: those of the calibration, inflated by the options.
-PreintegrationNoise InflatedNoise(const ImuNoise& noise, const ImuOptions& options);
+/// What intervals are integrated with: the densities of the calibration, as far as they are not
+/// inflated already (ImuOptions::max_gyro_noise), times the factors of the options, and gravity.
+ImuParameters ParametersInUse(const ImuNoise& noise, const ImuOptions& options);
+
+/// What is to be said of densities that ParametersInUse takes for inflated; empty: nothing.
+std::vector<std::string> InflationWarnings(const ImuNoise& noise, const ImuOptions& options);
 
 /// What ties a frame to the one before it, while both have velocity and biases.
 struct ImuLink {

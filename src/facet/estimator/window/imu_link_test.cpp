@@ -51,10 +51,35 @@ TEST(ImuLinkTest, NoiseAndWalkAreThoseOfTheCalibrationTimesTheOptions) {
   options.accel_noise_scale = 20;
   options.gyro_walk_scale = 30;
   options.accel_walk_scale = 40;
-  EXPECT_EQ(InflatedNoise(noise, options).gyro, 10);
-  EXPECT_EQ(InflatedNoise(noise, options).accel, 40);
+  options.max_gyro_noise = 1;
+  options.max_accel_noise = 2;
+  EXPECT_EQ(ParametersInUse(noise, options).gyro, 10);
+  EXPECT_EQ(ParametersInUse(noise, options).accel, 40);
+  options.gravity_mps2 = 3.71;
+  EXPECT_EQ(ParametersInUse(noise, options).gravity, 3.71);
   EXPECT_EQ(BiasWalk(noise, options).gyro, 90);
   EXPECT_EQ(BiasWalk(noise, options).accel, 160);
+}
+
+TEST(ImuLinkTest, InflatedDensitiesAreNotInflatedAgain) {
+  ImuNoise noise;
+  const ImuOptions options;
+  EXPECT_TRUE(InflationWarnings(noise, options).empty()) << "as of EuRoC's IMU";
+  const ImuParameters usual = ParametersInUse(noise, options);
+  EXPECT_EQ(usual.gyro, noise.gyro_noise * options.gyro_noise_scale);
+  EXPECT_EQ(usual.accel, noise.accel_noise * options.accel_noise_scale);
+
+  noise.gyro_noise *= 10;
+  noise.accel_noise *= 10;
+  const ImuParameters capped = ParametersInUse(noise, options);
+  EXPECT_EQ(capped.gyro, options.max_gyro_noise * options.gyro_noise_scale);
+  EXPECT_EQ(capped.accel, options.max_accel_noise * options.accel_noise_scale);
+  EXPECT_LT(capped.gyro, 3 * usual.gyro);
+  EXPECT_LT(capped.accel, 3 * usual.accel);
+  const std::vector<std::string> warnings = InflationWarnings(noise, options);
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("'gyroscope_noise_density' is 0.0017"), std::string::npos);
+  EXPECT_NE(warnings[1].find("estimator.imu.max_accel_noise=0.02 takes"), std::string::npos);
 }
 
 }  // namespace

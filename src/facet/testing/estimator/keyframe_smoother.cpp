@@ -73,7 +73,7 @@ void KeyframeSmoother::AppendFrame(std::size_t i, Rng& rng) {
     window_.start_prior.emplace(frame.id, frame.x.T_WB, StartOptions{});
   } else {
     const NavState& last = window_.frames.back().x;
-    ImuPreintegration measured(last.bias, PreintegrationNoise{});
+    ImuPreintegration measured(last.bias, ImuParameters{});
     measured.Integrate(
         imu_.Between(last.t, run_.truth[i].t, Duration{20'000'000}, Duration{0}).samples);
     frame.x = measured.Predict(last);

@@ -32,7 +32,7 @@ std::vector<ImuSample> NoisySamples(const TestMotion& motion,
                                     double t0,
                                     double t1,
                                     const TestWindowOptions& options,
-                                    const PreintegrationNoise& noise,
+                                    const ImuParameters& noise,
                                     Rng& rng) {
   std::vector<ImuSample> samples;
   const int n = static_cast<int>(std::lround((t1 - t0) * kImuRate));
@@ -47,7 +47,7 @@ std::vector<ImuSample> NoisySamples(const TestMotion& motion,
 }
 
 void AddFrames(const TestWindowOptions& options, Rng& rng, TestWindow& out) {
-  PreintegrationNoise noise;
+  ImuParameters noise;
   noise.gyro = 5e-4;
   noise.accel = 1e-2;
   for (int i = 0; i < options.num_frames; ++i) {

@@ -123,7 +123,7 @@ class ImuStream {
 
   void Integrate(const ImuInterval& interval) {
     const ImuBias bias{Vector3d::Constant(bytes_.Near(1)), Vector3d::Constant(bytes_.Near(1))};
-    ImuPreintegration integral(bias, PreintegrationNoise());
+    ImuPreintegration integral(bias, ImuParameters());
     integral.Integrate(interval.samples, {1, ToSeconds(interval.allowed_gap)});
     Require(IsFinite(integral), "the integral is not finite");
     Require(std::abs(integral.dR().norm() - 1) < 1e-6, "the rotation is not of unit norm");
