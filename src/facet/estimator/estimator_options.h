@@ -16,7 +16,7 @@ struct ImuOptions {
   /// A longer hole between samples (and longer than one and a half of their usual steps) is counted
   /// and makes the interval less certain.
   double max_gap_s = 0.02;
-  /// Larger densities in a calibration were inflated by hand, as those that are made with Kalibr
+  /// Larger densities in a calibration were inflated already, as those that are made with Kalibr
   /// often are: these count instead. More than twice those of the ADIS16448 (1.7e-4 and 2e-3), and
   /// five times those of a RealSense D455 by its Allan plots.
   double max_gyro_noise = 5e-4;   ///< rad/s/sqrt(Hz)

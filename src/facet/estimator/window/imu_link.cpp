@@ -31,8 +31,8 @@ std::vector<std::string> InflationWarnings(const ImuNoise& noise, const ImuOptio
         text,
         sizeof(text),
         "'%s' is %.3g in the calibration, more than any usual IMU's: it is taken for "
-        "inflated, and %.3g counts, which is inflated as always (estimator.imu.%s_scale); "
-        "estimator.imu.max_%s=%.3g takes it as it is",
+        "inflated, and %.3g counts, times estimator.imu.%s_scale as always; the option max_%s=%.3g "
+        "beside it takes the density as it is",
         key,
         density,
         most,
