@@ -113,6 +113,19 @@ TEST(StatesFileTest, NamesFileAndLine) {
   }
 }
 
+TEST(StatesFileTest, ARowMayEndBeforeTheLastNameOfAHeaderWithNamesTwice) {
+  const TempFolder folder;
+  WriteText(folder / "states.csv",
+            "timestamp_ns,px,px,px,px,px,px,py,pz,qw,qx,qy,qz,vx,sigma_px,sigma_rx\n"
+            "7,1,1,1,1,1,1,2,3,1,0\n");
+  const auto read = [&] { ReadStates(folder / "states.csv"); };
+  EXPECT_THROW(read(), InputError);  // of the quaternion, which ends early
+  WriteText(folder / "states.csv",
+            "timestamp_ns,px,py,pz,qw,qx,qy,qz,vx,a,a,a,a,sigma_px,sigma_rx\n"
+            "7,1,2,3,1,0,0,0,4,5,5,5\n");
+  EXPECT_EQ(ReadStates(folder / "states.csv").size(), 1u);
+}
+
 TEST(StatesFileTest, ASigmaIsANumberFromZeroOnOrUnknown) {
   const TempFolder folder;
   const auto read = [&](const std::string& sigma) -> std::string {

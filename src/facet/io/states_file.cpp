@@ -81,7 +81,8 @@ class StateColumns {
   Vector3d GetSigma3(const CsvReader& row, const std::string& stem) const {
     for (const char* axis : {"x", "y", "z"}) {
       const auto column = columns_.find(stem + axis);
-      if (column == columns_.end()) continue;
+      // Where a name stands twice in the header, a row that has enough columns may still end early.
+      if (column == columns_.end() || column->second >= row.fields().size()) continue;
       const std::string_view text = row.fields()[column->second];
       const auto sigma = ParseDouble(text);
       const bool is_unknown = text.empty() || (sigma && std::isnan(*sigma));
