@@ -49,7 +49,8 @@ TEST(PlaneMembershipTest, WhatLandmarksHaveInCommonDoesNotAverageOut) {
 TEST(PlaneMembershipTest, LandmarksOfUnevenSurfacesCountLess) {
   Scene scene(1);
   PlaneAssignments told;
-  told.unevenness = {{scene.window().planes[0].id, 0.03}, {PlaneId{99}, 0.1}};
+  told.created = {scene.PlaneAt(7, 0.0)};
+  told.unevenness = {{PlaneId{7}, 0.03}, {PlaneId{99}, 0.1}};
   scene.Apply(told);
   EXPECT_EQ(scene.window().planes[0].unevenness_m, 0.03);
   double n = 0;
@@ -57,8 +58,9 @@ TEST(PlaneMembershipTest, LandmarksOfUnevenSurfacesCountLess) {
     n += landmark.planes.Add(0) ? 1 : 0;
   WeighPlanes(scene.noise, scene.window());
   const double common_m = std::hypot(scene.noise.plane_common_sigma_m, 0.3 * 0.03);
-  EXPECT_NEAR(
-      scene.window().planes[0].row_sigma_m, std::hypot(0.02, 0.03, std::sqrt(n) * common_m), 1e-12);
+  EXPECT_NEAR(scene.window().planes[0].row_sigma_m,
+              std::hypot(scene.noise.plane_sigma_m, 0.03, std::sqrt(n) * common_m),
+              1e-12);
 }
 
 TEST(PlaneMembershipTest, FarOrUncertainLandmarksDoNotJoin) {
