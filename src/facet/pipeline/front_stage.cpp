@@ -2,6 +2,7 @@
 #include "facet/pipeline/front_stage.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "facet/camera/camera_model.h"
 #include "facet/imu/preintegration.h"
@@ -81,7 +82,9 @@ std::string FrontStage::WatchAxes(const ImuInterval& imu) {
 std::string FrontStage::CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked) {
   if (!check_calibration_) return {};
   const FrontendResult& seen = tracked.frontend;
-  const ImuInterval imu = OnEarth(tracked.imu, gravity_);
+  std::optional<ImuInterval> on_earth;
+  if (gravity_ != kGravity) on_earth = OnEarth(tracked.imu, gravity_);
+  const ImuInterval& imu = on_earth ? *on_earth : tracked.imu;
   std::string dead = dead_imu_.Add(imu.samples, seen.observations.features);
   if (!dead.empty()) return dead;
   const bool is_usable = seen.image_ok && !seen.is_repeated && !seen.is_blank;
