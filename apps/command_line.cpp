@@ -80,8 +80,7 @@ void AddOptions(CLI::App& command, RunArguments& a) {
       .add_option("--threads",
                   a.threads,
                   "1: one thread; 2: front end and back end overlap; 3 and more: the others decode "
-                  "the next "
-                  "images; same results")
+                  "the next images; same results")
       ->check(CLI::Range(1, 64));
   command.add_flag("--realtime", a.range.realtime, "recorded speed; drop what arrives while busy");
   command

@@ -10,21 +10,17 @@ namespace {
 
 /// d distorted / d coefficients at a point of the plane z = 1.
 Matrix<2, 4> CoefficientJacobian(const CameraIntrinsics& k, const Vector2d& xy) {
-  const DistortionModel model = k.distortion;
+  if (k.distortion == DistortionModel::kRadialTangential) return RadialTangentialColumns(xy);
+  if (k.distortion != DistortionModel::kEquidistant) return LensCoefficientJacobian(k, xy);
   Matrix<2, 4> J = Matrix<2, 4>::Zero();
-  const double x = xy.x(), y = xy.y(), r2 = xy.squaredNorm();
-  if (model == DistortionModel::kRadialTangential) {
-    J << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x,  //
-        y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y;
-  } else if (model == DistortionModel::kEquidistant && r2 > 0) {
+  const double r2 = xy.squaredNorm();
+  if (r2 > 0) {
     const double theta = std::atan(std::sqrt(r2)), theta2 = theta * theta;
     double power = theta / std::sqrt(r2);
     for (int i = 0; i < 4; ++i) {
       power *= theta2;
       J.col(i) = power * xy;
     }
-  } else if (model != DistortionModel::kNone && model != DistortionModel::kEquidistant) {
-    return LensCoefficientJacobian(k, xy);
   }
   return J;
 }
@@ -42,9 +38,7 @@ Vector2d Distort(const CameraIntrinsics& k, const Vector2d& xy) {
     const double r = std::sqrt(r2), theta = std::atan(r), t2 = theta * theta;
     return xy * (theta / r * (1 + t2 * (c[0] + t2 * (c[1] + t2 * (c[2] + t2 * c[3])))));
   }
-  if (k.distortion == DistortionModel::kNone || k.distortion == DistortionModel::kEquidistant)
-    return xy;
-  return DistortThroughLens(k, xy, nullptr);
+  return DistortThroughLens(k, xy, nullptr);  // of an equidistant lens the axis alone
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "facet/base/check.h"
 #include "facet/camera/lens_models.h"
+#include "facet/camera/radial_tangential.h"
 
 namespace facet {
 
@@ -24,13 +25,6 @@ constexpr double kConverged = 1e-12;  // on the plane z = 1, about 5e-10 px
 /// argument.
 using Radial = LensRadius;
 
-// Argument: radius on the plane z = 1. Tangential terms are left out.
-Radial RadialTangentialRadius(const CameraIntrinsics& k, double r) {
-  const double r2 = r * r;
-  const auto& c = k.coefficients;
-  return {r * (1 + r2 * (c[0] + r2 * c[1])), 1 + r2 * (3 * c[0] + 5 * r2 * c[1])};
-}
-
 // Argument: angle from the axis.
 Radial EquidistantRadius(const CameraIntrinsics& k, double theta) {
   const double t2 = theta * theta;
@@ -45,8 +39,6 @@ Radial RadialDistortion(const CameraIntrinsics& k, double argument) {
       return RadialTangentialRadius(k, argument);
     case DistortionModel::kEquidistant:
       return EquidistantRadius(k, argument);
-    case DistortionModel::kNone:
-      return {argument, 1};
     default:
       break;
   }
@@ -84,21 +76,6 @@ double FindMaxRadius(const CameraIntrinsics& k) {
   return kMaxRadius;
 }
 
-Vector2d DistortRadialTangential(const CameraIntrinsics& k, const Vector2d& xy, Matrix2d* J) {
-  const double k1 = k.coefficients[0], k2 = k.coefficients[1];
-  const double p1 = k.coefficients[2], p2 = k.coefficients[3];
-  const double x = xy.x(), y = xy.y(), r2 = xy.squaredNorm();
-  const double radial = 1 + r2 * (k1 + r2 * k2);
-  if (J) {
-    const double d = 2 * (k1 + 2 * r2 * k2);  // d radial / d x = d x
-    const double off = d * x * y + 2 * (p1 * x + p2 * y);
-    *J << radial + d * x * x + 2 * p1 * y + 6 * p2 * x, off,  //
-        off, radial + d * y * y + 6 * p1 * y + 2 * p2 * x;
-  }
-  return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
-          y * radial + 2 * p2 * x * y + p1 * (r2 + 2 * y * y)};
-}
-
 Vector2d DistortEquidistant(const CameraIntrinsics& k, const Vector2d& xy, Matrix2d* J) {
   const double r = xy.norm();
   // xy_d = scale xy, with scale = theta_d(atan r) / r; `bend` is (d scale / d r) / r.
@@ -122,9 +99,6 @@ Vector2d Distort(const CameraIntrinsics& k, const Vector2d& xy, Matrix2d* J) {
       return DistortRadialTangential(k, xy, J);
     case DistortionModel::kEquidistant:
       return DistortEquidistant(k, xy, J);
-    case DistortionModel::kNone:
-      if (J) J->setIdentity();
-      return xy;
     default:
       return DistortThroughLens(k, xy, J);
   }

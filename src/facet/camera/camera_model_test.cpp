@@ -14,26 +14,11 @@ namespace facet {
 namespace {
 
 CameraIntrinsics EurocLeft() {
-  return {752,
-          480,
-          458.654,
-          457.296,
-          367.215,
-          248.375,
-          DistortionModel::kRadialTangential,
-          {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05}};
+  return testing::LensExample(DistortionModel::kRadialTangential);
 }
 
-// The same image through a fisheye lens with coefficients as Kalibr finds them.
 CameraIntrinsics Fisheye() {
-  return {752,
-          480,
-          330.0,
-          329.0,
-          367.215,
-          248.375,
-          DistortionModel::kEquidistant,
-          {0.0034, 0.0008, -0.0024, 0.0003}};
+  return testing::LensExample(DistortionModel::kEquidistant);
 }
 
 class EveryModelTest : public ::testing::TestWithParam<CameraIntrinsics> {};

@@ -94,39 +94,12 @@ RadialScale ScaleOf(const CameraIntrinsics& k, double r2) {
   return {};
 }
 
-// The four coefficients that kUnified and kRational share with kRadialTangential.
-struct Tangential {
-  double p1, p2;
-
-  explicit Tangential(const CameraIntrinsics& k) : p1(k.coefficients[2]), p2(k.coefficients[3]) {}
-
-  Vector2d At(const Vector2d& m) const {
-    const double x = m.x(), y = m.y(), r2 = m.squaredNorm();
-    return {2 * p1 * x * y + p2 * (r2 + 2 * x * x), 2 * p2 * x * y + p1 * (r2 + 2 * y * y)};
-  }
-  Matrix2d Jacobian(const Vector2d& m) const {
-    const double x = m.x(), y = m.y(), off = 2 * (p1 * x + p2 * y);
-    Matrix2d J;
-    J << 2 * p1 * y + 6 * p2 * x, off, off, 6 * p1 * y + 2 * p2 * x;
-    return J;
-  }
-};
-
-struct RadialPolynomial {
-  double value, d_r2;
-
-  RadialPolynomial(const CameraIntrinsics& k, double r2)
-      : value(1 + r2 * (k.coefficients[0] + r2 * k.coefficients[1])),
-        d_r2(k.coefficients[0] + 2 * r2 * k.coefficients[1]) {}
-};
-
-// What k1 k2 p1 p2 do to a point.
-Matrix<2, 4> RadialTangentialColumns(const Vector2d& m) {
-  const double x = m.x(), y = m.y(), r2 = m.squaredNorm();
-  Matrix<2, 4> J;
-  J << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x,  //
-      y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y;
-  return J;
+// What p1 and p2 add.
+Vector2d TangentialPart(const CameraIntrinsics& k, const Vector2d& xy, Matrix2d& J) {
+  const double p1 = k.coefficients[2], p2 = k.coefficients[3];
+  const double x = xy.x(), y = xy.y(), r2 = xy.squaredNorm(), off = 2 * (p1 * x + p2 * y);
+  J << 2 * p1 * y + 6 * p2 * x, off, off, 6 * p1 * y + 2 * p2 * x;
+  return {2 * p1 * x * y + p2 * (r2 + 2 * x * x), 2 * p2 * x * y + p1 * (r2 + 2 * y * y)};
 }
 
 bool IsBetween(double value, double low, double high) {
@@ -145,28 +118,24 @@ LensRadius RadiusThroughLens(const CameraIntrinsics& k, double r) {
   if (!s.is_seen) return {0, 0};
   const LensRadius radius{r * s.scale, s.scale + s.bend * r * r};
   if (k.distortion != DistortionModel::kUnified) return radius;
-  const double m2 = radius.value * radius.value;
-  const RadialPolynomial p(k, m2);
-  return {radius.value * p.value, radius.slope * (p.value + 2 * m2 * p.d_r2)};
+  const LensRadius behind = RadialTangentialRadius(k, radius.value);
+  return {behind.value, radius.slope * behind.slope};
 }
 
 Vector2d DistortThroughLens(const CameraIntrinsics& k, const Vector2d& xy, Matrix2d* J) {
   const RadialScale s = ScaleOf(k, xy.squaredNorm());
   const Vector2d m = s.scale * xy;
   if (J) *J = s.scale * Matrix2d::Identity() + s.bend * xy * xy.transpose();
-  const Tangential tangential(k);
+  Matrix2d more;
   if (k.distortion == DistortionModel::kRational) {
-    if (J) *J += tangential.Jacobian(xy);
-    return m + tangential.At(xy);
+    const Vector2d tangential = TangentialPart(k, xy, more);
+    if (J) *J += more;
+    return m + tangential;
   }
   if (k.distortion != DistortionModel::kUnified) return m;
-  const RadialPolynomial p(k, m.squaredNorm());
-  if (J) {
-    *J =
-        (p.value * Matrix2d::Identity() + 2 * p.d_r2 * m * m.transpose() + tangential.Jacobian(m)) *
-        *J;
-  }
-  return p.value * m + tangential.At(m);
+  const Vector2d behind = DistortRadialTangential(k, m, &more);
+  if (J) *J = more * *J;
+  return behind;
 }
 
 Matrix<2, 4> LensCoefficientJacobian(const CameraIntrinsics& k, const Vector2d& xy) {

@@ -2,23 +2,19 @@
 // Lenses that most calibrations do not need: OpenCV's rational model, and the models of wide lenses
 // (field of view, double sphere, extended unified, unified). All of them say where a point of the
 // plane z = 1 is seen on that plane, so they reach as far as a pinhole does, that is below 90 deg
-// from the axis. The two common models are in camera_model.cpp.
+// from the axis. None at all is one of them; the two common models are in radial_tangential.h and
+// camera_model.cpp.
 #pragma once
 
 #include <string>
 
 #include "facet/base/types.h"
 #include "facet/camera/camera_intrinsics.h"
+#include "facet/camera/radial_tangential.h"
 
 namespace facet {
 
-/// Where the radial part puts the radius r, and its derivative by r.
-struct LensRadius {
-  double value = 0;
-  double slope = 1;  ///< 0 where there is no image any more
-};
-
-/// r: distance from the axis on the plane z = 1.
+/// r: distance from the axis on the plane z = 1. Tangential terms are left out.
 LensRadius RadiusThroughLens(const CameraIntrinsics& k, double r);
 
 /// Whether the lens is described best by the angle from the axis, because the radius on the plane

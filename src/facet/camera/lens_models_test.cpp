@@ -13,24 +13,16 @@
 namespace facet {
 namespace {
 
-CameraIntrinsics Example(DistortionModel model) {
-  for (const CameraIntrinsics& k : testing::LensExamples()) {
-    if (k.distortion == model) return k;
-  }
-  ADD_FAILURE() << "no example";
-  return {};
-}
-
 Vector2d PixelOf(const CameraIntrinsics& k, const Vector2d& m) {
   return {k.fx * m.x() + k.cx, k.fy * m.y() + k.cy};
 }
 
 // Each against the projection of a point in space as its paper has it, which knows no plane z = 1.
 TEST(LensModelsTest, AgreeWithTheFormulasOfTheirPapers) {
-  const CameraIntrinsics ds = Example(DistortionModel::kDoubleSphere);
-  const CameraIntrinsics eucm = Example(DistortionModel::kExtendedUnified);
-  const CameraIntrinsics omni = Example(DistortionModel::kUnified);
-  const CameraIntrinsics fov = Example(DistortionModel::kFieldOfView);
+  const CameraIntrinsics ds = testing::LensExample(DistortionModel::kDoubleSphere);
+  const CameraIntrinsics eucm = testing::LensExample(DistortionModel::kExtendedUnified);
+  const CameraIntrinsics omni = testing::LensExample(DistortionModel::kUnified);
+  const CameraIntrinsics fov = testing::LensExample(DistortionModel::kFieldOfView);
   Rng rng(3);
   for (int i = 0; i < 100; ++i) {
     const Vector3d p(rng.Uniform(-3, 3), rng.Uniform(-2, 2), rng.Uniform(1, 4));
@@ -80,7 +72,7 @@ TEST(LensModelsTest, TheRationalModelIsThatOfOpenCv) {
 
 // With these coefficients two models are the same lens.
 TEST(LensModelsTest, SpecialCasesAgree) {
-  CameraIntrinsics unified = Example(DistortionModel::kUnified);
+  CameraIntrinsics unified = testing::LensExample(DistortionModel::kUnified);
   const double xi = unified.coefficients[4];
   unified.coefficients = {0, 0, 0, 0, xi};
   CameraIntrinsics extended = unified;
@@ -90,7 +82,7 @@ TEST(LensModelsTest, SpecialCasesAgree) {
   CameraIntrinsics sphere = extended;
   sphere.distortion = DistortionModel::kDoubleSphere;
   sphere.coefficients = {0, xi / (1 + xi)};
-  CameraIntrinsics rational = Example(DistortionModel::kRadialTangential);
+  CameraIntrinsics rational = testing::LensExample(DistortionModel::kRadialTangential);
   const CameraIntrinsics plain = rational;
   rational.distortion = DistortionModel::kRational;
   for (const double x : {-1.1, -0.2, 0.0, 0.6}) {
@@ -136,7 +128,7 @@ TEST(LensModelsTest, DerivativesByTheFirstFourCoefficients) {
 
 TEST(LensModelsTest, CoefficientsThatNoLensHasAreRefused) {
   const auto complaint = [](DistortionModel model, std::size_t index, double value) {
-    CameraIntrinsics k = Example(model);
+    CameraIntrinsics k = testing::LensExample(model);
     k.coefficients[index] = value;
     return CameraModel::WhatIsWrong(k);
   };
@@ -154,7 +146,7 @@ TEST(LensModelsTest, CoefficientsThatNoLensHasAreRefused) {
 }
 
 TEST(LensModelsTest, TheViewEndsAtAPole) {
-  CameraIntrinsics pole = Example(DistortionModel::kRational);
+  CameraIntrinsics pole = testing::LensExample(DistortionModel::kRational);
   pole.coefficients = {0, 0, 0, 0, 0, -0.5, 0, 0};  // at a radius of the square root of 2
   ASSERT_EQ(CameraModel::WhatIsWrong(pole), "");
   EXPECT_LT(std::tan(CameraModel(pole).max_angle()), std::sqrt(2.0));

@@ -80,11 +80,10 @@ std::optional<GreyHeader> HeaderOf(const Chunk& chunk) {
   return GreyHeader{BigEndian(data), BigEndian(data + 4), depth / std::size_t{8}};
 }
 
-/// The compressed image, put together in `joined` if it lies in several chunks; empty if anything
-/// about them is odd.
+/// The compressed image, put together in `joined`, which is empty before, if it lies in several
+/// chunks; empty if anything about them is odd.
 Bytes CompressedImage(ChunkReader& chunks, std::vector<Byte>& joined) {
   Bytes image;
-  joined.clear();
   bool is_behind = false;
   while (const auto chunk = chunks.Next()) {
     if (!chunk->is_whole) return {};
@@ -107,7 +106,8 @@ Bytes CompressedImage(ChunkReader& chunks, std::vector<Byte>& joined) {
 }
 
 bool Inflate(Bytes compressed, Byte* out, std::size_t size) {
-  const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
+  static thread_local const std::unique_ptr<libdeflate_decompressor,
+                                            decltype(&libdeflate_free_decompressor)>
       decompressor(libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
   return decompressor &&
          libdeflate_zlib_decompress(
@@ -182,17 +182,21 @@ bool DecodeGreyPng(Bytes file, std::vector<Byte>& scratch, GreyTarget& target) {
 
   const std::size_t row_bytes = header->width * header->sample_bytes;
   const std::size_t num_bytes = header->height * (row_bytes + 1);  // a row begins with its filter
-  std::vector<Byte> joined;
-  const Bytes compressed = CompressedImage(chunks, joined);
-  if (num_bytes / kMostInflation > compressed.size()) return false;
-  // Behind the image one row of zeros, which is what lies above the first one.
-  scratch.resize(num_bytes + row_bytes);
-  if (!Inflate(compressed, scratch.data(), num_bytes)) return false;
-  std::fill_n(scratch.begin() + static_cast<std::ptrdiff_t>(num_bytes), row_bytes, Byte{0});
+  scratch.clear();
+  Bytes compressed = CompressedImage(chunks, scratch);
+  if (compressed.empty() || num_bytes / kMostInflation > compressed.size()) return false;
+  // Behind what was joined comes the image, and then a row of zeros, which is what lies above the
+  // first one.
+  const std::size_t begin = scratch.size();
+  scratch.resize(begin + num_bytes + row_bytes);
+  if (begin > 0) compressed = Bytes(scratch).first(begin);
+  Byte* const rows = scratch.data() + begin;
+  if (!Inflate(compressed, rows, num_bytes)) return false;
+  std::fill_n(rows + num_bytes, row_bytes, Byte{0});
 
-  const Byte* above = scratch.data() + num_bytes;
+  const Byte* above = rows + num_bytes;
   for (int y = 0; y < target.image.rows; ++y) {
-    Byte* filtered = scratch.data() + static_cast<std::size_t>(y) * (row_bytes + 1);
+    Byte* filtered = rows + static_cast<std::size_t>(y) * (row_bytes + 1);
     Byte* grey = target.image.ptr(y);
     const Byte filter = *filtered++;
     if (header->sample_bytes == 1) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The PNG files that cameras write, decoded in half of libpng's time: libdeflate inflates a whole
-// image at once. Everything else is libpng's business (image_codecs.h).
+// The PNG files that cameras write, decoded in a third of libpng's time: libdeflate inflates a
+// whole image at once. Everything else is libpng's business (image_codecs.h).
 #pragma once
 
 #include <cstdint>

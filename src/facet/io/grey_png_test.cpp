@@ -39,42 +39,8 @@ TestImage Picture(int max_value, int width, int height) {
   return image;
 }
 
-void AppendBytes(png_structp png, png_bytep data, png_size_t size) {
-  auto& file = *static_cast<std::string*>(png_get_io_ptr(png));
-  file.append(reinterpret_cast<const char*>(data), size);
-}
-
-/// With these filters to choose from (PNG_FILTER_SUB ...), in IDAT chunks of some length.
 std::string Encode(const TestImage& image, int depth, int filters, std::size_t chunk_size) {
-  std::string file;
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-  png_infop info = png_create_info_struct(png);
-  png_set_write_fn(png, &file, AppendBytes, nullptr);
-  png_set_IHDR(png,
-               info,
-               static_cast<png_uint_32>(image.width),
-               static_cast<png_uint_32>(image.height),
-               depth,
-               PNG_COLOR_TYPE_GRAY,
-               PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
-  png_set_filter(png, 0, filters);
-  png_set_compression_buffer_size(png, chunk_size);
-  png_write_info(png, info);
-  const auto width = static_cast<std::size_t>(image.width);
-  for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y) {
-    std::vector<png_byte> row;
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::uint16_t sample = image.samples[y * width + x];
-      if (depth == 16) row.push_back(static_cast<png_byte>(sample >> 8));
-      row.push_back(static_cast<png_byte>(sample & 0xff));
-    }
-    png_write_row(png, row.data());
-  }
-  png_write_end(png, info);
-  png_destroy_write_struct(&png, &info);
-  return file;
+  return EncodePng(image, {.depth = depth, .filters = filters, .chunk_size = chunk_size});
 }
 
 struct Decoded {

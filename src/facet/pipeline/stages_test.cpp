@@ -155,22 +155,35 @@ TEST_F(FrontStageTest, KeepsTheLastMinutesOfImuBeforeTheFirstFrame) {
   EXPECT_EQ(Next().imu.samples.back().t, frame_.t);
 }
 
-TEST(PoseStageTest, TellsTheFrontStageOfAReset) {
-  FeatureSimulatorOptions options;
-  options.max_tracks = 70;
-  options.duration_s = 5;
-  const SimulatedRun run =
-      SimulateFeatures(SplineTrajectory::Fit(MakeFlight(10, 2)), EurocRig(), options, 1);
-  PoseStage pose(run.rig, ImuNoise{}, WithoutMesh());
+/// What the front stage says of five seconds of a flight.
+struct SimulatedFront {
+  SimulatedRun run;
   ImuBuffer imu;
-  for (const ImuSample& sample : run.imu)
-    imu.Add(sample);
-  int num_resets = 0, num_feedbacks = 0;
-  for (std::size_t i = 1; i < run.frames.size(); ++i) {
+
+  SimulatedFront() {
+    FeatureSimulatorOptions options;
+    options.max_tracks = 70;
+    options.duration_s = 5;
+    run = SimulateFeatures(SplineTrajectory::Fit(MakeFlight(10, 2)), EurocRig(), options, 1);
+    for (const ImuSample& sample : run.imu)
+      imu.Add(sample);
+  }
+
+  TrackedFrame Tracked(std::size_t i) const {
     TrackedFrame tracked;
     tracked.frontend.observations = run.frames[i];
     tracked.imu =
         imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{20'000'000}, Duration{0});
+    return tracked;
+  }
+};
+
+TEST(PoseStageTest, TellsTheFrontStageOfAReset) {
+  const SimulatedFront front;
+  PoseStage pose(front.run.rig, ImuNoise{}, WithoutMesh());
+  int num_resets = 0, num_feedbacks = 0;
+  for (std::size_t i = 1; i < front.run.frames.size(); ++i) {
+    TrackedFrame tracked = front.Tracked(i);
     // In the dark the body is thrown away.
     if (i > 60) tracked.frontend.observations.features.clear();
     for (std::size_t k = 1; i > 60 && k < tracked.imu.samples.size(); ++k)
@@ -187,21 +200,11 @@ TEST(PoseStageTest, TellsTheFrontStageOfAReset) {
 }
 
 TEST(PoseStageTest, KeyframesHaveNoPosesBeforeTheStart) {
-  FeatureSimulatorOptions options;
-  options.max_tracks = 70;
-  options.duration_s = 5;
-  const SimulatedRun run =
-      SimulateFeatures(SplineTrajectory::Fit(MakeFlight(10, 2)), EurocRig(), options, 1);
-  PoseStage pose(run.rig, ImuNoise{}, WithoutMesh());
-  ImuBuffer imu;
-  for (const ImuSample& sample : run.imu)
-    imu.Add(sample);
+  const SimulatedFront front;
+  PoseStage pose(front.run.rig, ImuNoise{}, WithoutMesh());
   int num_before = 0, num_after = 0;
   for (std::size_t i = 1; i < 60; ++i) {
-    TrackedFrame tracked;
-    tracked.frontend.observations = run.frames[i];
-    tracked.imu =
-        imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{20'000'000}, Duration{0});
+    TrackedFrame tracked = front.Tracked(i);
     const bool has_started = pose.Estimate(tracked).has_pose;
     ++(has_started ? num_after : num_before);
     EXPECT_EQ(pose.WindowKeyframes().empty(), !has_started) << i;

@@ -25,10 +25,8 @@ struct BagOptions {
 };
 
 /// Stamps are those of the message headers (those of the recorder only where headers have none).
-/// Single stamps
-/// far away from those around them are left out (io/stray_stamps.h). In memory are what waits for
-/// its partner, at most two seconds or 256 MB, and what the source
-/// keeps.
+/// Single stamps far away from those around them are left out (io/stray_stamps.h). In memory are
+/// what waits for its partner, at most two seconds or 256 MB, and what the source keeps.
 class BagRecording : public Recording {
  public:
   /// `path` is what the user gave: the calibration is looked for beside it if the recording carries

@@ -22,7 +22,7 @@ constexpr int kFramesInReserve = 4;
 struct Job {
   RecordedFrame frame;
   DecodedFrame decoded;
-  std::exception_ptr failure;  // no memory
+  std::exception_ptr failure;  // no memory: Take throws it on the caller's thread
   bool has_begun = false, is_done = false;
 };
 
@@ -106,7 +106,7 @@ class DecodeAhead::Pool {
     lock.unlock();
     try {
       decoder.Decode(job.frame, job.decoded);
-    } catch (...) {
+    } catch (...) {  // kept for Take: nothing may leave a thread
       job.failure = std::current_exception();
     }
     lock.lock();

@@ -33,6 +33,10 @@ constexpr LensName kLensNames[] = {
     {"fisheye", DistortionModel::kEquidistant},
 };
 
+bool IsZero(double d) {
+  return d == 0;
+}
+
 /// The model and coefficients of a lens; false if they are none of ours.
 bool ReadLens(const CameraInfoMessage& info, CameraIntrinsics& k) {
   const auto* lens = std::ranges::find_if(
@@ -43,9 +47,8 @@ bool ReadLens(const CameraInfoMessage& info, CameraIntrinsics& k) {
     return SetOpenCvCoefficients(info.D, k);
   }
   const std::size_t num = NumCoefficients(lens->model);
-  const auto is_zero = [](double d) { return d == 0; };
   if (info.D.size() < num ||
-      !std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(num), info.D.end(), is_zero))
+      !std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(num), info.D.end(), IsZero))
     return false;
   k.distortion = lens->model;
   std::copy_n(info.D.begin(), num, k.coefficients.begin());
@@ -62,8 +65,7 @@ std::pair<CameraIntrinsics, std::string> IntrinsicsOf(const CameraInfoMessage& i
   k.cx = info.K[2];
   k.fy = info.K[4];
   k.cy = info.K[5];
-  const auto is_zero = [](double d) { return d == 0; };
-  if (std::ranges::all_of(info.D, is_zero)) return {k, CameraModel::WhatIsWrong(k)};
+  if (std::ranges::all_of(info.D, IsZero)) return {k, CameraModel::WhatIsWrong(k)};
   if (!ReadLens(info, k)) {
     return {k,
             "the lens model '" + info.distortion_model + "' with " + std::to_string(info.D.size()) +
@@ -93,10 +95,10 @@ std::string Rectify(const CameraInfoMessage& info, CameraIntrinsics& k, SE3& T_B
 }  // namespace
 
 void SetLens(const CameraIntrinsics& k, CameraInfoMessage& info) {
-  const std::size_t num = std::max<std::size_t>(NumCoefficients(k.distortion), 4);
-  info.D.assign(k.coefficients.begin(), k.coefficients.begin() + static_cast<std::ptrdiff_t>(num));
   const DistortionModel model =
       k.distortion == DistortionModel::kNone ? DistortionModel::kRadialTangential : k.distortion;
+  const auto num = static_cast<std::ptrdiff_t>(NumCoefficients(model));
+  info.D.assign(k.coefficients.begin(), k.coefficients.begin() + num);
   if (model == DistortionModel::kRadialTangential) info.D.push_back(0);  // its third radial one
   info.distortion_model =
       std::ranges::find_if(kLensNames, [&](const LensName& l) { return l.model == model; })->name;

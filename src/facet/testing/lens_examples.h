@@ -3,6 +3,7 @@
 // of their images' width and 47 deg from the axis.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "facet/camera/camera_intrinsics.h"
@@ -57,6 +58,13 @@ inline std::vector<CameraIntrinsics> LensExamples() {
        DistortionModel::kUnified,
        {-0.12, 0.09, 0.0006, -0.0004, 1.75}},
   };
+}
+
+/// The first of that model.
+inline CameraIntrinsics LensExample(DistortionModel model) {
+  const std::vector<CameraIntrinsics> all = LensExamples();
+  return *std::find_if(
+      all.begin(), all.end(), [&](const auto& k) { return k.distortion == model; });
 }
 
 }  // namespace facet::testing

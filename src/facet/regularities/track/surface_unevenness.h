@@ -7,8 +7,8 @@
 namespace facet {
 
 /// From how landmarks lie about the plane that fits them best, where vision alone sees them: what
-/// they scatter beyond the errors of vision. Of walls and floors nothing is left, of rough ground
-/// and of patches that are no planes 4 to 25 mm. Newer keyframes count more.
+/// they scatter beyond the errors of vision. Of nearly all walls and floors nothing is left, of
+/// rough ground and of patches that are no planes 4 to 25 mm. Newer keyframes count more.
 class SurfaceUnevenness {
  public:
   /// The landmarks of one keyframe: their squared distances less the variance of vision [m^2], each

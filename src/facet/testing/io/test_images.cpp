@@ -60,6 +60,8 @@ std::string EncodePng(const TestImage& image, const PngSettings& settings) {
     const auto grey = static_cast<png_byte>(255 - i);
     palette.push_back({grey, grey, grey});
   }
+  if (settings.filters != 0) png_set_filter(png, 0, settings.filters);
+  png_set_compression_buffer_size(png, settings.chunk_size);
   if (settings.palette) png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
   png_write_info(png, info);
   if (settings.depth < 8) png_set_packing(png);

@@ -19,6 +19,8 @@ struct PngSettings {
   int depth = 8;  ///< 1, 2, 4, 8, 16
   bool interlaced = false;
   bool palette = false;  ///< the samples are indices into a palette of grey levels 255 - index
+  int filters = 0;       ///< to choose from (PNG_FILTER_SUB ...); 0: libpng's choice
+  std::size_t chunk_size = 8192;  ///< of the IDAT chunks; 8192 is libpng's
 };
 
 std::string EncodePng(const TestImage& image, const PngSettings& settings = {});
