@@ -27,18 +27,17 @@ std::vector<std::string> InflationWarnings(const ImuNoise& noise, const ImuOptio
   const auto look = [&](double density, double most, const char* key, const char* option) {
     if (density <= most) return;
     char text[400];
-    std::snprintf(
-        text,
-        sizeof(text),
-        "'%s' is %.3g in the calibration, more than any usual IMU's: it is taken for "
-        "inflated, and %.3g counts, times estimator.imu.%s_scale as always; the option max_%s=%.3g "
-        "beside it takes the density as it is",
-        key,
-        density,
-        most,
-        option,
-        option,
-        density);
+    std::snprintf(text,
+                  sizeof(text),
+                  "'%s' is %.3g in the calibration, more than any usual IMU's: it is taken for "
+                  "inflated, and %.3g counts, times estimator.imu.%s_scale as always; "
+                  "estimator.imu.max_%s=%.3g takes the density as it is",
+                  key,
+                  density,
+                  most,
+                  option,
+                  option,
+                  density);
     warnings.emplace_back(text);
   };
   look(noise.gyro_noise, options.max_gyro_noise, "gyroscope_noise_density", "gyro_noise");
