@@ -24,24 +24,33 @@ ImuParameters ParametersInUse(const ImuNoise& noise, const ImuOptions& options) 
 
 std::vector<std::string> InflationWarnings(const ImuNoise& noise, const ImuOptions& options) {
   std::vector<std::string> warnings;
-  const auto look = [&](double density, double most, const char* key, const char* option) {
-    if (density <= most) return;
-    char text[400];
-    std::snprintf(text,
-                  sizeof(text),
-                  "'%s' is %.3g in the calibration, more than any usual IMU's: it is taken for "
-                  "inflated, and %.3g counts, times estimator.imu.%s_scale as always; "
-                  "estimator.imu.max_%s=%.3g takes the density as it is",
-                  key,
-                  density,
-                  most,
-                  option,
-                  option,
-                  density);
-    warnings.emplace_back(text);
-  };
-  look(noise.gyro_noise, options.max_gyro_noise, "gyroscope_noise_density", "gyro_noise");
-  look(noise.accel_noise, options.max_accel_noise, "accelerometer_noise_density", "accel_noise");
+  const auto look =
+      [&](double density, double most, const char* key, const char* scale, const char* limit) {
+        if (density <= most) return;
+        char text[400];
+        std::snprintf(text,
+                      sizeof(text),
+                      "'%s' is %.3g in the calibration, more than any usual IMU's: it is taken for "
+                      "inflated, and %.3g "
+                      "counts, times %s as always; %s=%.3g takes the density as it is",
+                      key,
+                      density,
+                      most,
+                      scale,
+                      limit,
+                      density);
+        warnings.emplace_back(text);
+      };
+  look(noise.gyro_noise,
+       options.max_gyro_noise,
+       "gyroscope_noise_density",
+       "estimator.imu.gyro_noise_scale",
+       "estimator.imu.max_gyro_noise");
+  look(noise.accel_noise,
+       options.max_accel_noise,
+       "accelerometer_noise_density",
+       "estimator.imu.accel_noise_scale",
+       "estimator.imu.max_accel_noise");
   return warnings;
 }
 
