@@ -19,7 +19,7 @@ class FolderLayoutsTest : public ::testing::Test {
  protected:
   // Images of noise: a start just comes about, and soon the position would be lost.
   FolderLayoutsTest() {
-    options_.num_frames = 10;
+    options_.num_frames = 14;
     WriteTestSequence(Sequence(), options_);
   }
   fs::path Sequence() const { return folder_ / "room1"; }
@@ -105,7 +105,7 @@ TEST_F(FolderLayoutsTest, APlainFolderGivesTheTrajectoryOfTheAslFolder) {
   const ProgramRun info = RunFacet("info " + flight.string());
   EXPECT_EQ(info.exit_code, 0) << info.err;
   EXPECT_THAT(info.out, HasSubstr("kind: folder in the plain layout"));
-  EXPECT_THAT(info.out, HasSubstr("stereo pairs         10"));
+  EXPECT_THAT(info.out, HasSubstr("stereo pairs         14"));
 }
 
 TEST_F(FolderLayoutsTest, TheSlowImuOfKittiIsRefused) {

@@ -22,7 +22,7 @@ TEST(TriangulationJacobianTest, IsTheDerivativeByEveryParameter) {
       const StereoRig changed = *ChangeParameters(rig, delta);
       const Vector2d xy = changed.cameras[0].Undistort(left_px)->xy;
       const auto found =
-          TriangulateOnRay(xy, changed.cameras[1].Undistort(right_px)->xy, changed.T_C1C0());
+          TriangulateOnRay(xy, *changed.cameras[1].Undistort(right_px), changed.T_C1C0());
       return Vector3d(Vector3d(xy.x(), xy.y(), 1) / found->inverse_depth);
     };
     testing::ExpectJacobian<3, kNumRigParameters>(*J, triangulate, 1e-4, 1e-6);

@@ -17,10 +17,11 @@ struct KltOptions {
 
   template <class Visitor>
   void Visit(Visitor& v) {
-    v.Field("num_levels",
-            num_levels,
-            Range{1, 5},
-            "images of the pyramid, each half as large as the one before");
+    v.Field(
+        "num_levels",
+        num_levels,
+        Range{1, 5},
+        "images of the pyramid, each half as large as the one before; large images get one more");
     v.Choice("simd",
              simd,
              {"auto", "avx2", "sse2", "scalar"},
@@ -31,6 +32,8 @@ struct KltOptions {
 /// Detection of new points (feature_detector.h).
 struct DetectorOptions {
   /// Side of a square grid cell; one new point per cell that holds no track. Smaller: more points.
+  /// In an image of 752 x 480; cells and distances grow with the root of the number of pixels
+  /// (camera/image_extent.h).
   int cell_px = 40;
   /// Distance that a new point keeps from every track.
   double min_distance_px = 16;
@@ -45,11 +48,11 @@ struct DetectorOptions {
     v.Field("cell_px",
             cell_px,
             Range{8, 400},
-            "side of a grid cell, which gets at most one new point [px]");
+            "side of a grid cell, which gets at most one new point [px of 752 x 480]");
     v.Field("min_distance_px",
             min_distance_px,
             Range{0, 200},
-            "least distance of new points from tracks [px]");
+            "least distance of new points from tracks [px of 752 x 480]");
     v.Field("fast_threshold",
             fast_threshold,
             Range{1, 255},
@@ -207,8 +210,8 @@ struct PixelNoiseOptions {
 /// (support_places.h).
 struct SupportPointOptions {
   bool enabled = true;
-  /// Side of a cell with at most one support point, if it holds no corner. The cells take turns
-  /// over two keyframes. Smaller: more points, more time.
+  /// Side of a cell with at most one support point, if it holds no corner, in an image of 752 x
+  /// 480. The cells take turns over two keyframes. Smaller: more points, more time.
   int cell_px = 23;
   /// Mean difference between pixels two apart along the rows that a place must have [grey values].
   double min_contrast = 1.5;
@@ -219,7 +222,7 @@ struct SupportPointOptions {
     v.Field("cell_px",
             cell_px,
             Range{12, 400},
-            "side of a cell, which gets at most one support point [px]");
+            "side of a cell, which gets at most one support point [px of 752 x 480]");
     v.Field(
         "min_contrast", min_contrast, Range{0, 255}, "least contrast along the rows [grey values]");
   }

@@ -8,7 +8,6 @@ namespace facet {
 
 KeyframeStereo::KeyframeStereo(const StereoRig& rig, const FrontendOptions& options)
     : left_camera_(rig.cameras[0]),
-      baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()),
       options_(options),
       matcher_(rig, options),
       matches_(static_cast<std::size_t>(options.max_features)) {}
@@ -45,8 +44,11 @@ void KeyframeStereo::MatchPlaces(std::span<const DepthQuery> queries,
     if (!match || match->level != 0 || !(match->inverse_depth > 0)) continue;
     const double sigma_px =
         std::hypot(options_.noise.right_base_px, options_.noise.residual_factor * match->sigma_px);
-    found.push_back(
-        {query.px, match->px, ray->xy, match->inverse_depth, sigma_px / baseline_focal_px_});
+    found.push_back({query.px,
+                     match->px,
+                     ray->xy,
+                     match->inverse_depth,
+                     sigma_px / match->px_per_inverse_depth});
   }
 }
 

@@ -36,7 +36,6 @@ class KeyframeStereo {
 
  private:
   CameraModel left_camera_;
-  double baseline_focal_px_;
   FrontendOptions options_;
   StereoMatcher matcher_;
   ImagePyramid right_;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "facet/camera/image_extent.h"
 #include "facet/frontend/feature_detector.h"
 #include "facet/frontend/image_history.h"
 #include "facet/frontend/keyframe_stereo.h"
@@ -33,6 +34,22 @@ std::uint8_t GreyValueAt(const cv::Mat& image, const Vector2d& px) {
   const int x = std::clamp(static_cast<int>(std::lround(px.x())), 0, image.cols - 1);
   const int y = std::clamp(static_cast<int>(std::lround(px.y())), 0, image.rows - 1);
   return image.at<std::uint8_t>(y, x);
+}
+
+// The options for images of another size or lens than EuRoC's: as many cells, as far apart as the
+// image allows, and pyramids that follow the same motion.
+FrontendOptions FitToImage(FrontendOptions options, const CameraModel& camera) {
+  constexpr double kLeast = 0.5;  // patches do not shrink, and what overlaps says nothing new
+  const double side = std::max(kLeast, RelativeImageSide(camera));
+  const auto scaled = [side](int px) {
+    return std::max(1, static_cast<int>(std::lround(side * px)));
+  };
+  options.detector.cell_px = scaled(options.detector.cell_px);
+  options.detector.min_distance_px *= side;
+  options.support.cell_px = scaled(options.support.cell_px);
+  const int more_levels = std::max(0, static_cast<int>(std::lround(std::log2(side))));
+  options.klt.num_levels = std::min(options.klt.num_levels + more_levels, kMaxPyramidLevels);
+  return options;
 }
 
 }  // namespace
@@ -265,7 +282,7 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
 }
 
 StereoFrontend::StereoFrontend(const StereoRig& rig, const FrontendOptions& options)
-    : impl_(std::make_unique<Impl>(rig, options)) {}
+    : impl_(std::make_unique<Impl>(rig, FitToImage(options, rig.cameras[0]))) {}
 
 StereoFrontend::~StereoFrontend() = default;
 

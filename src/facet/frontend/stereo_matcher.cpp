@@ -52,13 +52,13 @@ bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
                                 StereoMatch& match) const {
   const std::optional<UndistortedPoint> right = right_camera_.Undistort(px_right);
   if (!right) return false;
-  const auto depth = TriangulateOnRay(ray.xy, right->xy, T_C1C0_);
+  const auto depth = TriangulateOnRay(ray.xy, *right, T_C1C0_);
   if (!depth) return false;
   const double rho = depth->inverse_depth;
-  const double epipolar_px = depth->off_line * right_camera_.mean_focal_px();
-  if (epipolar_px > options_.max_epipolar_px) return false;
-  if (rho * baseline_focal_px_ < -options_.max_epipolar_px) return false;
+  if (depth->off_line_px > options_.max_epipolar_px) return false;
+  if (rho * depth->px_per_inverse_depth < -options_.max_epipolar_px) return false;
   match.inverse_depth = std::max(0.0, rho);
+  match.px_per_inverse_depth = depth->px_per_inverse_depth;
   return true;
 }
 

@@ -13,10 +13,11 @@
 namespace facet {
 
 struct StereoMatch {
-  Vector2d px = Vector2d::Zero();  ///< in the right image
-  double inverse_depth = 0;        ///< [1/m] along z of the left camera, at least 0
-  float sigma_px = 0;              ///< from the residuals of the alignment, per axis
-  int level = 0;                   ///< finest level of the alignment
+  Vector2d px = Vector2d::Zero();   ///< in the right image
+  double inverse_depth = 0;         ///< [1/m] along z of the left camera, at least 0
+  double px_per_inverse_depth = 0;  ///< how far px moves when the inverse depth grows [px m]
+  float sigma_px = 0;               ///< from the residuals of the alignment, per axis
+  int level = 0;                    ///< finest level of the alignment
 };
 
 /// Not thread-safe.

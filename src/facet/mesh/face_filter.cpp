@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "facet/camera/camera_model.h"
@@ -39,18 +38,18 @@ bool FaceFilter::IsNarrow(const Sides& s) const {
 }
 
 // Compares the extent across the view, with all vertices moved along their rays to the smallest
-// depth, with the extent in depth that is not noise (Kimera's measure of elongation).
-bool FaceFilter::IsElongated(const CameraFace& face) const {
+// distance, with the extent in distance that is not noise (Kimera's measure of elongation).
+bool FaceFilter::IsElongated(const CameraFace& face, const std::array<double, 3>& distance) const {
   const auto [near, far] =
-      std::minmax({0, 1, 2}, [&](int i, int j) { return face.p_C[i].z() < face.p_C[j].z(); });
-  const double z_min = face.p_C[near].z(), extent = face.p_C[far].z() - z_min;
+      std::minmax({0, 1, 2}, [&](int i, int j) { return distance[i] < distance[j]; });
+  const double extent = distance[far] - distance[near];
   const double noise2 = face.sigma_depth_m[near] * face.sigma_depth_m[near] +
                         face.sigma_depth_m[far] * face.sigma_depth_m[far];
   const double depth = extent - limits_.noise_sigmas * std::sqrt(noise2);
   if (depth <= 0) return false;
   std::array<Vector3d, 3> flat;
   for (int i = 0; i < 3; ++i)
-    flat[i] = face.p_C[i] * (z_min / face.p_C[i].z());
+    flat[i] = face.p_C[i] * (distance[near] / distance[i]);
   const double least = limits_.min_elongation * depth;
   return SidesOf(flat).longest2 < least * least;
 }
@@ -74,19 +73,21 @@ FaceDefect FaceFilter::JudgeShape(const std::array<Vector3d, 3>& p) const {
 }
 
 FaceDefect FaceFilter::Judge(const CameraFace& face) const {
-  double z_min = std::numeric_limits<double>::infinity();
+  std::array<double, 3> distance{};
   for (int i = 0; i < 3; ++i) {
-    const double z = face.p_C[i].z();
-    if (!face.p_C[i].allFinite() || !(z >= kMinDepth_m)) return FaceDefect::kNotFinite;
-    if (!(face.sigma_depth_m[i] <= limits_.max_depth_sigma * z)) return FaceDefect::kUncertain;
-    z_min = std::min(z_min, z);
+    distance[i] = face.p_C[i].norm();
+    if (!face.p_C[i].allFinite() || !(face.p_C[i].z() >= kMinDepth_m))
+      return FaceDefect::kNotFinite;
+    if (!(face.sigma_depth_m[i] <= limits_.max_depth_sigma * distance[i]))
+      return FaceDefect::kUncertain;
   }
   const Sides sides = SidesOf(face.p_C);
-  const double max_side = limits_.max_side_per_depth * z_min;
+  const double max_side =
+      limits_.max_side_per_depth * *std::min_element(distance.begin(), distance.end());
   if (sides.longest2 > max_side * max_side) return FaceDefect::kTooLarge;
   const FaceDefect shape = JudgeSides(sides);
   if (shape != FaceDefect::kNone) return shape;
-  if (IsElongated(face)) return FaceDefect::kElongated;
+  if (IsElongated(face, distance)) return FaceDefect::kElongated;
   if (IsGrazing(face)) return FaceDefect::kGrazing;
   return FaceDefect::kNone;
 }

@@ -47,7 +47,8 @@ class FaceFilter {
   static Sides SidesOf(const std::array<Vector3d, 3>& p);
   FaceDefect JudgeSides(const Sides& sides) const;
   bool IsNarrow(const Sides& sides) const;
-  bool IsElongated(const CameraFace& face) const;
+  /// `distance`: of each vertex from the camera.
+  bool IsElongated(const CameraFace& face, const std::array<double, 3>& distance) const;
   bool IsGrazing(const CameraFace& face) const;
 
   FaceLimits limits_;

@@ -17,13 +17,13 @@ struct FaceLimits {
   double min_elongation = 1.2;
   /// Longest side [m].
   double max_side_m = 3.0;
-  /// Longest side over the smallest depth; 0.44 is about 200 px with EuRoC's cameras.
+  /// Longest side over the smallest distance; 0.44 is about 200 px with EuRoC's cameras.
   double max_side_per_depth = 0.5;
   /// Smallest angle [deg].
   double min_angle_deg = 6;
   /// Largest angle between the normal and the line of sight [deg].
   double max_grazing_deg = 82;
-  /// Greatest ratio of a vertex's 1-sigma of depth to its depth.
+  /// Greatest ratio of a vertex's 1-sigma of distance to its distance.
   double max_depth_sigma = 0.06;
   /// Differences in depth below this many sigma are noise and not held against a face.
   double noise_sigmas = 1;
@@ -40,7 +40,7 @@ struct FaceLimits {
     v.Field("max_side_per_depth",
             max_side_per_depth,
             Range{0.01, 1e3},
-            "greatest ratio of the longest side to the smallest depth");
+            "greatest ratio of the longest side to the smallest distance");
     v.Field("min_angle_deg", min_angle_deg, Range{0, 60}, "least angle of a corner [deg]");
     v.Field("max_grazing_deg",
             max_grazing_deg,
@@ -49,7 +49,7 @@ struct FaceLimits {
     v.Field("max_depth_sigma",
             max_depth_sigma,
             Range{1e-4, 1e3},
-            "greatest ratio of a vertex's 1-sigma of depth to its depth");
+            "greatest ratio of a vertex's 1-sigma of distance to its distance");
     v.Field("noise_sigmas", noise_sigmas, Range{0, 10}, "depth differences below this are noise");
   }
 };
@@ -73,6 +73,8 @@ inline FaceLimits StrictFaceLimits() {
 /// plane. A corner of a gap always has other surfaces around it.
 struct PlaneRescueOptions {
   bool enabled = true;
+  /// Longest side of such a face over the smallest distance. No option: it follows the view.
+  double max_side_per_depth = 0.8;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -223,6 +225,18 @@ inline MeshOptions WithSupportPoints(MeshOptions options) {
   options.faces.max_side_per_depth =
       std::min(options.faces.max_side_per_depth, options.support.max_side_per_depth);
   options.border.enabled = false;
+  return options;
+}
+
+/// The options for a view whose points are `angle` times as far apart on the sphere of rays as
+/// those of EuRoC's cameras (camera/image_extent.h): faces between them are larger by as much, and
+/// an error in depth tilts them less.
+inline MeshOptions ForPointsApart(MeshOptions options, double angle) {
+  for (FaceLimits* limits : {&options.faces, &options.voting}) {
+    limits->max_side_per_depth *= angle;
+    limits->max_depth_sigma *= angle;
+  }
+  options.plane_rescue.max_side_per_depth *= angle;
   return options;
 }
 

@@ -15,7 +15,7 @@ constexpr double kTruncationVoxels = 2;
 
 constexpr float kMaxWeight = 50;
 // The weight of a face is 1 where the depth is this uncertain [m].
-constexpr double kUnitSigma_m = 0.02;
+constexpr double kUnitSigma_m = 0.025;
 constexpr double kMinFaceWeight = 1e-3, kMaxFaceWeight = 4;
 
 // A sight line for so much surface, and the distance of the places that are looked at along it.

@@ -14,6 +14,13 @@ constexpr double kMaxSlope = 10;  // |x/z| or |y/z| of a point that can be trian
 // plane; tracks are some pixels, about a degree, off.
 constexpr double kMaxRescueDeviation_deg = 6;
 
+// Where stereographic projection puts a ray: as the plane z = 1 near the axis, but no direction is
+// stretched away from it, and circles stay circles, so that a triangulation which is Delaunay here
+// is the one of the sphere of rays.
+Vector2d Stereographic(const Vector2d& xy) {
+  return 2 / (1 + std::sqrt(1 + xy.squaredNorm())) * xy;
+}
+
 bool IsUsable(const MeshPoint& point) {
   return point.id.IsValid() && point.xy.allFinite() && point.p_C.allFinite() &&
          std::isfinite(point.sigma_depth_m) && point.xy.cwiseAbs().maxCoeff() <= kMaxSlope;
@@ -25,7 +32,7 @@ FaceLimits RescueLimits(const MeshOptions& options) {
   FaceLimits limits = options.faces;
   limits.min_elongation = 0.08;
   limits.max_grazing_deg = 86;
-  limits.max_side_per_depth = 0.8;
+  limits.max_side_per_depth = options.plane_rescue.max_side_per_depth;
   return limits;
 }
 
@@ -64,7 +71,7 @@ void ViewTriangulation::ListPoints(const MeshView& view) {
   points_.erase(std::unique(points_.begin(), points_.end(), same), points_.end());
   grid_.clear();
   for (const int i : points_) {
-    const Vector2d place = view.points[i].xy * (view.focal_px * kGridPerPixel);
+    const Vector2d place = (view.focal_px * kGridPerPixel) * Stereographic(view.points[i].xy);
     grid_.push_back({static_cast<std::int32_t>(std::lround(place.x())),
                      static_cast<std::int32_t>(std::lround(place.y()))});
   }
@@ -106,7 +113,7 @@ bool ViewTriangulation::HasPlaneCorner(const MeshView& view, const Triangle& tri
     const auto lies_in_plane = [&](int other) {
       const MeshPoint& point = view.points[points_[other]];
       const Vector3d d = point.p_C - triangle.seen.p_C[corner];
-      const double noise = std::abs(n_C.dot(point.p_C)) / point.p_C.z() * point.sigma_depth_m;
+      const double noise = std::abs(n_C.dot(point.p_C)) / point.p_C.norm() * point.sigma_depth_m;
       return std::abs(n_C.dot(d)) <= slope * d.norm() + noise;
     };
     const bool is_plane = std::all_of(star.begin(), star.end(), [&](int t) {

@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
-#include "facet/camera/stereo_triangulation.h"
+#include "facet/camera/image_extent.h"
 
 namespace facet {
 
@@ -14,8 +13,9 @@ namespace {
 constexpr double kBorderStep_px = 60;
 
 // Support points whose depth is known worse than this, 1-sigma over depth, would only roughen the
-// surface between the corners.
-constexpr double kMaxSupportSigma = 0.05;
+// surface between the corners. With EuRoC's cameras; where points are farther apart an error in
+// depth tilts the surface less.
+constexpr double kMaxSupportSigma = 0.06;
 
 std::vector<Vector2d> PlacesOnBorder(const CameraModel& camera) {
   const double right = camera.width() - 1, bottom = camera.height() - 1;
@@ -41,7 +41,7 @@ std::vector<Vector2d> PlacesOnBorder(const CameraModel& camera) {
 MeshViewBuilder::MeshViewBuilder(const StereoRig& rig, const MeshOptions& options)
     : options_(options),
       rig_(rig),
-      baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()) {
+      max_support_sigma_(kMaxSupportSigma * RelativeViewAngle(rig.cameras[0])) {
   if (options.border.enabled) border_xy_ = PlacesOnBorder(rig_.cameras[0]);
 }
 
@@ -71,8 +71,7 @@ void MeshViewBuilder::AddObservations(const FrontendResult& keyframe, const MapS
     const bool is_known = known != snapshot.landmarks.end() && known->id == feature.landmark &&
                           known->num_observations >= options_.min_observations;
     if (!is_known) {
-      if (options_.unknown_corners && feature.px_right)
-        AddUnknownCorner(feature, keyframe.depths.inverse_depths[i], intensity);
+      if (options_.unknown_corners && feature.px_right) AddUnknownCorner(feature, intensity);
       continue;
     }
     const auto undistorted = (now_ ? *now_ : rig_).cameras[0].Undistort(feature.px_left);
@@ -82,33 +81,23 @@ void MeshViewBuilder::AddObservations(const FrontendResult& keyframe, const MapS
   }
 }
 
-void MeshViewBuilder::AddUnknownCorner(const FeatureObservation& feature,
-                                       double inverse_depth,
-                                       std::uint8_t intensity) {
-  std::optional<Vector2d> xy_left;
-  if (now_) {
-    const auto point = Triangulate(feature.px_left, *feature.px_right);
-    if (!point) return;
-    xy_left = point->first;
-    inverse_depth = point->second;
-  } else if (const auto undistorted = rig_.cameras[0].Undistort(feature.px_left)) {
-    xy_left = undistorted->xy;
-  }
-  if (!xy_left || !(inverse_depth > 0)) return;
-  const Vector2d& xy = *xy_left;
-  const double z = 1 / inverse_depth;
-  const double sigma_m = z * z * feature.sigma_right_px / baseline_focal_px_;
+void MeshViewBuilder::AddUnknownCorner(const FeatureObservation& feature, std::uint8_t intensity) {
+  const auto seen = Triangulate(feature.px_left, *feature.px_right);
+  if (!seen || !(seen->depth.inverse_depth > 0)) return;
+  const double z = 1 / seen->depth.inverse_depth;
+  const double sigma_m = z * z * feature.sigma_right_px / seen->depth.px_per_inverse_depth;
   view_.points.push_back(
-      {NextSupportId(), xy, z * Vector3d(xy.x(), xy.y(), 1), sigma_m, intensity});
+      {NextSupportId(), seen->xy, z * Vector3d(seen->xy.x(), seen->xy.y(), 1), sigma_m, intensity});
 }
 
-std::optional<std::pair<Vector2d, double>> MeshViewBuilder::Triangulate(
+std::optional<MeshViewBuilder::StereoPoint> MeshViewBuilder::Triangulate(
     const Vector2d& px, const Vector2d& px_right) const {
-  const auto left = now_->cameras[0].Undistort(px), right = now_->cameras[1].Undistort(px_right);
+  const StereoRig& rig = now_ ? *now_ : rig_;
+  const auto left = rig.cameras[0].Undistort(px), right = rig.cameras[1].Undistort(px_right);
   if (!left || !right) return std::nullopt;
-  const auto depth = TriangulateOnRay(left->xy, right->xy, now_->T_C1C0());
+  const auto depth = TriangulateOnRay(left->xy, *right, rig.T_C1C0());
   if (!depth) return std::nullopt;
-  return std::pair(left->xy, depth->inverse_depth);
+  return StereoPoint{left->xy, *depth};
 }
 
 void MeshViewBuilder::AddSupport(const std::vector<SupportPoint>& support) {
@@ -116,12 +105,13 @@ void MeshViewBuilder::AddSupport(const std::vector<SupportPoint>& support) {
   for (SupportPoint point : support) {
     if (now_) {
       const auto found = Triangulate(point.px, point.px_right);
-      if (!found || !(found->second > 0)) continue;
-      std::tie(point.xy, point.inverse_depth) = *found;
+      if (!found || !(found->depth.inverse_depth > 0)) continue;
+      point.xy = found->xy;
+      point.inverse_depth = found->depth.inverse_depth;
     }
     const double z = 1 / point.inverse_depth;
     const double sigma_m = z * z * point.sigma_inverse_depth;
-    if (!(sigma_m <= kMaxSupportSigma * z)) continue;
+    if (!(sigma_m <= max_support_sigma_ * z)) continue;
     view_.points.push_back({NextSupportId(),
                             point.xy,
                             z * Vector3d(point.xy.x(), point.xy.y(), 1),

@@ -4,10 +4,10 @@
 
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "facet/camera/stereo_rig.h"
+#include "facet/camera/stereo_triangulation.h"
 #include "facet/frontend/stereo_frontend.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/mesh/border_points.h"
@@ -28,21 +28,23 @@ class MeshViewBuilder {
   const MeshView& view() const { return view_; }
 
  private:
+  struct StereoPoint {
+    Vector2d xy;  // on the plane z = 1 of the left camera
+    StereoDepth depth;
+  };
+
   void AddObservations(const FrontendResult& keyframe, const MapSnapshot& snapshot);
-  void AddUnknownCorner(const FeatureObservation& feature,
-                        double inverse_depth,
-                        std::uint8_t intensity);
+  void AddUnknownCorner(const FeatureObservation& feature, std::uint8_t intensity);
   void AddSupport(const std::vector<SupportPoint>& support);
-  /// On the plane z = 1 of the left camera, and inverse depth, by the present calibration.
-  std::optional<std::pair<Vector2d, double>> Triangulate(const Vector2d& px,
-                                                         const Vector2d& px_right) const;
+  /// By the present calibration.
+  std::optional<StereoPoint> Triangulate(const Vector2d& px, const Vector2d& px_right) const;
   void AddBorder();
   LandmarkId NextSupportId() { return LandmarkId{next_support_id_++}; }
 
   MeshOptions options_;
   StereoRig rig_;                         // the calibration that was given
   std::shared_ptr<const StereoRig> now_;  // at present; null: that one
-  double baseline_focal_px_;
+  double max_support_sigma_;              // of depth, over depth
   std::vector<Vector2d> border_xy_;  // places on the image's border, undistorted; empty: not used
   BorderPoints border_;
   std::vector<MeshPoint> found_;  // buffer of AddBorder

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "facet/camera/image_extent.h"
 #include "facet/mesh/mesh_snapshot.h"
 #include "facet/regularities/report/plane_ids.h"
 
@@ -14,10 +15,16 @@ bool PlanesJudgeFaces(const VioOptions& options) {
   return options.pipeline == Formulation::kSPR && options.regularities.faces.enabled;
 }
 
+MeshOptions MeshOptionsOf(const VioOptions& options, const CameraModel& camera) {
+  const MeshOptions& mesh = options.mesh;
+  return ForPointsApart(options.frontend.support.enabled ? WithSupportPoints(mesh) : mesh,
+                        RelativeViewAngle(camera));
+}
+
 }  // namespace
 
 SceneStage::SceneStage(const StereoRig& rig, const VioOptions& options)
-    : options_(options.frontend.support.enabled ? WithSupportPoints(options.mesh) : options.mesh),
+    : options_(MeshOptionsOf(options, rig.cameras[0])),
       T_BC_(rig.T_BC[0]),
       view_builder_(rig, options_),
       horizon_(options_, PlanesJudgeFaces(options)),

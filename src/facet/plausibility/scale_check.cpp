@@ -40,7 +40,7 @@ constexpr int kReweightings = 5;
 // Noise draws the factor of an axis from 1 towards 0, never beyond.
 constexpr int kLeastLegsForAxes =
     60;  // where the gyroscope's axes are wrong, too, that is told first
-constexpr double kLeastNegated = 0.25, kSureNegatedSigmas = 4;
+constexpr double kLeastNegated = 0.2, kSureNegatedSigmas = 2.5;
 
 template <int kNumSlopes>
 struct Line {
