@@ -1,7 +1,27 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/render/camera_rays.h"
 
+#include <cmath>
+
 namespace facet {
+namespace {
+
+bool IsFisheye(DistortionModel model) {
+  return model != DistortionModel::kNone && model != DistortionModel::kRadialTangential &&
+         model != DistortionModel::kRational;
+}
+
+// The light of a ray at an angle from the axis, as a share of that along it: the cosine of the
+// angle at which it meets the pupil, times the solid angle that a pixel covers there. That is cos^4
+// where a plane is projected, and more where angles are.
+double Illumination(DistortionModel model, double tangent_2) {
+  const double cosine_2 = 1 / (1 + tangent_2);
+  if (!IsFisheye(model)) return cosine_2 * cosine_2;
+  const double angle = std::atan(std::sqrt(tangent_2));
+  return angle > 0 ? std::sqrt(cosine_2) * std::sin(angle) / angle : 1;
+}
+
+}  // namespace
 
 /// `pixel_of_model`: from a pixel of the image to the one that the model gives the same ray.
 template <class PixelOfModel>
@@ -21,8 +41,8 @@ CameraRays::CameraRays(const CameraModel& camera, const PixelOfModel& pixel_of_m
       ray.x_dy = static_cast<float>(point->J_xy_px(0, 1));
       ray.y_dx = static_cast<float>(point->J_xy_px(1, 0));
       ray.y_dy = static_cast<float>(point->J_xy_px(1, 1));
-      const double cosine_2 = 1 / (1 + point->xy.squaredNorm());
-      ray.vignette = static_cast<float>(cosine_2 * cosine_2);
+      ray.vignette =
+          static_cast<float>(Illumination(camera.intrinsics().distortion, point->xy.squaredNorm()));
       ray.is_valid = true;
     }
   }

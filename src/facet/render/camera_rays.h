@@ -32,7 +32,7 @@ class CameraRays {
     return rays_[static_cast<std::size_t>(y * width_ + x)].is_valid;
   }
 
-  /// Share of the light that arrives at the border of the image, by the cos^4 law.
+  /// Share of the light that arrives at a pixel: the cos^4 law, cos sin(x)/x for fisheyes.
   float Vignette(int x, int y) const {
     return rays_[static_cast<std::size_t>(y * width_ + x)].vignette;
   }

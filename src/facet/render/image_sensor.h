@@ -15,7 +15,7 @@ struct ImageSensorOptions {
   bool add_noise = true;
   double read_noise = 0.4;     ///< 1-sigma of each pixel, in grey levels
   double shot_noise = 0.0135;  ///< variance per grey level
-  double vignetting = 0.6;     ///< share of the cos^4 law; 0 none
+  double vignetting = 0.6;     ///< share of the law (CameraRays::Vignette); 0 none
   double black_level = 1;      ///< grey level without light
 
   template <class Visitor>
@@ -23,7 +23,8 @@ struct ImageSensorOptions {
     v.Field("add_noise", add_noise, "shot and read noise");
     v.Field("read_noise", read_noise, Range{0, 50}, "1-sigma of a dark pixel, grey levels");
     v.Field("shot_noise", shot_noise, Range{0, 5}, "variance per grey level");
-    v.Field("vignetting", vignetting, Range{0, 1}, "share of the cos^4 law");
+    v.Field(
+        "vignetting", vignetting, Range{0, 1}, "share of the cos^4 law (fisheyes: cos sin(x)/x)");
     v.Field("black_level", black_level, Range{0, 50}, "grey level without light");
   }
 };
