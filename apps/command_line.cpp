@@ -145,6 +145,18 @@ void AddOptions(CLI::App& command, CompareArguments& a) {
   command.add_option("--jobs", a.jobs, "runs at the same time, one core each")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
+  command.add_flag("--slurm",
+                   a.uses_slurm,
+                   "the runs are a job array of Slurm, --jobs of them at the same time");
+  command
+      .add_option("--slurm-option",
+                  a.slurm_options,
+                  "one more argument of sbatch, repeatable: --slurm-option=--partition=short")
+      ->allow_extra_args(false)
+      ->needs("--slurm");
+  command.add_option("--cell", a.cell, "the run of this number alone")
+      ->check(CLI::Range(0, 1 << 30))
+      ->group("");  // not listed: what a job of Slurm does
   command.add_option("--config", a.configs, "NAME=FILE, repeatable: each one with each pipeline")
       ->allow_extra_args(false);
   command.add_option("--set", a.overrides, "key.path=value for all runs, repeatable")

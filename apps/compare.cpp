@@ -11,6 +11,7 @@
 #include "compare_runs.h"
 #include "load_options.h"
 #include "run.h"
+#include "slurm_runs.h"
 
 #include "facet/eval/ground_truth.h"
 #include "facet/io/asl_dataset.h"
@@ -233,7 +234,19 @@ void CompareCommand(const CompareArguments& arguments) {
     throw ConfigError("--out " + arguments.out + ": cannot be created: " + error.message());
   }
   std::vector<RunCell> cells = MakeCells(arguments, sequences, combinations);
-  ExecuteCells(cells, arguments.jobs, arguments.is_quiet);
+  if (arguments.cell >= 0) {
+    if (arguments.cell >= static_cast<int>(cells.size())) {
+      throw ConfigError("--cell: the study has " + std::to_string(cells.size()) + " runs");
+    }
+    ExecuteCell(cells[static_cast<std::size_t>(arguments.cell)]);
+    return;
+  }
+  if (arguments.uses_slurm) {
+    ExecuteOnSlurm(cells,
+                   {arguments.out, arguments.jobs, arguments.slurm_options, arguments.is_quiet});
+  } else {
+    ExecuteCells(cells, arguments.jobs, arguments.is_quiet);
+  }
   const std::vector<ComparedSequence> compared = Collect(cells, sequences, combinations);
   const ordered_json comparison = CompareToJson(compared);
   WriteTables(arguments.out, comparison);

@@ -15,6 +15,9 @@ struct CompareArguments {
   int starts = 9, jobs = 1;
   double duration_s = 0;
   bool is_quiet = false;
+  bool uses_slurm = false;                 ///< its cluster does the runs (slurm_runs.h)
+  std::vector<std::string> slurm_options;  ///< of sbatch
+  int cell = -1;  ///< this run alone, without tables: what a job of Slurm does; -1: all
 };
 
 /// `facet compare`. Throws InputError, ConfigError, OutputError or RunEndedError.

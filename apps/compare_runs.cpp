@@ -226,4 +226,18 @@ void ExecuteCells(std::vector<RunCell>& cells, int jobs, bool is_quiet) {
     worker.join();
 }
 
+void ExecuteCell(RunCell& cell) {
+  if (LoadIfDone(cell)) return;
+  const Program program = ThisProgram();
+  Execute(cell, program, KeyOf(cell, program));
+}
+
+bool LoadIfDone(RunCell& cell) {
+  return IsDone(cell, KeyOf(cell, ThisProgram()));
+}
+
+std::string WhyNoResult(const RunCell& cell) {
+  return Reason(Beside(cell.folder, ".log"));
+}
+
 }  // namespace facet

@@ -27,4 +27,14 @@ struct RunCell {
 /// `is_quiet`. A run that fails is the cell's business, not an error.
 void ExecuteCells(std::vector<RunCell>& cells, int jobs, bool is_quiet);
 
+/// The same for one cell alone, on the cores that this process may use; nothing is printed.
+void ExecuteCell(RunCell& cell);
+
+/// Whether the cell's folder holds the result of the same arguments and build; then the cell says
+/// how the run ended.
+bool LoadIfDone(RunCell& cell);
+
+/// Why a cell that was executed has no result, from what its run printed last.
+std::string WhyNoResult(const RunCell& cell);
+
 }  // namespace facet
