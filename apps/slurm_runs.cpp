@@ -75,7 +75,7 @@ void Submit(const std::vector<std::size_t>& cells, const SlurmStudy& study) {
   std::string said;
   std::ifstream stream(log);
   std::getline(stream, said);
-  // With --parsable it begins with the number of the job once it was accepted.
+  // It begins with the number of the job once that was accepted.
   if (!said.empty() && std::isdigit(static_cast<unsigned char>(said.front())) != 0) return;
   constexpr int kNotFound = 127, kFailed = 1;
   throw RunEndedError(kFailed,

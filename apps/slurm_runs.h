@@ -13,7 +13,7 @@ namespace facet {
 struct SlurmStudy {
   std::filesystem::path out;         ///< folder of the study, which all machines must see
   int jobs = 1;                      ///< at the same time
-  std::vector<std::string> options;  ///< more arguments of sbatch, e.g. --partition=short
+  std::vector<std::string> options;  ///< more arguments, as of `sbatch --partition=short`
   bool is_quiet = false;
 };
 

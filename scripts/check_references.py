@@ -44,7 +44,7 @@ DATE = r"\b20\d\d-\d\d(?:-\d\d)?\b|\b(?:January|February|March|April|May|June|Ju
        r"December)\s+20\d\d\b"
 
 # Programs of others: their options are not ours to check.
-FOREIGN = r"cmake|ctest|git|perf|timeout|taskset|callgrind|valgrind|clang-format|clang-tidy|apt-get|gcc|g\+\+"
+FOREIGN = r"cmake|ctest|git|perf|timeout|taskset|callgrind|valgrind|clang-format|clang-tidy|apt-get|gcc|sbatch|g\+\+"
 FOREIGN_FILES = {"immintrin.h", "OpenCVConfig.cmake"}
 FOREIGN_NAMES = {"normal_distribution"}
 PLACEHOLDER = r"[a-z](?:_\w+)?\.\w+"  # x.cpp and x_test.cpp stand for any file
