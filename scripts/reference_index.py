@@ -9,7 +9,7 @@ import re
 from functools import cached_property
 from pathlib import Path
 
-IGNORED_FOLDERS = {".git", "__pycache__", "runs", "bench-out"}
+IGNORED_FOLDERS = {".git", "__pycache__", "runs", "bench-out", "node_modules"}
 CODE_SUFFIXES = {".h", ".cpp", ".py", ".sh", ".cmake", ".txt", ".yaml", ".json"}
 # Roots of the option structs, and the program that prints their keys.
 ROOT_OPTIONS = {"VioOptions": "facet config", "SimulatorOptions": "facet simulate --list"}

@@ -6,7 +6,7 @@ set -eu
 # What a demo needs; python3 draws its picture.
 packages="g++ cmake ninja-build ccache pkg-config
 libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-features2d-dev
-libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libnanoflann-dev
+libboost-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libnanoflann-dev
 libpng-dev libdeflate-dev libjpeg62-turbo-dev libwebp-dev libembree-dev
 libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev zlib1g-dev
 python3 python3-numpy python3-matplotlib"
