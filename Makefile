@@ -4,7 +4,7 @@ PREFIX ?= /usr/local
 SEQUENCE ?=
 DATA ?=
 
-.PHONY: all setup setup-test build demo test test-long bench format docs install clean
+.PHONY: all setup setup-test build demo test test-long bench format docs viewer install clean
 all: build
 
 setup:  ## install the Debian packages that the program needs and that are missing
@@ -34,6 +34,9 @@ format:  ## clang-format on every source file
 
 docs:  ## the API reference in build/docs/html; installs doxygen if it is missing
 	@scripts/docs.sh
+
+viewer:  ## the page of the viewer, viewer/dist, anew from viewer/src; needs Node 18 and npm
+	@scripts/viewer.sh
 
 install: setup  ## make install PREFIX=...
 	@scripts/build.sh $(PRESET) installable

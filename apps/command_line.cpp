@@ -13,6 +13,7 @@
 #include "evaluate.h"
 #include "info.h"
 #include "run.h"
+#include "view.h"
 #include <CLI/CLI.hpp>
 
 #include "facet/io/errors.h"
@@ -258,6 +259,29 @@ void AddConfig(CLI::App& app) {
   command->callback([arguments] { ConfigCommand(*arguments); });
 }
 
+void AddHost(CLI::App& command, std::string& host) {
+  command
+      .add_option("--host",
+                  host,
+                  "address that the viewer listens on; who is not on this machine needs the token "
+                  "in the printed address")
+      ->capture_default_str();
+}
+
+void AddView(CLI::App& app) {
+  auto* command = app.add_subcommand("view", "Show one result, or two, in the browser");
+  auto arguments = std::make_shared<ViewArguments>();
+  command->add_option("RESULT", arguments->results, "result folders of facet run; two to compare")
+      ->required()
+      ->expected(1, 2);
+  command->add_option("--truth", arguments->truth, "sequence folder, or trajectory file");
+  command->add_option("--port", arguments->port, "the first one that is tried; 0: any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  AddHost(*command, arguments->host);
+  command->callback([arguments] { ViewCommand(*arguments); });
+}
+
 #ifdef FACET_HAS_SIMULATOR
 
 void AddCalibrationOptions(CLI::App& command, SimulateArguments& a) {
@@ -376,6 +400,7 @@ void RunCommandLine(int argc, char** argv) {
   AddConvert(app);
   AddEvaluate(app);
   AddCompare(app);
+  AddView(app);
   AddConfig(app);
   AddSimulate(app, argc, argv);
   try {

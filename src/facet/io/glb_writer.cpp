@@ -14,6 +14,7 @@
 
 #include "facet/io/errors.h"
 #include "facet/io/json_file.h"
+#include "facet/mesh/vertex_normals.h"
 
 namespace facet {
 namespace {
@@ -47,8 +48,8 @@ struct Content {
   }
 };
 
-constexpr int kVertices = 34962, kIndices = 34963;                       // buffer targets
-constexpr int kUnsignedByte = 5121, kUnsignedInt = 5125, kFloat = 5126;  // component types
+constexpr int kVertices = 34962, kIndices = 34963;                        // buffer targets
+constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;  // component types
 
 void AddPositions(const TriangleMesh& mesh, Content& content) {
   const std::size_t begin = content.bytes.size();
@@ -69,26 +70,52 @@ void AddPositions(const TriangleMesh& mesh, Content& content) {
                                        {"max", high}});
 }
 
+/// Of unit length, which glTF asks for; up where nothing is known.
+Vector3d UnitNormal(const Vector3d& n) {
+  const double norm = n.norm();
+  return norm > 0 && std::isfinite(norm) ? Vector3d(n / norm) : Vector3d(0, 0, 1);
+}
+
 void AddNormals(const TriangleMesh& mesh, Content& content) {
   const std::size_t begin = content.bytes.size();
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-    AppendVector(mesh.normals.empty() ? Vector3d(0, 0, 1) : mesh.normals[i], content.bytes);
+  TriangleMesh with_normals;
+  const std::vector<Vector3d>* normals = &mesh.normals;
+  if (mesh.normals.empty()) {
+    with_normals.vertices = mesh.vertices;
+    with_normals.faces = mesh.faces;
+    SetVertexNormals(with_normals);
+    normals = &with_normals.normals;
+  }
+  for (const Vector3d& n : *normals)
+    AppendVector(UnitNormal(n), content.bytes);
   content.json["accessors"].push_back({{"bufferView", content.AddView(begin, kVertices)},
                                        {"componentType", kFloat},
                                        {"count", mesh.vertices.size()},
                                        {"type", "VEC3"}});
 }
 
+/// The intensity of light of a grey value of an image (sRGB), which is what glTF's vertex colours
+/// are; 0 to 65535, because 8 bits would be too few for dark ones.
+std::uint16_t LinearLight(std::uint8_t value) {
+  const double s = value / 255.0;
+  const double light = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  return static_cast<std::uint16_t>(std::lround(65535 * light));
+}
+
 void AddColours(const TriangleMesh& mesh, Content& content) {
   const std::size_t begin = content.bytes.size();
-  constexpr std::uint8_t kGrey = 160, kOpaque = 255;
+  constexpr std::uint8_t kGrey = 160;
+  constexpr std::uint16_t kOpaque = 65535;
+  std::array<std::uint16_t, 256> light;
+  for (std::size_t i = 0; i < light.size(); ++i)
+    light[i] = LinearLight(static_cast<std::uint8_t>(i));
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     for (std::size_t channel = 0; channel < 3; ++channel)
-      Append(mesh.colours.empty() ? kGrey : mesh.colours[i][channel], content.bytes);
+      Append(light[mesh.colours.empty() ? kGrey : mesh.colours[i][channel]], content.bytes);
     Append(kOpaque, content.bytes);
   }
   content.json["accessors"].push_back({{"bufferView", content.AddView(begin, kVertices)},
-                                       {"componentType", kUnsignedByte},
+                                       {"componentType", kUnsignedShort},
                                        {"normalized", true},
                                        {"count", mesh.vertices.size()},
                                        {"type", "VEC4"}});
@@ -123,7 +150,11 @@ Content Describe(const TriangleMesh& mesh) {
   AddColours(mesh, content);
   AddFaces(mesh, content);
   const Json attributes = Json::object({{"POSITION", 0}, {"NORMAL", 1}, {"COLOR_0", 2}});
-  const Json primitive = Json::object({{"attributes", attributes}, {"indices", 3}});
+  const Json primitive =
+      Json::object({{"attributes", attributes}, {"indices", 3}, {"material", 0}});
+  const Json surface = Json::object({{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}});
+  const Json material = Json::object({{"pbrMetallicRoughness", surface}, {"doubleSided", true}});
+  content.json["materials"] = Json::array({material});
   content.json["meshes"] = Json::array({Json::object({{"primitives", Json::array({primitive})}})});
   content.json["buffers"] = Json::array({Json::object({{"byteLength", content.bytes.size()}})});
   return content;
@@ -139,7 +170,7 @@ void AppendChunk(std::string text, const char* type, char padding, std::string& 
 
 }  // namespace
 
-void WriteGlbMesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
+std::string GlbBytes(const TriangleMesh& mesh) {
   const Content content = Describe(mesh);
   std::string chunks;
   AppendChunk(JsonText(content.json), "JSON", ' ', chunks);
@@ -147,8 +178,12 @@ void WriteGlbMesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
   std::string header = "glTF";
   Append(std::uint32_t{2}, header);
   Append(static_cast<std::uint32_t>(12 + chunks.size()), header);
+  return header + chunks;
+}
+
+void WriteGlbMesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
   std::ofstream stream(file, std::ios::binary);
-  stream << header << chunks;
+  stream << GlbBytes(mesh);
   stream.flush();
   if (!stream) throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <initializer_list>
+#include <sstream>
 #include <string_view>
 #include <tuple>
 
@@ -60,6 +61,20 @@ std::pair<Vector3d, double> NormalAndDistance(const CsvReader& row) {
   return {n / norm, Number(row, 4, "d") / norm};
 }
 
+// "x y z;x y z;...": empty if anything else.
+std::vector<Vector3d> OutlineOf(const std::string& text) {
+  std::vector<Vector3d> outline;
+  std::istringstream corners(text);
+  std::string corner;
+  while (std::getline(corners, corner, ';')) {
+    std::istringstream numbers(corner);
+    Vector3d p;
+    if (!(numbers >> p.x() >> p.y() >> p.z()) || !p.allFinite()) return {};
+    outline.push_back(p);
+  }
+  return outline;
+}
+
 // Whether the first line names the columns of a list of true planes.
 bool HasHeader(const std::filesystem::path& file, std::initializer_list<const char*> names) {
   std::ifstream stream(file);
@@ -87,6 +102,10 @@ std::vector<EstimatedPlane> ReadEstimatedPlanes(const std::filesystem::path& fil
     plane.orientation = Text(row, 8);
     plane.label = Text(row, 9);
     plane.area_m2 = Number(row, 13, "area_m2");
+    plane.num_landmarks = static_cast<int>(ParseInteger(Text(row, 12)).value_or(0));
+    plane.sigma_normal_rad = ParseDouble(Text(row, 14)).value_or(0);
+    plane.sigma_d_m = ParseDouble(Text(row, 15)).value_or(0);
+    plane.outline_W = OutlineOf(Text(row, 16));
     planes.push_back(std::move(plane));
   }
   if (planes.empty() && !HasHeader(file, {",nx", ",ny", ",nz", ",d"})) {

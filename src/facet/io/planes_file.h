@@ -18,6 +18,9 @@ struct EstimatedPlane {
   Vector3d centre_W = Vector3d::Zero();
   std::string orientation, label;
   double area_m2 = 0;
+  double sigma_normal_rad = 0, sigma_d_m = 0;  ///< 0 where the file does not say
+  int num_landmarks = 0;
+  std::vector<Vector3d> outline_W;  ///< empty where the file does not say
 };
 
 /// A true planar surface.
@@ -30,7 +33,8 @@ struct TruePlane {
 };
 
 /// planes.csv of `facet run`: columns id, nx, ny, nz, d, cx, cy, cz, orientation, label,
-/// first_seen_ns, last_seen_ns, landmarks, area_m2, ... A file with nothing but the header is an
+/// first_seen_ns, last_seen_ns, landmarks, area_m2, and, if they are there, sigma_normal_rad,
+/// sigma_d_m and outline. A file with nothing but the header is an
 /// answer: no plane was found. Throws InputError with file and line for missing columns, numbers
 /// that are not finite, normals that are not of unit norm (within 1 %), more than 20 000 planes,
 /// and an empty file.

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// `facet view`: finished results in the browser.
+#include "view.h"
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include "interrupts.h"
+
+#include "facet/eval/ground_truth.h"
+#include "facet/viewer/result_view.h"
+#include "facet/viewer/view_access.h"
+#include "facet/viewer/view_server.h"
+
+namespace facet {
+
+void WaitForInterrupt() {
+  constexpr std::chrono::milliseconds kPeriod{50};
+  while (!WasInterrupted())
+    std::this_thread::sleep_for(kPeriod);
+}
+
+void ViewCommand(const ViewArguments& arguments) {
+  std::optional<GroundTruth> truth;
+  if (!arguments.truth.empty()) truth = LoadGroundTruth(arguments.truth);
+  const ResultView view({arguments.results.begin(), arguments.results.end()},
+                        truth ? &*truth : nullptr);
+  ViewServerOptions options;
+  options.host = arguments.host;
+  options.port = arguments.port;
+  if (!IsLoopback(options.host)) options.token = RandomToken();
+  CatchInterrupts();
+  ViewServer server(options, view.Downloads());
+  view.PostTo(server.board());
+  if (arguments.port != 0 && server.port() != arguments.port)
+    std::fprintf(stderr, "facet: note: port %d is in use\n", arguments.port);
+  std::printf("open %s in a browser; Ctrl-C ends\n", server.url().c_str());
+  std::fflush(stdout);
+  WaitForInterrupt();
+}
+
+}  // namespace facet

@@ -1,0 +1,30 @@
+#!/bin/sh
+# scripts/viewer.sh [--check]: builds the viewer's page, viewer/dist, with npm. --check builds it elsewhere and fails where
+# the committed one is another; without npm or viewer/node_modules it says so and exits with 77, which ctest takes for
+# skipped.
+set -eu
+cd "$(dirname "$0")/../viewer"
+if [ "${1:-}" != --check ]; then
+  npm ci --no-audit --no-fund
+  npm run --silent build
+  exit 0
+fi
+if ! command -v npm >/dev/null; then
+  echo "viewer: skipped, there is no npm"
+  exit 77
+fi
+if [ ! -d node_modules ]; then
+  echo "viewer: skipped, viewer/node_modules is not there; 'make viewer' installs it"
+  exit 77
+fi
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+npx tsc --noEmit
+npx vite build --logLevel error --emptyOutDir --outDir "$folder"
+if ! diff -rq dist "$folder"; then
+  echo "viewer: viewer/dist is not what viewer/src gives; run 'make viewer' and commit it" >&2
+  exit 1
+fi
+size=$(gzip -9c dist/page.js dist/page.css dist/index.html | wc -c)
+echo "viewer: the page is $size bytes compressed"
+[ "$size" -le 350000 ]

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/viewer/result_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "facet/eval/trajectory_error.h"
+#include "facet/io/errors.h"
+#include "facet/io/frame_records.h"
+#include "facet/io/glb_writer.h"
+#include "facet/io/json_file.h"
+#include "facet/io/ply_reader.h"
+#include "facet/viewer/scene_messages.h"
+
+namespace facet {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int kMap = 0, kHorizon = 1;  // index of kMesh
+
+std::string ReadBytes(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << stream.rdbuf();
+  if (!stream) throw InputError(file.string() + ": cannot be read");
+  return bytes.str();
+}
+
+std::string NameOf(const fs::path& folder) {
+  const fs::path clean = fs::absolute(folder).lexically_normal();
+  return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
+}
+
+/// How W lies in the frame of the truth; empty where the two share no time.
+std::optional<TrajectoryAlignment> Align(const std::vector<StampedPose>& estimate,
+                                         const GroundTruth& truth) {
+  const Association association = Associate(estimate, truth.poses);
+  constexpr std::size_t kFewest = 3;
+  if (association.pairs.size() < kFewest) return std::nullopt;
+  return AlignPairs(association.pairs, AlignmentKind::kSE3);
+}
+
+std::vector<StampedPose> TruthInW(const GroundTruth& truth,
+                                  const SE3& T_GW,
+                                  Timestamp first,
+                                  Timestamp last) {
+  std::vector<StampedPose> poses;
+  for (const StampedPose& pose : truth.poses) {
+    if (pose.t >= first && pose.t <= last) poses.push_back({pose.t, T_GW.Inverse() * pose.T_WB});
+  }
+  // A motion-capture system has some hundred poses a second; a tenth of them is a smooth line.
+  constexpr std::size_t kMostPoses = 20000;
+  const std::size_t step = poses.size() / kMostPoses + 1;
+  std::vector<StampedPose> thinned;
+  for (std::size_t i = 0; i < poses.size(); i += step)
+    thinned.push_back(poses[i]);
+  return thinned;
+}
+
+VertexFigures ErrorsOf(const TriangleMesh& mesh, GroundTruth& truth, const SE3& T_GW) {
+  VertexFigures figures;
+  if (!truth.surface) return figures;
+  const TruthSurface& surface = truth.surface->Get();
+  for (const Vector3d& p_W : mesh.vertices)
+    figures.error_m.push_back(static_cast<float>(surface.Closest(T_GW * p_W).distance));
+  return figures;
+}
+
+void AddDownload(const fs::path& file, const std::string& prefix, Json& list, auto& downloads) {
+  if (!fs::exists(file)) return;
+  const std::string name = file.filename().string(), stem = file.stem().string();
+  downloads.push_back(
+      {prefix + name, "application/octet-stream", [file] { return ReadBytes(file); }});
+  list.push_back(prefix + name);
+  if (file.extension() != ".ply" || stem == "landmarks") return;
+  downloads.push_back(
+      {prefix + stem + ".glb", "model/gltf-binary", [file] { return GlbBytes(ReadPly(file)); }});
+  list.push_back(prefix + stem + ".glb");
+}
+
+/// The stamps of the meshes that were written on the way, in order.
+std::vector<std::int64_t> MeshStamps(const fs::path& folder) {
+  std::vector<std::int64_t> stamps;
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
+    const std::string stem = entry.path().stem().string();
+    const bool is_stamp = !stem.empty() && stem.size() < 20 &&
+                          stem.find_first_not_of("0123456789") == std::string::npos;
+    if (is_stamp && entry.path().extension() == ".ply") stamps.push_back(std::stoll(stem));
+  }
+  std::ranges::sort(stamps);
+  return stamps;
+}
+
+}  // namespace
+
+ResultView::ResultView(const std::vector<fs::path>& results, GroundTruth* truth) {
+  messages_.push_back({"hello", ""});  // first, when what follows is known
+  Json hello = {{"mode", "finished"}, {"stages", kStageNames}, {"sources", Json::array()}};
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const fs::path& folder = results[i];
+    if (!fs::is_directory(folder))
+      throw InputError(folder.string() + ": is not a result folder of 'facet run'");
+    const int source = static_cast<int>(i);
+    const std::string prefix = source == 0 ? "a/" : "b/";
+    Json description = {{"name", NameOf(folder)}, {"downloads", Json::array()}};
+    if (Json summary = ReadJsonFile(folder / "summary.json"); summary.is_object())
+      description["summary"] = std::move(summary);
+    if (Json evaluation = ReadJsonFile(folder / "evaluation.json"); evaluation.is_object())
+      description["evaluation"] = std::move(evaluation);
+    for (const char* name : {"map.ply",
+                             "mesh.ply",
+                             "landmarks.ply",
+                             "trajectory.tum",
+                             "keyframes.tum",
+                             "states.csv",
+                             "planes.csv",
+                             "timing.csv",
+                             "summary.json",
+                             "config.yaml",
+                             "calibration.yaml"})
+      AddDownload(folder / name, prefix, description["downloads"], downloads_);
+    AddResult(folder, source, truth);
+    AddMeshes(folder, source, description);
+    hello["sources"].push_back(std::move(description));
+  }
+  messages_.front().bytes = TextMessage({MessageType::kHello}, JsonText(hello));
+}
+
+void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* truth) {
+  const std::string s = std::to_string(source) + "/";
+  const std::vector<FrameRecord> frames = ReadFrameRecords(folder);
+  std::vector<StampedPose> poses;
+  for (const FrameRecord& f : frames) {
+    if (f.has_pose) poses.push_back({f.t, f.state.T_WB});
+  }
+  for (std::size_t begin = 0; begin < frames.size(); begin += kFramesPerGroup) {
+    const auto group =
+        std::span(frames).subspan(begin).first(std::min(kFramesPerGroup, frames.size() - begin));
+    const auto index = static_cast<std::uint32_t>(begin / kFramesPerGroup);
+    messages_.push_back({s + "frames" + std::to_string(index),
+                         FramesMessage({MessageType::kFrames, source, group[0].t, index}, group)});
+  }
+  if (fs::exists(folder / "planes.csv")) {
+    messages_.push_back({s + "planes",
+                         PlanesMessage({MessageType::kPlanes, source},
+                                       ReadEstimatedPlanes(folder / "planes.csv"))});
+  }
+  if (fs::exists(folder / "keyframes.tum") && fs::file_size(folder / "keyframes.tum") > 0) {
+    messages_.push_back({s + "keyframes",
+                         PosesMessage({MessageType::kKeyframes, source},
+                                      ReadTrajectory(folder / "keyframes.tum").poses)});
+  }
+  std::optional<TrajectoryAlignment> alignment;
+  if (truth != nullptr && !poses.empty()) alignment = Align(poses, *truth);
+  if (alignment) {
+    messages_.push_back(
+        {s + "truth",
+         PosesMessage({MessageType::kTruth, source},
+                      TruthInW(*truth, alignment->T_GW, poses.front().t, poses.back().t))});
+  }
+  const auto add_mesh = [&](const char* name, int index) {
+    if (!fs::exists(folder / name)) return;
+    const TriangleMesh mesh = ReadPly(folder / name);
+    VertexFigures figures;
+    if (alignment) figures = ErrorsOf(mesh, *truth, alignment->T_GW);
+    const Timestamp t = frames.empty() ? Timestamp{} : frames.back().t;
+    messages_.push_back(
+        {s + name,
+         MeshMessage(
+             {MessageType::kMesh, source, t, static_cast<std::uint32_t>(index)}, mesh, figures)});
+  };
+  add_mesh("map.ply", kMap);
+  add_mesh("mesh.ply", kHorizon);
+  if (fs::exists(folder / "landmarks.ply")) {
+    try {
+      ViewMessage message({MessageType::kPoints, source});
+      const std::vector<float> floats = FloatsOf(ReadPly(folder / "landmarks.ply").vertices);
+      message.Add(BlockName::kPositions, std::span<const float>(floats), 3);
+      messages_.push_back({s + "points", message.Finish()});
+    } catch (const InputError&) {
+      // A run that never started has none.
+    }
+  }
+}
+
+void ResultView::AddMeshes(const fs::path& folder, int source, Json& description) {
+  const fs::path meshes = folder / "meshes";
+  description["horizon"] = Json::array();
+  for (std::int64_t stamp : MeshStamps(meshes)) {
+    const std::string name =
+        (source == 0 ? "a/horizon-" : "b/horizon-") + std::to_string(stamp) + ".facet";
+    const fs::path file = meshes / (std::to_string(stamp) + ".ply");
+    downloads_.push_back({name, "application/octet-stream", [file, source, stamp] {
+                            return MeshMessage(
+                                {MessageType::kMesh, source, Timestamp{stamp}, kHorizon},
+                                ReadPly(file));
+                          }});
+    description["horizon"].push_back({{"stamp_ns", std::to_string(stamp)}, {"name", name}});
+  }
+}
+
+void ResultView::PostTo(ViewBoard& board) const {
+  for (const Message& message : messages_)
+    board.Post(message.slot, message.bytes);
+}
+
+}  // namespace facet

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A result folder as the viewer shows it.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "facet/eval/ground_truth.h"
+#include "facet/viewer/view_board.h"
+#include "facet/viewer/view_server.h"
+
+namespace facet {
+
+/// The messages of one or two results, and the files of theirs that clients may save. With a
+/// ground truth (may be null) the true trajectory is shown beside, and how far the surfaces are
+/// from the true ones.
+class ResultView {
+ public:
+  /// Throws InputError where a folder is no result, or a file of it is damaged.
+  ResultView(const std::vector<std::filesystem::path>& results, GroundTruth* truth);
+
+  void PostTo(ViewBoard& board) const;
+  std::vector<ViewDownload> Downloads() const { return downloads_; }
+
+ private:
+  struct Message {
+    std::string slot, bytes;
+  };
+  void AddResult(const std::filesystem::path& folder, int source, GroundTruth* truth);
+  void AddMeshes(const std::filesystem::path& folder,
+                 int source,
+                 nlohmann::ordered_json& description);
+
+  std::vector<Message> messages_;
+  std::vector<ViewDownload> downloads_;
+};
+
+}  // namespace facet

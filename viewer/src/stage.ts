@@ -1,0 +1,489 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The 3D picture: cameras, lights and the objects of each source, in one view or two beside each other.
+import {
+  AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Group, Line,
+  LineBasicMaterial, MOUSE, PerspectiveCamera, Points, PointsMaterial, Raycaster, Scene, TOUCH, Vector2, Vector3,
+  WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { MeshObject, type Colouring, type ColourRange } from './mesh_object';
+import type { Model, Plane, Source } from './model';
+import { disposeAll, PathObject } from './path_object';
+import { PlaneObjects } from './plane_object';
+
+export type CameraMode = 'orbit' | 'follow' | 'top';
+export type Arrangement = 'a' | 'b' | 'overlay' | 'side';
+export type Layer =
+  | 'map' | 'horizon' | 'planes' | 'landmarks' | 'trajectory' | 'keyframes' | 'ellipsoids' | 'frustum' | 'truth'
+  | 'grid' | 'backs' | 'edges';
+
+export interface Hit {
+  point: Vector3;
+  planeId: number;
+  source: number;
+}
+
+interface SourceObjects {
+  group: Group;
+  meshes: Map<string, MeshObject>;
+  path: PathObject;
+  planes: PlaneObjects;
+  points: Points<BufferGeometry, PointsMaterial>;
+}
+
+const PATH_COLOURS = [
+  { past: 0xd55e00, future: 0x8a929c, keyframe: 0xffb86b, truth: 0x009e73, frustum: 0x0072b2 },
+  { past: 0xcc79a7, future: 0x8a929c, keyframe: 0xe8b5d2, truth: 0x009e73, frustum: 0x56b4e9 },
+];
+
+export class Stage {
+  readonly camera = new PerspectiveCamera(50, 1, 0.02, 2000);
+  readonly layers: Record<Layer, boolean> = {
+    map: true, horizon: true, planes: true, landmarks: false, trajectory: true, keyframes: true, ellipsoids: true,
+    frustum: true, truth: true, grid: true, backs: false, edges: false,
+  };
+  colouring: Colouring = 'plane';
+  arrangement: Arrangement = 'overlay';
+  cameraMode: CameraMode = 'orbit';
+  range: ColourRange = { low: 0, high: 1 };
+  numFrames = 0;
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly controls: OrbitControls;
+  private readonly headLight = new DirectionalLight(0xffffff, 1.7);
+  private readonly sources: SourceObjects[] = [];
+  private readonly measure = new Group();
+  private grid: GridHelper;
+  private isDirty = true;
+  private framedBy: 'nothing' | 'path' | 'mesh' | 'user' = 'nothing';
+  private lastFollowed: Vector3 | null = null;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly overlay: HTMLElement,
+    private readonly model: Model,
+    private readonly onPlane: (plane: Plane) => void,
+  ) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: false });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(-6, -6, 5);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
+    this.controls.touches = { ONE: TOUCH.ROTATE, TWO: TOUCH.DOLLY_PAN };
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener('change', () => this.invalidate());
+    this.controls.addEventListener('start', () => (this.framedBy = 'user'));
+    this.scene.add(new AmbientLight(0xffffff, 1.5), this.camera, this.measure);
+    this.headLight.position.set(0.4, 0.6, 1);
+    this.camera.add(this.headLight, this.headLight.target);
+    this.headLight.target.position.set(0, 0, -1);
+    this.grid = this.makeGrid();
+    const render = (): void => {
+      requestAnimationFrame(render);
+      if (this.isDirty) this.render();
+    };
+    requestAnimationFrame(render);
+  }
+
+  invalidate(): void {
+    this.isDirty = true;
+  }
+
+  // ------------------------------------------------------------------ what is shown
+
+  reset(): void {
+    for (const s of this.sources) {
+      s.planes.dispose();
+      disposeAll(s.group);
+    }
+    this.sources.length = 0;
+    this.framedBy = 'nothing';
+    this.model.sources.forEach((_, i) => this.sources.push(this.makeSource(i)));
+    this.applyLayers();
+  }
+
+  private makeSource(i: number): SourceObjects {
+    const objects: SourceObjects = {
+      group: new Group(),
+      meshes: new Map(),
+      path: new PathObject(PATH_COLOURS[i % 2]!),
+      planes: new PlaneObjects(this.overlay, this.onPlane),
+      points: new Points(
+        new BufferGeometry(), new PointsMaterial({ color: 0xe69f00, size: 3, sizeAttenuation: false })),
+    };
+    objects.points.frustumCulled = false;
+    objects.group.add(objects.path.group, objects.planes.group, objects.points);
+    this.scene.add(objects.group);
+    return objects;
+  }
+
+  setMesh(i: number, name: string): void {
+    const s = this.sources[i]!;
+    s.meshes.get(name)?.dispose();
+    s.meshes.delete(name);
+    const mesh = this.model.sources[i]!.meshes.get(name);
+    if (mesh) {
+      const object = new MeshObject(mesh, i);
+      s.meshes.set(name, object);
+      object.bothSides = this.layers.backs;
+      object.object.material.wireframe = this.layers.edges;
+      object.recolour(this.colouring, this.range);
+      s.group.add(object.object);
+    }
+    this.applyLayers();
+  }
+
+  setFrames(i: number): void {
+    this.sources[i]!.path.setFrames(this.source(i).frames);
+    this.invalidate();
+  }
+
+  setKeyframes(i: number): void {
+    const { keyframes, truth } = this.source(i);
+    if (keyframes) this.sources[i]!.path.setKeyframes(keyframes);
+    if (truth) this.sources[i]!.path.setTruth(truth);
+    this.invalidate();
+  }
+
+  setPlanes(i: number): void {
+    this.sources[i]!.planes.set(this.source(i).planes);
+    this.invalidate();
+  }
+
+  setPoints(i: number): void {
+    this.sources[i]!.points.geometry.setAttribute('position', new BufferAttribute(this.source(i).points, 3));
+    this.invalidate();
+  }
+
+  /** Shows the run as it was at the frame of each source. */
+  setMoment(indices: number[]): void {
+    indices.forEach((index, i) => {
+      const s = this.sources[i];
+      const frame = this.source(i).frames.at(index);
+      if (!s || !frame) return;
+      s.path.setCurrent(index);
+      s.path.frustum.visible = frame.hasPose && this.layers.frustum;
+      if (!frame.hasPose) return;
+      s.path.setFrustum(frame.pose, this.source(i).hello.camera, 0.35);
+      if (i === this.mainSource()) this.follow(new Vector3(frame.pose[0], frame.pose[1], frame.pose[2]));
+    });
+    this.invalidate();
+  }
+
+  selectPlane(id: number | null): void {
+    for (const s of this.sources) s.planes.selected = id;
+    this.invalidate();
+  }
+
+  recolour(): void {
+    this.range = this.findRange();
+    for (const s of this.sources) for (const m of s.meshes.values()) m.recolour(this.colouring, this.range);
+    this.invalidate();
+  }
+
+  /** From the 2nd to the 98th percentile, so that stray points do not use up the colours. */
+  private findRange(): ColourRange {
+    const values: number[] = [];
+    for (const s of this.sources) {
+      for (const { mesh } of s.meshes.values()) {
+        const n = mesh.positions.length / 3, step = Math.max(1, Math.floor(n / 5000));
+        if (this.colouring === 'age') values.push(Number(mesh.stampNs / 1000000n) / 1e3);
+        else for (let v = 0; v < n; v += step) {
+          if (this.colouring === 'height') values.push(mesh.positions[3 * v + 2]!);
+          if (this.colouring === 'sigma' && mesh.sigma.length > 0) values.push(mesh.sigma[v]!);
+          if (this.colouring === 'error' && mesh.error.length > 0) values.push(mesh.error[v]!);
+        }
+      }
+    }
+    if (values.length === 0) return { low: 0, high: 1 };
+    values.sort((a, b) => a - b);
+    const low = values[Math.floor(0.02 * (values.length - 1))]!, high = values[Math.ceil(0.98 * (values.length - 1))]!;
+    if (this.colouring === 'sigma' || this.colouring === 'error') return { low: 0, high: Math.max(high, 1e-3) };
+    return { low, high: high > low ? high : low + 1 };
+  }
+
+  has(colouring: Colouring): boolean {
+    if (colouring === 'source') return this.sources.length > 1;
+    if (colouring === 'age') return this.model.mode === 'live';
+    const meshes = this.model.sources.flatMap((s) => [...s.meshes.values()]);
+    if (colouring === 'sigma') return meshes.some((m) => m.sigma.length > 0);
+    if (colouring === 'error') return meshes.some((m) => m.error.length > 0);
+    return true;
+  }
+
+  applyLayers(): void {
+    const show = this.layers;
+    this.sources.forEach((s) => {
+      for (const [name, m] of s.meshes) {
+        m.object.visible = name === 'horizon' ? show.horizon : show.map;
+        m.bothSides = show.backs;
+        m.object.material.wireframe = show.edges;
+      }
+      s.planes.group.visible = show.planes;
+      s.points.visible = show.landmarks;
+      s.path.line.visible = show.trajectory;
+      s.path.keyframes.visible = show.keyframes;
+      s.path.ellipsoidGroup.visible = show.ellipsoids;
+      s.path.frustum.visible = show.frustum;
+      s.path.truth.visible = show.truth;
+    });
+    this.grid.visible = show.grid;
+    this.invalidate();
+  }
+
+  setTheme(background: string, gridColour: string): void {
+    this.scene.background = new Color(background);
+    this.grid.removeFromParent();
+    this.grid = this.makeGrid(gridColour);
+    this.applyLayers();
+  }
+
+  private makeGrid(colour = '#888888'): GridHelper {
+    const grid = new GridHelper(40, 40, colour, colour);
+    grid.rotation.x = Math.PI / 2; // z is up
+    grid.material.transparent = true;
+    grid.material.opacity = 0.35;
+    grid.position.z = this.floorHeight();
+    this.scene.add(grid);
+    return grid;
+  }
+
+  private floorHeight(): number {
+    const floors = this.model.sources.flatMap((s) => s.planes).filter((p) => p.label === 'floor');
+    const largest = floors.sort((a, b) => b.area_m2 - a.area_m2)[0];
+    const box = this.bounds();
+    return (largest ? largest.centre[2] : box.isEmpty() ? 0 : box.min.z) - 0.02;
+  }
+
+  // ------------------------------------------------------------------ cameras
+
+  setCameraMode(mode: CameraMode): void {
+    this.cameraMode = mode;
+    this.controls.enableRotate = mode !== 'top';
+    this.lastFollowed = null;
+    if (mode !== 'follow') this.frameAll();
+    this.invalidate();
+  }
+
+  bounds(): Box3 {
+    const box = new Box3();
+    for (const s of this.model.sources) {
+      for (const mesh of s.meshes.values()) addSpread(box, mesh.positions);
+      for (let i = 0; i < s.frames.count; i += 10) {
+        const f = s.frames.at(i)!;
+        if (f.hasPose) box.expandByPoint(new Vector3(f.pose[0], f.pose[1], f.pose[2]));
+      }
+    }
+    return box;
+  }
+
+  /** All of the scene in the picture, from the direction of the camera's mode. */
+  frameAll(): void {
+    const box = this.bounds();
+    if (box.isEmpty()) return;
+    const centre = box.getCenter(new Vector3());
+    const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), 0.5);
+    const narrow = Math.min(1, this.camera.aspect);
+    const distance = (0.88 * radius) / (Math.tan((0.5 * this.camera.fov * Math.PI) / 180) * narrow);
+    const direction = this.cameraMode === 'top' ? new Vector3(0, -1e-3, 1) : new Vector3(-0.55, -0.75, 0.75);
+    this.controls.target.copy(centre);
+    this.camera.position.copy(centre).addScaledVector(direction.normalize(), distance);
+    this.controls.update();
+    this.grid.position.z = this.floorHeight();
+    this.invalidate();
+  }
+
+  /** When there is something to see for the first time, unless the user has chosen a view. */
+  frameFirst(): void {
+    const hasMesh = this.sources.some((s) => s.meshes.size > 0);
+    const by = hasMesh ? 'mesh' : 'path';
+    if (this.framedBy === 'user' || this.framedBy === by || this.framedBy === 'mesh') return;
+    this.frameAll();
+    this.framedBy = by;
+  }
+
+  private follow(p: Vector3): void {
+    if (this.cameraMode !== 'follow') return;
+    if (this.lastFollowed) {
+      const step = p.clone().sub(this.lastFollowed);
+      this.camera.position.add(step);
+    } else {
+      const back = this.camera.position.clone().sub(this.controls.target).setLength(4.5);
+      this.camera.position.copy(p).add(back);
+    }
+    this.controls.target.copy(p);
+    this.lastFollowed = p.clone();
+    this.controls.update();
+  }
+
+  /** By keyboard: turns by angles [rad], moves closer by a factor. */
+  nudge(turn: number, tilt: number, closer: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    offset.applyAxisAngle(new Vector3(0, 0, 1), turn);
+    const side = new Vector3(0, 0, 1).cross(offset).normalize();
+    const angle = offset.angleTo(new Vector3(0, 0, 1)) + tilt;
+    if (angle > 0.02 && angle < Math.PI - 0.02) offset.applyAxisAngle(side, tilt);
+    offset.multiplyScalar(closer);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  // ------------------------------------------------------------------ picking
+
+  pick(clientX: number, clientY: number): Hit | null {
+    const rect = this.canvas.getBoundingClientRect();
+    const view = this.views().find((v) =>
+      clientX - rect.left >= v.x && clientX - rect.left < v.x + v.width);
+    if (!view) return null;
+    const at = new Vector2(
+      (2 * (clientX - rect.left - view.x)) / view.width - 1, 1 - (2 * (clientY - rect.top)) / rect.height);
+    this.setAspect(view.width / rect.height);
+    const caster = new Raycaster();
+    caster.setFromCamera(at, this.camera);
+    const objects = view.sources.flatMap((i) =>
+      [...this.sources[i]!.meshes.values()].map((m) => m.object).filter((o) => o.visible));
+    const hit = caster.intersectObjects(objects, false)[0];
+    if (!hit) return null;
+    const owner = hit.object.userData['owner'] as MeshObject;
+    return { point: hit.point, planeId: owner.planeOfFace(hit.faceIndex ?? -1), source: owner.source };
+  }
+
+  showMeasure(points: Vector3[]): void {
+    disposeAll(this.measure);
+    this.measure.clear();
+    this.scene.add(this.measure);
+    if (points.length > 0) {
+      const geometry = new BufferGeometry().setFromPoints(points);
+      const dots = new Points(geometry, new PointsMaterial({
+        color: 0xf0e442, size: 10, sizeAttenuation: false, depthTest: false }));
+      const line = new Line(geometry, new LineBasicMaterial({ color: 0xf0e442, depthTest: false }));
+      dots.renderOrder = line.renderOrder = 10;
+      dots.frustumCulled = line.frustumCulled = false;
+      this.measure.add(dots, line);
+    }
+    this.invalidate();
+  }
+
+  // ------------------------------------------------------------------ rendering
+
+  private source(i: number): Source {
+    return this.model.sources[i]!;
+  }
+
+  private mainSource(): number {
+    return this.arrangement === 'b' && this.sources.length > 1 ? 1 : 0;
+  }
+
+  private views(): { x: number; width: number; sources: number[] }[] {
+    const width = this.canvas.clientWidth;
+    if (this.sources.length < 2) return [{ x: 0, width, sources: this.sources.map((_, i) => i) }];
+    switch (this.arrangement) {
+      case 'a': return [{ x: 0, width, sources: [0] }];
+      case 'b': return [{ x: 0, width, sources: [1] }];
+      case 'overlay': return [{ x: 0, width, sources: [0, 1] }];
+      case 'side': {
+        const half = Math.floor(width / 2);
+        return [{ x: 0, width: half, sources: [0] }, { x: half, width: width - half, sources: [1] }];
+      }
+    }
+  }
+
+  resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    this.renderer.setSize(width, height, false);
+    this.invalidate();
+  }
+
+  private setAspect(aspect: number): void {
+    this.camera.aspect = aspect;
+    this.camera.updateProjectionMatrix();
+  }
+
+  render(): void {
+    this.isDirty = false;
+    const height = this.canvas.clientHeight;
+    if (height === 0 || this.canvas.clientWidth === 0) return;
+    const target = this.renderer;
+    target.setScissorTest(true);
+    const seen = new Set<number>();
+    for (const view of this.views()) {
+      target.setViewport(view.x, 0, view.width, height);
+      target.setScissor(view.x, 0, view.width, height);
+      this.setAspect(view.width / height);
+      this.camera.updateMatrixWorld();
+      this.sources.forEach((s, i) => {
+        s.group.visible = view.sources.includes(i);
+        s.path.setResolution(view.width, height);
+      });
+      target.render(this.scene, this.camera);
+      for (const i of view.sources) {
+        seen.add(i);
+        this.sources[i]!.planes.place(this.camera, view.x, 0, view.width, height, true);
+      }
+    }
+    this.sources.forEach((s, i) => {
+      if (!seen.has(i)) s.planes.place(this.camera, 0, 0, 0, 0, false);
+    });
+    this.numFrames++;
+  }
+
+  /** A PNG of what is shown. */
+  async screenshot(): Promise<Blob> {
+    this.render();
+    return new Promise((resolve, reject) =>
+      this.canvas.toBlob((b) => (b ? resolve(b) : reject(new Error('the picture could not be made'))), 'image/png'));
+  }
+
+  stats(): Record<string, unknown> {
+    return {
+      faces: this.sources.map((s) => {
+        const counts: Record<string, number> = {};
+        for (const [name, m] of s.meshes) {
+          const kind = name.startsWith('map') ? 'map' : name;
+          counts[kind] = (counts[kind] ?? 0) + m.mesh.faces.length / 3;
+        }
+        return counts;
+      }),
+      visible: this.sources.map((s) =>
+        [...s.meshes.values()].filter((m) => m.object.visible).reduce((n, m) => n + m.mesh.faces.length / 3, 0)),
+      segmentsShown: this.sources.map((s) => s.path.segmentsShown),
+      ellipsoids: this.sources.map((s) => (s.path.ellipsoidGroup.visible ? s.path.ellipsoids?.count ?? 0 : 0)),
+      labels: this.sources.map((s) => s.planes.numLabelsShown),
+      keyframes: this.sources.map((s) =>
+        s.path.keyframes.visible ? s.path.keyframes.geometry.getAttribute('position')?.count ?? 0 : 0),
+      views: this.views().map((v) => v.sources),
+      camera: this.camera.position.toArray(),
+      target: this.controls.target.toArray(),
+      colour: this.firstColour(),
+      triangles: this.renderer.info.render.triangles,
+      measure: this.measure.children.length,
+      frames: this.numFrames,
+      geometries: this.renderer.info.memory.geometries,
+    };
+  }
+
+  private firstColour(): number[] {
+    for (const s of this.sources) {
+      for (const m of s.meshes.values()) return [...m.object.geometry.getAttribute('color').array.slice(0, 3)];
+    }
+    return [];
+  }
+}
+
+/** Grows by most of the points: a few strays do not push the scene into the distance. */
+function addSpread(box: Box3, positions: Float32Array): void {
+  const n = positions.length / 3;
+  if (n === 0) return;
+  const step = Math.max(1, Math.floor(n / 3000));
+  const low = new Vector3(), high = new Vector3();
+  for (let k = 0; k < 3; k++) {
+    const values: number[] = [];
+    for (let i = 0; i < n; i += step) values.push(positions[3 * i + k]!);
+    values.sort((a, b) => a - b);
+    low.setComponent(k, values[Math.floor(0.02 * (values.length - 1))]!);
+    high.setComponent(k, values[Math.ceil(0.98 * (values.length - 1))]!);
+  }
+  box.expandByPoint(low).expandByPoint(high);
+}
