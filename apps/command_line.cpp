@@ -54,6 +54,24 @@ void AddTopics(CLI::App& command, std::vector<std::string>& topics) {
                      "types and names leave a choice");
 }
 
+void AddHost(CLI::App& command, std::string& host) {
+  command
+      .add_option("--host",
+                  host,
+                  "address that the viewer listens on; who is not on this machine needs the token "
+                  "in the printed address")
+      ->capture_default_str();
+}
+
+void AddViewOptions(CLI::App& command, RunArguments& a) {
+  command.add_flag("--view{8470}",
+                   a.view,
+                   "show the run in the browser while it goes on, and its result until Ctrl-C; "
+                   "--view=PORT: the first port that is tried");
+  AddHost(command, a.view_host);
+  command.add_flag("--view-exit", a.view_exit, "with --view: end with the run");
+}
+
 void AddOptions(CLI::App& command, RunArguments& a) {
   command
       .add_option(
@@ -97,6 +115,7 @@ void AddOptions(CLI::App& command, RunArguments& a) {
                   a.mesh_format,
                   "ply; or glb: meshes/ in that format, and mesh.glb and map.glb besides the .ply")
       ->check(CLI::IsMember({"ply", "glb"}));
+  AddViewOptions(command, a);
   auto* quiet = command.add_flag("--quiet", a.quiet, "no progress bar");
   command.add_flag("--verbose", a.verbose, "debug log")->excludes(quiet);
 }
@@ -257,15 +276,6 @@ void AddConfig(CLI::App& app) {
   auto arguments = std::make_shared<ConfigArguments>();
   AddOptions(*command, *arguments);
   command->callback([arguments] { ConfigCommand(*arguments); });
-}
-
-void AddHost(CLI::App& command, std::string& host) {
-  command
-      .add_option("--host",
-                  host,
-                  "address that the viewer listens on; who is not on this machine needs the token "
-                  "in the printed address")
-      ->capture_default_str();
 }
 
 void AddView(CLI::App& app) {

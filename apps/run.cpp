@@ -17,7 +17,9 @@
 #include "interrupts.h"
 #include "load_options.h"
 #include "progress_bar.h"
+#include "run_recorder.h"
 #include "run_sequence.h"
+#include "view.h"
 
 #include "facet/estimator/window/imu_link.h"
 #include "facet/io/errors.h"
@@ -28,6 +30,8 @@
 #include "facet/pipeline/threaded_vio.h"
 #include "facet/pipeline/vio_pipeline.h"
 #include "facet/recording/open_recording.h"
+#include "facet/viewer/live_view.h"
+#include "facet/viewer/view_access.h"
 
 namespace facet {
 namespace {
@@ -135,6 +139,12 @@ void WarnOfMissingMesh(const VioOptions& options, RunRecord& record) {
       ToString(options.pipeline) + " has none and runs as S");
 }
 
+/// Who is told of each frame.
+struct Observers {
+  MeshFiles& mesh_files;
+  LiveView* live = nullptr;
+};
+
 /// Runs the sequence with VioPipeline or ThreadedVio.
 template <class Vio>
 SequenceRun RunWith(Vio& vio,
@@ -142,14 +152,25 @@ SequenceRun RunWith(Vio& vio,
                     Recording& recording,
                     const VioOptions& options,
                     const RunArguments& arguments,
-                    MeshFiles& mesh_files) {
+                    const Observers& observers) {
+  LiveView* const live = observers.live;
+  if (live != nullptr) {
+    functions.add_stereo = [live, add = functions.add_stereo](const StereoFrame& frame) {
+      live->AddImage(frame.t, frame.left);
+      return add(frame);
+    };
+  }
   functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
   functions.result = [&] { return vio.Result(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
   const auto observer = [&](int done, int total, const VioOutput& output) {
     if (arguments.verbose) LogFrame(output);
-    mesh_files.Add(output);
+    observers.mesh_files.Add(output);
+    if (live != nullptr) {
+      live->Add(output, MakeFrameRecord(output));
+      if (live->WantsSceneUpdate()) vio.RequestSceneUpdate();
+    }
     bar.Update(done, total, ToString(output.status));
     return !WasInterrupted();
   };
@@ -167,18 +188,18 @@ SequenceRun RunPipeline(Recording& recording,
                         const StereoRig& rig,
                         const VioOptions& options,
                         const RunArguments& arguments,
-                        MeshFiles& mesh_files) {
+                        const Observers& observers) {
   VioFunctions functions;
   if (arguments.threads == 1) {
     VioPipeline vio(rig, recording.calibration()->imu_noise, options);
     functions.add_stereo = [&](const StereoFrame& f) { return std::vector{vio.AddStereo(f)}; };
     functions.finish = [] { return std::vector<VioOutput>(); };
-    return RunWith(vio, functions, recording, options, arguments, mesh_files);
+    return RunWith(vio, functions, recording, options, arguments, observers);
   }
   ThreadedVio vio(rig, recording.calibration()->imu_noise, options);
   functions.add_stereo = [&](const StereoFrame& f) { return vio.AddStereo(f); };
   functions.finish = [&] { return vio.Finish(); };
-  return RunWith(vio, functions, recording, options, arguments, mesh_files);
+  return RunWith(vio, functions, recording, options, arguments, observers);
 }
 
 void PrintOutcome(const RunRecord& record, const std::string& folder) {
@@ -201,6 +222,35 @@ int ExitCode(RunEnd end) {
   return end == RunEnd::kStopped ? kInterrupted : kEstimator;
 }
 
+/// Null where it was not asked for.
+std::unique_ptr<LiveView> OpenLiveView(const RunArguments& arguments,
+                                       const VioOptions& options,
+                                       const std::string& name,
+                                       const std::filesystem::path& result,
+                                       const StereoRig& rig) {
+  if (arguments.view.empty()) return nullptr;
+  LiveViewOptions view;
+  view.name = name;
+  view.map = options.mesh.map;
+  view.result = result;
+  view.server.host = arguments.view_host;
+  view.server.port = ParsePort(arguments.view);
+  if (!IsLoopback(view.server.host)) view.server.token = RandomToken();
+  auto live = std::make_unique<LiveView>(std::move(view), rig);
+  PrintAddress(live->server(), ParsePort(arguments.view));
+  return live;
+}
+
+/// Until Ctrl-C, unless that has ended the run or nobody wants to look.
+void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRun& run) {
+  if (live == nullptr || run.end == RunEnd::kStopped) return;
+  live->ShowResult(run.end == RunEnd::kComplete ? 0 : ExitCode(run.end), run.message);
+  if (arguments.view_exit) return;
+  std::printf("the result is at %s; Ctrl-C ends\n", live->server().url().c_str());
+  std::fflush(stdout);
+  WaitForInterrupt();
+}
+
 }  // namespace
 
 void RunCommand(const RunArguments& arguments) {
@@ -221,7 +271,10 @@ void RunCommand(const RunArguments& arguments) {
     throw InputError(recording.calibration()->source + ": the calibration cannot be right: " +
                      aligned.refusal + " (check_calibration=false goes on with it)");
   }
-  SequenceRun run = RunPipeline(recording, aligned.rig, options, arguments, mesh_files);
+  const std::unique_ptr<LiveView> live =
+      OpenLiveView(arguments, options, recording.name(), folder.target(), aligned.rig);
+  SequenceRun run =
+      RunPipeline(recording, aligned.rig, options, arguments, {mesh_files, live.get()});
   if (!aligned.warning.empty()) run.record.warnings.push_back(aligned.warning);
   for (const std::string& warning :
        InflationWarnings(recording.calibration()->imu_noise, options.estimator.imu))
@@ -237,8 +290,10 @@ void RunCommand(const RunArguments& arguments) {
   for (const std::string& warning : run.record.warnings) {
     if (warning != run.message) std::fprintf(stderr, "facet: warning: %s\n", warning.c_str());
   }
-  if (run.end != RunEnd::kComplete) throw RunEndedError(ExitCode(run.end), run.message);
-  if (!arguments.quiet) PrintOutcome(run.record, folder.target().string());
+  const bool is_complete = run.end == RunEnd::kComplete;
+  if (is_complete && !arguments.quiet) PrintOutcome(run.record, folder.target().string());
+  KeepShowing(live.get(), arguments, run);
+  if (!is_complete) throw RunEndedError(ExitCode(run.end), run.message);
 }
 
 }  // namespace facet

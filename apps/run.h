@@ -31,6 +31,9 @@ struct RunArguments {
   int mesh_every = 0;
   std::string mesh_format = "ply";
   bool quiet = false, verbose = false;
+  std::string view;  // port of the live viewer, or empty: none
+  std::string view_host = "127.0.0.1";
+  bool view_exit = false;  // at the end of the run instead of at Ctrl-C
 };
 
 /// `facet run`. Throws InputError, ConfigError, OutputError or RunEndedError.

@@ -8,7 +8,7 @@
 
 namespace facet {
 
-void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
+FrameRecord MakeFrameRecord(const VioOutput& output) {
   FrameRecord f;
   f.t = output.t;
   f.is_keyframe = output.is_keyframe;
@@ -23,13 +23,18 @@ void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
   f.status = ToString(output.status);
   f.reason = output.reason;
   f.times = output.times;
-  f.times[Stage::kDecode] += cost.decode_ms;
-  f.wall_ms = cost.wall_ms;
-  f.latency_ms = cost.latency_ms;
   f.num_landmarks = output.num_landmarks;
   f.num_planes = output.num_planes;
   f.num_constraints = output.num_constraints;
-  frames_.push_back(f);
+  return f;
+}
+
+void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
+  FrameRecord f = MakeFrameRecord(output);
+  f.times[Stage::kDecode] += cost.decode_ms;
+  f.wall_ms = cost.wall_ms;
+  f.latency_ms = cost.latency_ms;
+  frames_.push_back(std::move(f));
   resets_.Add(output.t, output.was_reset ? 1 : 0);
   imu_gaps_.Add(output.t, output.imu_gaps);
   repeated_images_.Add(output.t, output.is_image_repeated ? 1 : 0);

@@ -21,6 +21,9 @@ struct FrameCost {
   double latency_ms = 0;  ///< from the arrival of the images to the output
 };
 
+/// What is kept of a frame; without its costs but the stages'.
+FrameRecord MakeFrameRecord(const VioOutput& output);
+
 /// Not thread-safe.
 class RunRecorder {
  public:

@@ -11,6 +11,8 @@
 #include "interrupts.h"
 
 #include "facet/eval/ground_truth.h"
+#include "facet/io/csv_reader.h"
+#include "facet/io/errors.h"
 #include "facet/viewer/result_view.h"
 #include "facet/viewer/view_access.h"
 #include "facet/viewer/view_server.h"
@@ -21,6 +23,19 @@ void WaitForInterrupt() {
   constexpr std::chrono::milliseconds kPeriod{50};
   while (!WasInterrupted())
     std::this_thread::sleep_for(kPeriod);
+}
+
+int ParsePort(const std::string& text) {
+  const auto port = ParseInteger(text);
+  if (port && *port >= 0 && *port <= 65535) return static_cast<int>(*port);
+  throw ConfigError("--view=" + text + ": a port from 0 to 65535 is expected");
+}
+
+void PrintAddress(const ViewServer& server, int wanted_port) {
+  if (wanted_port != 0 && server.port() != wanted_port)
+    std::fprintf(stderr, "facet: note: port %d is in use\n", wanted_port);
+  std::printf("open %s in a browser; Ctrl-C ends\n", server.url().c_str());
+  std::fflush(stdout);
 }
 
 void ViewCommand(const ViewArguments& arguments) {
@@ -35,10 +50,7 @@ void ViewCommand(const ViewArguments& arguments) {
   CatchInterrupts();
   ViewServer server(options, view.Downloads());
   view.PostTo(server.board());
-  if (arguments.port != 0 && server.port() != arguments.port)
-    std::fprintf(stderr, "facet: note: port %d is in use\n", arguments.port);
-  std::printf("open %s in a browser; Ctrl-C ends\n", server.url().c_str());
-  std::fflush(stdout);
+  PrintAddress(server, arguments.port);
   WaitForInterrupt();
 }
 

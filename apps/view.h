@@ -17,6 +17,14 @@ struct ViewArguments {
 /// `facet view`: serves the page until Ctrl-C. Throws InputError or ConfigError.
 void ViewCommand(const ViewArguments& arguments);
 
+class ViewServer;
+
+/// From 0 to 65535. Throws ConfigError.
+int ParsePort(const std::string& text);
+
+/// Where the page is; and if the wanted port is in use, says so.
+void PrintAddress(const ViewServer& server, int wanted_port);
+
 /// Returns after SIGINT, SIGTERM or SIGHUP.
 void WaitForInterrupt();
 

@@ -37,6 +37,7 @@ export interface Hello {
   mode: 'live' | 'finished';
   stages: string[];
   sources: SourceHello[];
+  history?: number; // how often a live run has thinned its frames
 }
 
 export interface Mesh {
@@ -108,9 +109,8 @@ export class Frames {
     this.groups[m.index] = group;
   }
 
-  /** The program has thinned its history. */
-  truncate(numGroups: number): void {
-    this.groups.length = Math.min(this.groups.length, numGroups);
+  clear(): void {
+    this.groups = [];
   }
 
   at(i: number): Frame | undefined {
@@ -183,6 +183,7 @@ export class Model {
   sources: Source[] = [];
   ended: { code: number; message: string } | null = null;
   numMessages = 0;
+  private history = 0;
 
   /** Throws an Error where the message contradicts itself. */
   apply(m: Message): { change: Change; source: number; mesh?: string } {
@@ -248,6 +249,9 @@ export class Model {
       this.sources = hello.sources.map(() => new Source());
       this.ended = null;
     }
+    // The program has thinned the frames; all of them come again.
+    if ((hello.history ?? 0) !== this.history) this.sources.forEach((s) => s.frames.clear());
+    this.history = hello.history ?? 0;
     hello.sources.forEach((s, i) => (this.sources[i]!.hello = s));
     return { change: isSame ? 'hello' : 'reset', source: 0 };
   }

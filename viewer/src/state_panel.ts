@@ -41,7 +41,7 @@ export class StatePanel {
     ];
     if (f.hasPose) rows.push(...poseRows(f));
     rows.push(['Landmarks', String(f.counts[2] ?? 0)], ['Planes', String(f.counts[3] ?? 0)],
-      ['On planes', String(f.counts[4] ?? 0)], ['Latency', number(f.counts[1] ?? NaN, 1, 'ms')]);
+      ['On planes', String(f.counts[4] ?? 0)], ['Latency', number(f.counts[1] || NaN, 1, 'ms')]);
     if (f.segment > 0) rows.push(['Segment', String(f.segment)]);
     this.list.replaceChildren(...rows.flatMap(([term, value]) => [make('dt', {}, term), make('dd', {}, value)]));
     if (f.reason) this.list.append(make('dd', { class: 'wide', id: 'reason' }, f.reason));

@@ -40,7 +40,54 @@ class Extraction {
     return std::move(mesh_);
   }
 
+  /// Corners of the blocks of one part; cells reach one corner below it.
+  TriangleMesh RunPart(const CubeIndex& part) {
+    constexpr int n = SurfaceMap::kBlockSide, m = kPartSide;
+    const CubeIndex low{part.x * m * n, part.y * m * n, part.z * m * n};
+    const auto is_in = [&](const CubeIndex& c, int below) {
+      const auto within = [&](int x, int begin) { return x >= begin - below && x < begin + m * n; };
+      return within(c.x, low.x) && within(c.y, low.y) && within(c.z, low.z);
+    };
+    std::vector<const SurfaceMap::Block*> blocks;
+    for (int i = 0; i < (m + 1) * (m + 1) * (m + 1); ++i) {
+      const int x = i % (m + 1) - 1, y = i / (m + 1) % (m + 1) - 1, z = i / (m + 1) / (m + 1) - 1;
+      const auto* block = map_.FindBlock({part.x * m + x, part.y * m + y, part.z * m + z});
+      if (block != nullptr) blocks.push_back(block);
+    }
+    for (const SurfaceMap::Block* block : blocks) {
+      VisitCorners(*block, [&](const CubeIndex& c) {
+        if (is_in(c, 1)) AddVertex(c);
+      });
+    }
+    for (const SurfaceMap::Block* block : blocks) {
+      VisitCorners(*block, [&](const CubeIndex& c) {
+        if (is_in(c, 0)) AddQuads(c);
+      });
+    }
+    DropUnused();
+    SetVertexNormals(mesh_);
+    return std::move(mesh_);
+  }
+
  private:
+  /// Vertices without a face.
+  void DropUnused() {
+    std::vector<int> number(mesh_.vertices.size(), -1);
+    TriangleMesh used;
+    for (auto& face : mesh_.faces) {
+      for (int& corner : face) {
+        if (number[corner] < 0) {
+          number[corner] = static_cast<int>(used.vertices.size());
+          used.vertices.push_back(mesh_.vertices[corner]);
+          used.colours.push_back(mesh_.colours[corner]);
+        }
+        corner = number[corner];
+      }
+    }
+    mesh_.vertices = std::move(used.vertices);
+    mesh_.colours = std::move(used.colours);
+  }
+
   template <class Visit>
   static void VisitCorners(const SurfaceMap::Block& block, const Visit& visit) {
     constexpr int n = SurfaceMap::kBlockSide;
@@ -143,6 +190,15 @@ class Extraction {
 };
 
 }  // namespace
+
+CubeIndex PartOf(const CubeIndex& block) {
+  const auto part = [](std::int32_t x) { return x >= 0 ? x / kPartSide : (x + 1) / kPartSide - 1; };
+  return {part(block.x), part(block.y), part(block.z)};
+}
+
+TriangleMesh ExtractPart(const SurfaceMap& map, const CubeIndex& part) {
+  return Extraction(map).RunPart(part);
+}
 
 TriangleMesh ExtractSurface(const SurfaceMap& map) {
   return Extraction(map).Run();

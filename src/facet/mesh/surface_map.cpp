@@ -101,6 +101,28 @@ const SurfaceMap::Voxel* SurfaceMap::Find(const CubeIndex& corner) const {
   return voxel.weight > 0 ? &voxel : nullptr;
 }
 
+const SurfaceMap::Block* SurfaceMap::FindBlock(const CubeIndex& index) const {
+  const int block = index_.Find(index);
+  return block == CubeMap::kNone ? nullptr : &blocks_[block];
+}
+
+std::vector<SurfaceMap::Block> SurfaceMap::TakeChanged() {
+  std::vector<Block> changed;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (has_changed_[i] != 0) changed.push_back(blocks_[i]);
+    has_changed_[i] = 0;
+  }
+  return changed;
+}
+
+void SurfaceMap::SetBlock(const Block& block) {
+  const int number = BlockAt(block.index);
+  if (number == CubeMap::kNone) return;
+  blocks_[number] = block;
+  touched_[number] = ~std::uint64_t{0};
+  has_changed_[number] = 1;
+}
+
 int SurfaceMap::AddBlock(const CubeIndex& index) {
   if (MegabytesOf(blocks_.size() + 1) > options_.max_memory_mb) {
     is_full_ = true;
@@ -111,6 +133,7 @@ int SurfaceMap::AddBlock(const CubeIndex& index) {
   blocks_.emplace_back();
   blocks_.back().index = index;
   touched_.push_back(0);
+  has_changed_.push_back(0);
   return block;
 }
 
@@ -151,6 +174,7 @@ void SurfaceMap::SplitColumn(const Columns& all, const Column& column) {
     at += count;
     if (block != CubeMap::kNone) {
       Touch(block, corner, all.axis, count);
+      has_changed_[block] = 1;
       Voxel* const first = &blocks_[block].voxels[VoxelOf(corner, index)];
       for (int k = 0; k < count; ++k)
         Prefetch(first + k * all.stride);
@@ -201,6 +225,7 @@ void SurfaceMap::FollowSight(const Vector3d& from_W, const Vector3d& to_W, doubl
     if ((touched_[block] >> BitOf(corner) & 1) == 0) continue;
     Voxel* const voxel = &blocks_[block].voxels[VoxelOf(corner, index)];
     Prefetch(voxel);
+    has_changed_[block] = 1;
     seen_through_.push_back(voxel);
   }
 }

@@ -56,6 +56,15 @@ class SurfaceMap {
     return options_.voxel_m * Vector3d(corner.x, corner.y, corner.z);
   }
 
+  /// Null where there is none.
+  const Block* FindBlock(const CubeIndex& index) const;
+
+  /// Copies of the blocks that have changed since the last call, for whoever follows the map.
+  std::vector<Block> TakeChanged();
+
+  /// Adds a block of another map, or replaces the one in its place: so one map follows another.
+  void SetBlock(const Block& block);
+
   const SurfaceMapOptions& options() const { return options_; }
   const std::deque<Block>& blocks() const { return blocks_; }
   MapMemory memory() const { return {MegabytesOf(blocks_.size()), is_full_}; }
@@ -107,7 +116,8 @@ class SurfaceMap {
   // One bit for each of the 4 x 4 x 4 cubes of voxels of a block: whether it may hold something.
   // Sight lines pass through much that is empty, and these bits fit the processor's cache.
   std::vector<std::uint64_t> touched_;
-  CubeMap index_;  // of blocks_
+  std::vector<char> has_changed_;  // by block, since the last TakeChanged
+  CubeMap index_;                  // of blocks_
   // Columns and sight lines come back to the same blocks again and again: what index_ says of the
   // last ones. Neighbours never take each other's place.
   static constexpr int kKnownSide = 4;
@@ -126,6 +136,16 @@ class SurfaceMap {
 /// The surface of the map as triangles of about the size of a voxel, with normals, colours and
 /// plane ids; holes are closed as the options say.
 TriangleMesh ExtractSurface(const SurfaceMap& map);
+
+/// Blocks along the side of a part.
+inline constexpr int kPartSide = 4;
+
+/// The part that a block belongs to.
+CubeIndex PartOf(const CubeIndex& block);
+
+/// The triangles that begin in one part of the map, at once where ExtractSurface takes its time:
+/// holes are left open, and what hangs on nothing stays. All parts together cover the surface.
+TriangleMesh ExtractPart(const SurfaceMap& map, const CubeIndex& part);
 
 /// The map as a run that ends now would leave it: with what is still in the horizon.
 SurfaceMap WithHorizon(SurfaceMap map, HorizonMesh horizon);

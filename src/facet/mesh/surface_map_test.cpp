@@ -83,6 +83,42 @@ TEST(SurfaceMap, AFloorComesBackWhereItWasAndLooksUp) {
   }
 }
 
+TEST(SurfaceMap, AnotherMapFollowsByWhatHasChangedAndItsPartsAreTheWhole) {
+  SurfaceMapOptions options = EndingWithTheFaces();
+  options.max_hole_m = 0;
+  SurfaceMap map(options), follower(options);
+  Rng rng(1);
+  std::set<CubeIndex> parts;
+  for (double z : {0.03, 1.0}) {
+    AddFloor(z, 0, rng, map, 8, Vector3d(0, 0, 3));
+    for (const SurfaceMap::Block& block : map.TakeChanged()) {
+      follower.SetBlock(block);
+      for (int i = 0; i < 8; ++i) {
+        parts.insert(PartOf(
+            {block.index.x - (i & 1), block.index.y - (i >> 1 & 1), block.index.z - (i >> 2 & 1)}));
+        parts.insert(PartOf(
+            {block.index.x + (i & 1), block.index.y + (i >> 1 & 1), block.index.z + (i >> 2 & 1)}));
+      }
+    }
+    EXPECT_TRUE(map.TakeChanged().empty());
+  }
+  std::size_t num_faces = 0, num_shown = 0;
+  for (const CubeIndex& part : parts) {
+    const TriangleMesh mesh = ExtractPart(follower, part);
+    num_faces += mesh.faces.size();
+    num_shown += mesh.faces.empty() ? 0 : 1;
+    EXPECT_EQ(mesh.plane_ids.size(), mesh.faces.size());
+    EXPECT_EQ(mesh.normals.size(), mesh.vertices.size());
+  }
+  EXPECT_GT(num_shown, 3u);
+  EXPECT_EQ(num_faces, ExtractSurface(map).faces.size());
+}
+
+TEST(SurfaceMap, PartsOfNegativeBlocksAreAsLargeAsOthers) {
+  EXPECT_EQ(PartOf({-1, -4, -5}), (CubeIndex{-1, -1, -2}));
+  EXPECT_EQ(PartOf({0, 3, 4}), (CubeIndex{0, 0, 1}));
+}
+
 TEST(SurfaceMap, SlantedPlanesInEveryDirectionComeBack) {
   Rng rng(2);
   for (int trial = 0; trial < 50; ++trial) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -36,7 +37,7 @@ BackHalf ProcessFrame(Front& front,
   // Track and match: corners from left image to left image; on keyframes, from left to right.
   TrackedFrame tracked = front.Track(frame, std::move(prediction));
 
-  return [&pose, &scene, &on_pose, tracked = std::move(tracked)] {
+  return [&pose, &scene, &on_pose, tracked = std::move(tracked)]() mutable {
     // Estimate: fixed-lag smoothing of landmarks, IMU and planes (paper section II-B).
     VioOutput output = pose.Estimate(tracked);
     if (on_pose) on_pose(output);
@@ -50,6 +51,8 @@ BackHalf ProcessFrame(Front& front,
     // part of the output; state and landmarks to the front stage, which may be two frames ahead.
     pose.Assign(regularities.assignments);
     scene.ShowPlanes(regularities.mesh, output);
+    output.observations =
+        std::make_shared<FrameObservations>(std::move(tracked.frontend.observations));
     return ProcessedFrame{std::move(output), pose.TakeFeedback()};
   };
 }

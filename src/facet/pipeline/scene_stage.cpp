@@ -54,6 +54,14 @@ void SceneStage::ShowPlanes(const MeshRegularities& regularities, VioOutput& out
   const ScopedStage stage(out.times, Stage::kMesh);
   if (planes_) horizon_.Take(regularities);
   out.mesh = std::make_shared<MeshSnapshot>(MakeMeshSnapshot(view_builder_.view(), horizon_));
+  if (is_update_wanted_.exchange(false)) AddUpdate(out);
+}
+
+void SceneStage::AddUpdate(VioOutput& out) {
+  auto update = std::make_shared<SceneUpdate>();
+  if (options_.map.enabled) update->map_blocks = map_.TakeChanged();
+  if (planes_) update->planes = planes_->Records();
+  out.scene_update = std::move(update);
 }
 
 // What was in the horizon stays in the map as it is.

@@ -2,6 +2,7 @@
 // Last part of a frame: the mesh over the landmarks, the map of the run, and the planes in it.
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <vector>
 
@@ -35,6 +36,9 @@ class SceneStage {
   /// What the planes say about the mesh comes into force; the output gets the mesh.
   void ShowPlanes(const MeshRegularities& regularities, VioOutput& out);
 
+  /// The next keyframe's output gets a SceneUpdate. May be called from any thread.
+  void RequestUpdate() { is_update_wanted_ = true; }
+
   /// The mesh of the whole run so far, the horizon included; empty when the map is switched off.
   /// Its plane ids are those of Planes(). `memory`: what it takes up.
   std::optional<TriangleMesh> Map(MapMemory& memory) const;
@@ -44,6 +48,7 @@ class SceneStage {
 
  private:
   bool IsWorked(const VioOutput& out) const { return options_.enabled && out.snapshot; }
+  void AddUpdate(VioOutput& out);
   void Reset();
   void KeepExpiredFaces();
 
@@ -55,6 +60,7 @@ class SceneStage {
   std::optional<PlaneTracker> planes_;              // pipeline SPR
   std::optional<ProjectionLandmarks> projections_;  // pipeline SP
   SearchMesh search_mesh_;                          // keeps its storage
+  std::atomic<bool> is_update_wanted_ = false;
 };
 
 }  // namespace facet

@@ -117,6 +117,10 @@ std::vector<VioOutput> ThreadedVio::TakeDone(std::int64_t num_left) {
   return outputs;
 }
 
+void ThreadedVio::RequestSceneUpdate() {
+  stages_->scene.RequestUpdate();
+}
+
 RunResult ThreadedVio::Result() const {
   return stages_->Result();
 }

@@ -33,6 +33,10 @@ class ThreadedVio {
   /// Waits for the frames under way and returns their outputs. More frames may follow.
   std::vector<VioOutput> Finish();
 
+  /// The output of the next keyframe tells how map and planes have changed since the last request.
+  /// Changes nothing else. May be called from any thread.
+  void RequestSceneUpdate();
+
   /// Window, map and planes; after Finish.
   RunResult Result() const;
 

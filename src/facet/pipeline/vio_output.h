@@ -9,10 +9,19 @@
 
 #include "facet/base/stage_timer.h"
 #include "facet/map/map_snapshot.h"
+#include "facet/map/observation.h"
+#include "facet/map/plane_record.h"
 #include "facet/map/tracking_status.h"
 #include "facet/mesh/mesh_snapshot.h"
+#include "facet/mesh/surface_map.h"
 
 namespace facet {
+
+/// How the scene has changed, for whoever asked (VioPipeline::RequestSceneUpdate).
+struct SceneUpdate {
+  std::vector<SurfaceMap::Block> map_blocks;  ///< that changed since the last update
+  std::vector<PlaneRecord> planes;            ///< every plane that was ever a variable
+};
 
 /// Plain copy of results; valid after the pipeline is gone.
 struct VioOutput {
@@ -50,6 +59,10 @@ struct VioOutput {
   std::shared_ptr<const MapSnapshot> snapshot;
   /// Set on keyframes with a snapshot, unless the mesh is switched off.
   std::shared_ptr<const MeshSnapshot> mesh;
+  /// What was tracked in the frame; null until the frame is done.
+  std::shared_ptr<const FrameObservations> observations;
+  /// Set on the first keyframe after each request.
+  std::shared_ptr<const SceneUpdate> scene_update;
   StageTimes times;
 };
 

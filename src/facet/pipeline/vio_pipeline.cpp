@@ -25,6 +25,10 @@ VioOutput VioPipeline::AddStereo(const StereoFrame& frame, const PoseObserver& o
   return std::move(processed.output);
 }
 
+void VioPipeline::RequestSceneUpdate() {
+  stages_->scene.RequestUpdate();
+}
+
 RunResult VioPipeline::Result() const {
   return stages_->Result();
 }

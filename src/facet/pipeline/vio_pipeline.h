@@ -33,6 +33,10 @@ class VioPipeline {
   /// `on_pose` gets the same output without the mesh, which is then still to be made.
   VioOutput AddStereo(const StereoFrame& frame, const PoseObserver& on_pose = nullptr);
 
+  /// The output of the next keyframe tells how map and planes have changed since the last request.
+  /// Changes nothing else. May be called from any thread.
+  void RequestSceneUpdate();
+
   /// Window, map and planes as they are now; for the end of a run.
   RunResult Result() const;
 

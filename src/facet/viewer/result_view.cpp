@@ -74,16 +74,25 @@ VertexFigures ErrorsOf(const TriangleMesh& mesh, GroundTruth& truth, const SE3& 
   return figures;
 }
 
-void AddDownload(const fs::path& file, const std::string& prefix, Json& list, auto& downloads) {
-  if (!fs::exists(file)) return;
-  const std::string name = file.filename().string(), stem = file.stem().string();
-  downloads.push_back(
-      {prefix + name, "application/octet-stream", [file] { return ReadBytes(file); }});
-  list.push_back(prefix + name);
-  if (file.extension() != ".ply" || stem == "landmarks") return;
-  downloads.push_back(
-      {prefix + stem + ".glb", "model/gltf-binary", [file] { return GlbBytes(ReadPly(file)); }});
-  list.push_back(prefix + stem + ".glb");
+/// A run that found nothing leaves files without a vertex, which the reader refuses.
+bool HasVertices(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  constexpr int kHeaderLines = 20;
+  for (int i = 0; i < kHeaderLines && std::getline(stream, line); ++i) {
+    if (line.starts_with("element vertex")) return line != "element vertex 0";
+  }
+  return fs::exists(file);
+}
+
+/// Whether a trajectory has more than its header.
+bool HasPose(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  while (std::getline(stream, line)) {
+    if (!line.empty() && line[0] != '#') return true;
+  }
+  return false;
 }
 
 /// The stamps of the meshes that were written on the way, in order.
@@ -102,7 +111,36 @@ std::vector<std::int64_t> MeshStamps(const fs::path& folder) {
 
 }  // namespace
 
-ResultView::ResultView(const std::vector<fs::path>& results, GroundTruth* truth) {
+std::vector<ViewDownload> PlainDownloads(const fs::path& folder, int source) {
+  const std::string prefix = source == 0 ? "a/" : "b/";
+  std::vector<ViewDownload> downloads;
+  for (const char* name : {"map.ply",
+                           "mesh.ply",
+                           "landmarks.ply",
+                           "trajectory.tum",
+                           "keyframes.tum",
+                           "states.csv",
+                           "planes.csv",
+                           "timing.csv",
+                           "summary.json",
+                           "config.yaml",
+                           "calibration.yaml"}) {
+    const fs::path file = folder / name;
+    downloads.push_back(
+        {prefix + name, "application/octet-stream", [file] { return ReadBytes(file); }});
+  }
+  for (const std::string stem : {"map", "mesh"}) {
+    const fs::path file = folder / (stem + ".ply");
+    downloads.push_back({prefix + stem + ".glb", "model/gltf-binary", [file] {
+                           return GlbBytes(HasVertices(file) ? ReadPly(file) : TriangleMesh());
+                         }});
+  }
+  return downloads;
+}
+
+ResultView::ResultView(const std::vector<fs::path>& results,
+                       GroundTruth* truth,
+                       const std::string& camera) {
   messages_.push_back({"hello", ""});  // first, when what follows is known
   Json hello = {{"mode", "finished"}, {"stages", kStageNames}, {"sources", Json::array()}};
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -110,24 +148,19 @@ ResultView::ResultView(const std::vector<fs::path>& results, GroundTruth* truth)
     if (!fs::is_directory(folder))
       throw InputError(folder.string() + ": is not a result folder of 'facet run'");
     const int source = static_cast<int>(i);
-    const std::string prefix = source == 0 ? "a/" : "b/";
     Json description = {{"name", NameOf(folder)}, {"downloads", Json::array()}};
-    if (Json summary = ReadJsonFile(folder / "summary.json"); summary.is_object())
-      description["summary"] = std::move(summary);
-    if (Json evaluation = ReadJsonFile(folder / "evaluation.json"); evaluation.is_object())
-      description["evaluation"] = std::move(evaluation);
-    for (const char* name : {"map.ply",
-                             "mesh.ply",
-                             "landmarks.ply",
-                             "trajectory.tum",
-                             "keyframes.tum",
-                             "states.csv",
-                             "planes.csv",
-                             "timing.csv",
-                             "summary.json",
-                             "config.yaml",
-                             "calibration.yaml"})
-      AddDownload(folder / name, prefix, description["downloads"], downloads_);
+    if (!camera.empty()) description["camera"] = Json::parse(camera);
+    for (const char* name : {"summary", "evaluation"}) {
+      Json json = ReadJsonFile(folder / (std::string(name) + ".json"));
+      if (json.is_object()) description[name] = std::move(json);
+    }
+    for (ViewDownload& download : PlainDownloads(folder, source)) {
+      fs::path file = folder / fs::path(download.name).filename();
+      if (file.extension() == ".glb") file.replace_extension(".ply");
+      if (!fs::exists(file)) continue;
+      description["downloads"].push_back(download.name);
+      downloads_.push_back(std::move(download));
+    }
     AddResult(folder, source, truth);
     AddMeshes(folder, source, description);
     hello["sources"].push_back(std::move(description));
@@ -154,7 +187,7 @@ void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* trut
                          PlanesMessage({MessageType::kPlanes, source},
                                        ReadEstimatedPlanes(folder / "planes.csv"))});
   }
-  if (fs::exists(folder / "keyframes.tum") && fs::file_size(folder / "keyframes.tum") > 0) {
+  if (HasPose(folder / "keyframes.tum")) {
     messages_.push_back({s + "keyframes",
                          PosesMessage({MessageType::kKeyframes, source},
                                       ReadTrajectory(folder / "keyframes.tum").poses)});
@@ -168,7 +201,7 @@ void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* trut
                       TruthInW(*truth, alignment->T_GW, poses.front().t, poses.back().t))});
   }
   const auto add_mesh = [&](const char* name, int index) {
-    if (!fs::exists(folder / name)) return;
+    if (!HasVertices(folder / name)) return;
     const TriangleMesh mesh = ReadPly(folder / name);
     VertexFigures figures;
     if (alignment) figures = ErrorsOf(mesh, *truth, alignment->T_GW);
@@ -180,15 +213,11 @@ void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* trut
   };
   add_mesh("map.ply", kMap);
   add_mesh("mesh.ply", kHorizon);
-  if (fs::exists(folder / "landmarks.ply")) {
-    try {
-      ViewMessage message({MessageType::kPoints, source});
-      const std::vector<float> floats = FloatsOf(ReadPly(folder / "landmarks.ply").vertices);
-      message.Add(BlockName::kPositions, std::span<const float>(floats), 3);
-      messages_.push_back({s + "points", message.Finish()});
-    } catch (const InputError&) {
-      // A run that never started has none.
-    }
+  if (HasVertices(folder / "landmarks.ply")) {
+    ViewMessage message({MessageType::kPoints, source});
+    const std::vector<float> floats = FloatsOf(ReadPly(folder / "landmarks.ply").vertices);
+    message.Add(BlockName::kPositions, std::span<const float>(floats), 3);
+    messages_.push_back({s + "points", message.Finish()});
   }
 }
 

@@ -15,13 +15,20 @@
 
 namespace facet {
 
+/// The files of a result folder that every result has, and its meshes as GLB; also of one that is
+/// not written yet. `source`: 0 or 1.
+std::vector<ViewDownload> PlainDownloads(const std::filesystem::path& folder, int source);
+
 /// The messages of one or two results, and the files of theirs that clients may save. With a
 /// ground truth (may be null) the true trajectory is shown beside, and how far the surfaces are
 /// from the true ones.
 class ResultView {
  public:
   /// Throws InputError where a folder is no result, or a file of it is damaged.
-  ResultView(const std::vector<std::filesystem::path>& results, GroundTruth* truth);
+  /// `camera`: JSON about the left camera (CameraShape in viewer/src/model.ts); empty: not known.
+  ResultView(const std::vector<std::filesystem::path>& results,
+             GroundTruth* truth,
+             const std::string& camera = "");
 
   void PostTo(ViewBoard& board) const;
   std::vector<ViewDownload> Downloads() const { return downloads_; }
