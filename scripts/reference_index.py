@@ -147,7 +147,7 @@ class Index:
 
     def _options_of(self, text):
         listed = re.findall(r"(?:add_option|add_flag|set_\w+_flag|add_argument)\w*\(\s*\"([^\"]+)\"", text)
-        return {o.lstrip("!") for names in listed for o in names.split(",") if "--" in o} | {"--help"}
+        return {o.lstrip("!").split("{")[0] for names in listed for o in names.split(",") if "--" in o} | {"--help"}
 
     def options_of(self, program):
         """Options of a program of bench/ or studies/, or of a script; None: unknown program."""

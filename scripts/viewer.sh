@@ -1,9 +1,17 @@
 #!/bin/sh
-# scripts/viewer.sh [--check]: builds the viewer's page, viewer/dist, with npm. --check builds it elsewhere and fails where
-# the committed one is another; without npm or viewer/node_modules it says so and exits with 77, which ctest takes for
+# scripts/viewer.sh [--check | --browser FACET FOLDER]: builds the viewer's page, viewer/dist, with npm. --check builds it
+# elsewhere and fails where the committed one is another. --browser tests the page of the program FACET in Chromium, with
+# what it writes below FOLDER. Both say what is not there, if something is not, and exit with 77: ctest takes it for
 # skipped.
 set -eu
 cd "$(dirname "$0")/../viewer"
+if [ "${1:-}" = --browser ]; then
+  if ! command -v node >/dev/null; then
+    echo "viewer: skipped, there is no Node"
+    exit 77
+  fi
+  exec node test/run.mjs "$2" "$3" "${FACET_DATA_DIR:-$PWD/../../shared/data}"
+fi
 if [ "${1:-}" != --check ]; then
   npm ci --no-audit --no-fund
   npm run --silent build

@@ -285,7 +285,7 @@ export class Stage {
     const centre = box.getCenter(new Vector3());
     const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), 0.5);
     const narrow = Math.min(1, this.camera.aspect);
-    const distance = (0.88 * radius) / (Math.tan((0.5 * this.camera.fov * Math.PI) / 180) * narrow);
+    const distance = (0.74 * radius) / (Math.tan((0.5 * this.camera.fov * Math.PI) / 180) * narrow);
     const direction = this.cameraMode === 'top' ? new Vector3(0, -1e-3, 1) : new Vector3(-0.55, -0.75, 0.75);
     this.controls.target.copy(centre);
     this.camera.position.copy(centre).addScaledVector(direction.normalize(), distance);
@@ -393,6 +393,8 @@ export class Stage {
   resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / Math.max(height, 1);
+    if (this.framedBy === 'mesh' && this.cameraMode !== 'follow') this.frameAll();
     this.invalidate();
   }
 
