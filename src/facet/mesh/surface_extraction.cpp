@@ -28,11 +28,11 @@ class Extraction {
 
   TriangleMesh Run() {
     for (const SurfaceMap::Block& block : map_.blocks())
-      VisitCorners(block, [this](const CubeIndex& c) { AddVertex(c); });
+      VisitKnown(block, [this](const CubeIndex& c) { AddVertex(c); });
     // A cell reaches beyond its block on the upper side only, so no other cell has a vertex except
     // those whose lowest corner lies in no block; they lack that corner and have none.
     for (const SurfaceMap::Block& block : map_.blocks())
-      VisitCorners(block, [this](const CubeIndex& c) { AddQuads(c); });
+      VisitKnown(block, [this](const CubeIndex& c) { AddQuads(c); });
     CleanUp(mesh_);
     constexpr double kBoundaryTolerance = 0.25;  // voxels
     CloseHoles(map_.options().max_hole_m, kBoundaryTolerance * map_.options().voxel_m, mesh_);
@@ -55,12 +55,12 @@ class Extraction {
       if (block != nullptr) blocks.push_back(block);
     }
     for (const SurfaceMap::Block* block : blocks) {
-      VisitCorners(*block, [&](const CubeIndex& c) {
+      VisitKnown(*block, [&](const CubeIndex& c) {
         if (is_in(c, 1)) AddVertex(c);
       });
     }
     for (const SurfaceMap::Block* block : blocks) {
-      VisitCorners(*block, [&](const CubeIndex& c) {
+      VisitKnown(*block, [&](const CubeIndex& c) {
         if (is_in(c, 0)) AddQuads(c);
       });
     }
@@ -97,6 +97,15 @@ class Extraction {
           visit({block.index.x * n + x, block.index.y * n + y, block.index.z * n + z});
       }
     }
+  }
+
+  /// The corners at which something is known: few of a block, and the others have no vertex.
+  template <class Visit>
+  static void VisitKnown(const SurfaceMap::Block& block, const Visit& visit) {
+    auto voxel = block.voxels.begin();
+    VisitCorners(block, [&](const CubeIndex& c) {
+      if ((voxel++)->weight >= kMinWeight) visit(c);
+    });
   }
 
   const Voxel* Known(const CubeIndex& c) const {

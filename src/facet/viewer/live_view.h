@@ -28,7 +28,7 @@ struct LiveViewOptions {
   SurfaceMapOptions map;         ///< as in the pipeline
   std::filesystem::path result;  ///< where the result will be
   ViewServerOptions server;      ///< its `update` is not used
-  double scene_period_s = 1;     ///< between updates of map and planes
+  double scene_period_s = 2;     ///< between updates of map and planes
 };
 
 /// Results are the same with and without it.

@@ -124,7 +124,7 @@ TEST(LiveView, AClientThatComesLateGetsEverything) {
   EXPECT_EQ(static_cast<unsigned char>(image[16]), 200);     // stamp
   EXPECT_NE(image.find("\xff\xd8\xff"), std::string::npos);  // JPEG
   EXPECT_TRUE(view.WantsSceneUpdate());
-  EXPECT_FALSE(view.WantsSceneUpdate());  // once a second
+  EXPECT_FALSE(view.WantsSceneUpdate());  // not again so soon
 }
 
 TEST(LiveView, TheMapFollowsInParts) {
