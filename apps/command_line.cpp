@@ -12,6 +12,7 @@
 #include "convert.h"
 #include "evaluate.h"
 #include "info.h"
+#include "picture.h"
 #include "run.h"
 #include "view.h"
 #include <CLI/CLI.hpp>
@@ -292,6 +293,33 @@ void AddView(CLI::App& app) {
   command->callback([arguments] { ViewCommand(*arguments); });
 }
 
+void AddPicture(CLI::App& app) {
+  auto* command = app.add_subcommand("picture", "Draw a result as a PNG, without a display");
+  auto arguments = std::make_shared<PictureArguments>();
+  PictureOptions& o = arguments->options;
+  command->add_option("RESULT", arguments->result, "result folder of facet run")->required();
+  command->add_option("OUT", arguments->out, "file.png")->required();
+  command->add_option("--view", o.view, "outside or top")
+      ->check(CLI::IsMember({"outside", "top"}))
+      ->capture_default_str();
+  command->add_option("--from", arguments->from, "X Y Z [m] of the eye, in W")->expected(3);
+  command->add_option("--to", arguments->to, "X Y Z [m] that it looks at")->expected(3);
+  command->add_option("--colour", o.colour, "plane, normal, height or image")
+      ->check(CLI::IsMember({"plane", "normal", "height", "image"}))
+      ->capture_default_str();
+  command->add_option("--mesh", o.mesh, "map, or the horizon at the end")
+      ->check(CLI::IsMember({"map", "horizon"}))
+      ->capture_default_str();
+  command->add_option("--size", arguments->size, "WIDTH HEIGHT in pixels; default: 1600 1000")
+      ->expected(2)
+      ->check(CLI::Range(16, 8192));
+  command->add_flag("--dark", o.is_dark, "dark background");
+  command->add_flag("--back-sides", o.has_back_sides, "do not look through surfaces from behind");
+  command->add_flag("!--no-trajectory", o.has_trajectory, "without the trajectory");
+  command->add_flag("!--no-labels", o.has_labels, "without outlines and labels of planes");
+  command->callback([arguments] { PictureCommand(*arguments); });
+}
+
 #ifdef FACET_HAS_SIMULATOR
 
 void AddCalibrationOptions(CLI::App& command, SimulateArguments& a) {
@@ -411,6 +439,7 @@ void RunCommandLine(int argc, char** argv) {
   AddEvaluate(app);
   AddCompare(app);
   AddView(app);
+  AddPicture(app);
   AddConfig(app);
   AddSimulate(app, argc, argv);
   try {

@@ -44,6 +44,8 @@ if "$python" -c 'import numpy, matplotlib' 2>/dev/null && "$python" scripts/run_
     xdg-open "$picture" >/dev/null 2>&1 &
   fi
 else
-  echo "demo: no picture without python3-numpy and python3-matplotlib"
+  build/facet picture "$out" "$out/picture.png"
+  echo "demo: LOOK AT $out/picture.png: the mesh coloured by plane (what the camera saw: only with python3-matplotlib)"
 fi
+echo "demo: in the browser, to turn and measure: build/facet view $out"
 echo "demo: the mesh itself, for MeshLab or Blender: $out/map.ply; what each file holds: docs/tutorial.md"
