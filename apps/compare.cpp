@@ -10,6 +10,7 @@
 
 #include "compare_runs.h"
 #include "load_options.h"
+#include "report_scene.h"
 #include "run.h"
 #include "slurm_runs.h"
 
@@ -207,6 +208,7 @@ ReportSection MakeSection(const NamedSequence& sequence, const ComparedSequence&
     if (run == combination.runs.end()) continue;
     section.runs.push_back(MakeReportRun(combination.name, EvaluateRun(run->folder, truth, {})));
   }
+  AddScene(truth, section);
   return section;
 }
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "report_scene.h"
+
 #include "facet/eval/evaluation_json.h"
 #include "facet/eval/run_evaluation.h"
 #include "facet/report/report_page.h"
@@ -36,7 +38,9 @@ std::string NameOf(const std::filesystem::path& result) {
   return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
 }
 
-Report MakeReport(const EvaluateArguments& arguments, std::vector<RunEvaluation> evaluations) {
+Report MakeReport(const EvaluateArguments& arguments,
+                  const GroundTruth& truth,
+                  std::vector<RunEvaluation> evaluations) {
   Report report;
   ReportSection& section = report.sections.emplace_back();
   section.name = NameOf(arguments.truth);
@@ -44,6 +48,7 @@ Report MakeReport(const EvaluateArguments& arguments, std::vector<RunEvaluation>
   const std::vector<std::string> names = ColumnNames(evaluations);
   for (std::size_t i = 0; i < evaluations.size(); ++i)
     section.runs.push_back(MakeReportRun(names[i], std::move(evaluations[i])));
+  AddScene(truth, section);
   report.title = "Evaluation on " + section.name;
   return report;
 }
@@ -67,7 +72,7 @@ void EvaluateCommand(const EvaluateArguments& arguments) {
   WriteEvaluation(evaluations.front());
   std::cout << "written: " << EvaluationFile(arguments.result).string() << '\n';
   if (arguments.report.empty()) return;
-  WriteReport(arguments.report, MakeReport(arguments, std::move(evaluations)));
+  WriteReport(arguments.report, MakeReport(arguments, truth, std::move(evaluations)));
   std::cout << "written: " << arguments.report << "/report.html\n";
 }
 

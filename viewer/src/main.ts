@@ -116,7 +116,7 @@ class Page {
         list.append(make('a', { href: downloadUrl(name), download: '' }, name.split('/').pop()!));
       }
     }
-    byId('downloads').hidden = this.model.sources.every((s) => s.hello.downloads.length === 0);
+    byId('downloads').hidden = this.connectionState === 'stored' || this.model.sources.every((s) => s.hello.downloads.length === 0);
   }
 
   private showChanges(): void {
@@ -135,7 +135,7 @@ class Page {
       if (change === 'ended') this.showConnection(this.connectionState);
     }
     const kinds = new Set(changes.map(([c]) => c));
-    if (kinds.has('mesh')) this.stage.recolour();
+    if (kinds.has('mesh')) this.stage.updateRange();
     if (kinds.has('planes')) this.showPlanes();
     if (kinds.has('mesh') || kinds.has('truth') || kinds.has('points') || kinds.has('reset')) {
       this.colours.update();
@@ -195,7 +195,7 @@ class Page {
 
   /** The horizon mesh of the moment, where the run has written them (--mesh-every). */
   private async showHorizon(): Promise<void> {
-    if (this.isFetching || this.model.mode === 'live') return;
+    if (this.isFetching || this.model.mode === 'live' || this.connectionState === 'stored') return;
     const wanted = this.model.sources.map((s) => {
       const list = s.hello.horizon ?? [];
       let best: string | undefined;

@@ -29,7 +29,7 @@ export class PathObject {
   ellipsoids: InstancedMesh | null = null;
   readonly ellipsoidGroup = new Group();
   private past: Line2 | null = null;
-  private future: Line | null = null;
+  private future: Line<BufferGeometry, LineBasicMaterial> | null = null;
   /** Number of line segments up to a frame, by frame. */
   private segmentsUpTo: Uint32Array = new Uint32Array(0);
   private readonly pastMaterial: LineMaterial;
@@ -55,6 +55,7 @@ export class PathObject {
     }
     this.past?.geometry.dispose();
     this.future?.geometry.dispose();
+    this.future?.material.dispose();
     this.line.clear();
     this.past = this.future = null;
     if (points.length < 6) return;
@@ -71,7 +72,11 @@ export class PathObject {
   }
 
   private setEllipsoids(frames: Frames): void {
-    this.ellipsoids?.geometry.dispose();
+    if (this.ellipsoids) {
+      this.ellipsoids.geometry.dispose();
+      (this.ellipsoids.material as MeshBasicMaterial).dispose();
+      this.ellipsoids.dispose();
+    }
     this.ellipsoidGroup.clear();
     const step = Math.max(1, Math.ceil(frames.count / MAX_ELLIPSOIDS));
     const matrices: Matrix4[] = [];
@@ -105,11 +110,13 @@ export class PathObject {
 
   setKeyframes(keyframes: StampedPoses): void {
     const positions = positionsOf(keyframes);
+    this.keyframes.geometry.dispose(); // frees the buffer that is replaced
     this.keyframes.geometry.setAttribute('position', new BufferAttribute(positions, 3));
     this.keyframes.frustumCulled = false;
   }
 
   setTruth(truth: StampedPoses): void {
+    this.truth.traverse((o) => (o instanceof Line ? (o.geometry as BufferGeometry).dispose() : undefined));
     this.truth.clear();
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(positionsOf(truth), 3));

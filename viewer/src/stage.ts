@@ -36,6 +36,8 @@ const PATH_COLOURS = [
   { past: 0xcc79a7, future: 0x8a929c, keyframe: 0xe8b5d2, truth: 0x009e73, frustum: 0x56b4e9 },
 ];
 
+const RECOLOUR_PERIOD_MS = 1000;
+
 export class Stage {
   readonly camera = new PerspectiveCamera(50, 1, 0.02, 2000);
   readonly layers: Record<Layer, boolean> = {
@@ -56,6 +58,7 @@ export class Stage {
   private grid: GridHelper;
   private isDirty = true;
   private framedBy: 'nothing' | 'path' | 'mesh' | 'user' = 'nothing';
+  private lastRecolour = 0;
   private lastFollowed: Vector3 | null = null;
 
   constructor(
@@ -152,6 +155,7 @@ export class Stage {
   }
 
   setPoints(i: number): void {
+    this.sources[i]!.points.geometry.dispose(); // frees the buffer that is replaced
     this.sources[i]!.points.geometry.setAttribute('position', new BufferAttribute(this.source(i).points, 3));
     this.invalidate();
   }
@@ -174,6 +178,16 @@ export class Stage {
   selectPlane(id: number | null): void {
     for (const s of this.sources) s.planes.selected = id;
     this.invalidate();
+  }
+
+  /** After meshes have come, which have the colours of the range so far: a growing map shifts it slowly. */
+  updateRange(): void {
+    this.invalidate();
+    const hasRange = ['height', 'age', 'sigma', 'error'].includes(this.colouring);
+    const isDue = this.model.mode === 'finished' || performance.now() - this.lastRecolour > RECOLOUR_PERIOD_MS;
+    if (!hasRange || !isDue) return;
+    this.lastRecolour = performance.now();
+    this.recolour();
   }
 
   recolour(): void {
@@ -284,7 +298,9 @@ export class Stage {
     if (box.isEmpty()) return;
     const centre = box.getCenter(new Vector3());
     const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), 0.5);
-    const narrow = Math.min(1, this.camera.aspect);
+    const view = this.views()[0];
+    const aspect = view ? view.width / Math.max(this.canvas.clientHeight, 1) : this.camera.aspect;
+    const narrow = Math.min(1, aspect);
     const distance = (0.74 * radius) / (Math.tan((0.5 * this.camera.fov * Math.PI) / 180) * narrow);
     const direction = this.cameraMode === 'top' ? new Vector3(0, -1e-3, 1) : new Vector3(-0.55, -0.75, 0.75);
     this.controls.target.copy(centre);

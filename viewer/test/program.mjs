@@ -42,8 +42,8 @@ export function startProgram(program, args) {
   return started.then((url) => ({ url, stop, output: () => output, exited }));
 }
 
-export async function runProgram(program, args) {
-  const child = spawn(program, args, { stdio: 'inherit' });
+export async function runProgram(program, args, output = 'inherit') {
+  const child = spawn(program, args, { stdio: ['ignore', output, 'inherit'] });
   const code = await new Promise((resolve) => child.on('exit', resolve));
   if (code !== 0) throw new Error(`${program} ${args.join(' ')} ended with ${code}`);
 }

@@ -356,6 +356,27 @@ test('a run is shown while it goes on, and its result after it', async (browser,
   await page.close();
 });
 
+test('a report holds its runs in 3D and needs no server', async (browser, { folder, result, resultS }) => {
+  const report = join(folder, 'report');
+  await runProgram(program, ['evaluate', resultS, '--truth', recording, '--against', result, '--report', report], 'ignore');
+  for (const width of [1280, 390]) {
+    const page = await browser.newPage();
+    await page.setOfflineMode(true);
+    await page.setViewport({ width, height: 900 });
+    await page.goto(`file://${report}/report.html`);
+    await page.$eval('.scene', (frame) => frame.scrollIntoView());
+    const frame = await (await page.$('.scene')).contentFrame();
+    await frame.waitForFunction('window.facet && window.facet.stats().faces[1]?.map > 0', { timeout: 60000 });
+    const s = await frame.evaluate(() => window.facet.stats());
+    assert.equal(s.connection, 'stored');
+    assert.equal(s.faces[0].map, facesOf(join(resultS, 'map.ply')));
+    assert.equal(s.faces[1].map, facesOf(join(result, 'map.ply')));
+    assert.deepEqual(s.errors, []);
+    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, `wider than ${width} px`);
+    await page.close();
+  }
+});
+
 test('a page connects again when the program comes back', async (browser, { result }) => {
   const port = String(20000 + (process.pid % 20000));
   let server = await startProgram(program, ['view', result, '--port', port]);

@@ -106,10 +106,11 @@ const SurfaceMap::Block* SurfaceMap::FindBlock(const CubeIndex& index) const {
   return block == CubeMap::kNone ? nullptr : &blocks_[block];
 }
 
-std::vector<SurfaceMap::Block> SurfaceMap::TakeChanged() {
+std::vector<SurfaceMap::Block> SurfaceMap::TakeChanged(std::size_t max_blocks) {
   std::vector<Block> changed;
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    if (has_changed_[i] != 0) changed.push_back(blocks_[i]);
+  for (std::size_t i = 0; i < blocks_.size() && changed.size() < max_blocks; ++i) {
+    if (has_changed_[i] == 0) continue;
+    changed.push_back(blocks_[i]);
     has_changed_[i] = 0;
   }
   return changed;

@@ -59,8 +59,9 @@ class SurfaceMap {
   /// Null where there is none.
   const Block* FindBlock(const CubeIndex& index) const;
 
-  /// Copies of the blocks that have changed since the last call, for whoever follows the map.
-  std::vector<Block> TakeChanged();
+  /// Copies of the blocks that have changed since they were last taken, for whoever follows the
+  /// map; at most this many, the others the next time.
+  std::vector<Block> TakeChanged(std::size_t max_blocks);
 
   /// Adds a block of another map, or replaces the one in its place: so one map follows another.
   void SetBlock(const Block& block);

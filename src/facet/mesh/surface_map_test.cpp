@@ -91,7 +91,11 @@ TEST(SurfaceMap, AnotherMapFollowsByWhatHasChangedAndItsPartsAreTheWhole) {
   std::set<CubeIndex> parts;
   for (double z : {0.03, 1.0}) {
     AddFloor(z, 0, rng, map, 8, Vector3d(0, 0, 3));
-    for (const SurfaceMap::Block& block : map.TakeChanged()) {
+    std::vector<SurfaceMap::Block> changed = map.TakeChanged(3);
+    EXPECT_EQ(changed.size(), 3u);
+    for (const SurfaceMap::Block& block : map.TakeChanged(1000000))
+      changed.push_back(block);
+    for (const SurfaceMap::Block& block : changed) {
       follower.SetBlock(block);
       for (int i = 0; i < 8; ++i) {
         parts.insert(PartOf(
@@ -100,7 +104,7 @@ TEST(SurfaceMap, AnotherMapFollowsByWhatHasChangedAndItsPartsAreTheWhole) {
             {block.index.x + (i & 1), block.index.y + (i >> 1 & 1), block.index.z + (i >> 2 & 1)}));
       }
     }
-    EXPECT_TRUE(map.TakeChanged().empty());
+    EXPECT_TRUE(map.TakeChanged(1000000).empty());
   }
   std::size_t num_faces = 0, num_shown = 0;
   for (const CubeIndex& part : parts) {

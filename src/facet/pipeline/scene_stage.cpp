@@ -59,7 +59,12 @@ void SceneStage::ShowPlanes(const MeshRegularities& regularities, VioOutput& out
 
 void SceneStage::AddUpdate(VioOutput& out) {
   auto update = std::make_shared<SceneUpdate>();
-  if (options_.map.enabled) update->map_blocks = map_.TakeChanged();
+  if (options_.map.enabled) {
+    // 16 MB, which are copied in a few milliseconds.
+    constexpr std::size_t kMostBlocks = 2048;
+    update->map_blocks = map_.TakeChanged(kMostBlocks);
+    update->is_partial = update->map_blocks.size() == kMostBlocks;
+  }
   if (planes_) update->planes = planes_->Records();
   out.scene_update = std::move(update);
 }

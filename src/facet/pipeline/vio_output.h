@@ -20,6 +20,7 @@ namespace facet {
 /// How the scene has changed, for whoever asked (VioPipeline::RequestSceneUpdate).
 struct SceneUpdate {
   std::vector<SurfaceMap::Block> map_blocks;  ///< that changed since the last update
+  bool is_partial = false;                    ///< more blocks have changed than one update takes
   std::vector<PlaneRecord> planes;            ///< every plane that was ever a variable
 };
 

@@ -148,10 +148,9 @@ ReportFigure RelativeErrorBoxes(std::span<const ReportRun> runs, bool is_transla
   for (std::size_t r = 0; r < runs.size(); ++r)
     plot.AddLegend(runs[r].name, RunColour(r));
   return {is_translation ? "rpe_translation" : "rpe_rotation",
-          is_translation ? "Relative error: translation (Fig. 3 of the paper)"
-                         : "Relative error: rotation (Fig. 3 of the paper)",
+          is_translation ? "Relative error: translation" : "Relative error: rotation",
           "Error of the motion over stretches of each length, from every pose on. Box: quartiles "
-          "with the median; whiskers: 5th and 95th percentile.",
+          "with the median; whiskers: 5th and 95th percentile. (In the paper: Fig. 3.)",
           plot.ToString()};
 }
 
@@ -197,10 +196,9 @@ ReportFigure MeshFigure(const std::string& run,
   plot.AddColourBar(0, kMaxMeshDistance, "distance [m]");
   return {kind + (from_above ? "_top_" : "_oblique_") + run,
           (kind == "map" ? "Map of the whole run: " : "Horizon mesh: ") + run +
-              (from_above ? ", from above" : ", from the south and 30 deg above") +
-              " (Fig. 4 of the paper)",
+              (from_above ? ", from above" : ", from the south and 30 deg above"),
           "Samples of the mesh, coloured by their distance from the true surface; red is 0.30 m "
-          "and more. Placed by the trajectory's alignment, before ICP.",
+          "and more. Placed by the trajectory's alignment, before ICP. (In the paper: Fig. 4.)",
           plot.ToString()};
 }
 
@@ -294,15 +292,15 @@ ReportFigure Stages(std::span<const ReportRun> runs) {
 constexpr KeyframeFigure kKeyframeFigures[] = {
     {"optimize",
      "optimize_time",
-     "Optimisation time per keyframe (Fig. 5 of the paper)",
+     "Optimisation time per keyframe",
      "optimisation [ms]",
-     "Thread CPU time of the optimisation of each keyframe.",
+     "Thread CPU time of the optimisation of each keyframe. (In the paper: Fig. 5.)",
      false},
     {"planes",
      "planes",
-     "Planes over time (Fig. 5 of the paper)",
+     "Planes over time",
      "planes in the estimator",
-     "Number of planes in the estimator at each keyframe.",
+     "Number of planes in the estimator at each keyframe. (In the paper: Fig. 5.)",
      true},
     {"constraints",
      "constraints",

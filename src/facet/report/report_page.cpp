@@ -32,7 +32,9 @@ th{background:#f2f5f8;position:sticky;top:0;white-space:normal;vertical-align:bo
 th:first-child{white-space:nowrap}td:first-child,th:first-child,td.text{text-align:left}
 figure{margin:22px 0}figure svg{max-width:100%;height:auto;border:1px solid #e3e3e3}
 figcaption,.note{color:#555;font-size:13px;max-width:760px;margin:4px 0}
-.figures{display:grid;grid-template-columns:repeat(auto-fill,minmax(540px,1fr));gap:0 24px}
+.scene{width:100%;height:min(80vh,760px);border:1px solid #cfd6de;border-radius:8px}
+@media print{.scene{display:none}}
+.figures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(540px,100%),1fr));gap:0 24px}
 nav a{margin-right:14px}details{margin:10px 0}summary{cursor:pointer}
 )";
 
@@ -204,6 +206,12 @@ std::string SectionHtml(const ordered_json& document, const Report& report, std:
   for (const ReportRun& run : section.runs) {
     for (const std::string& warning : run.evaluation.warnings)
       html += "<p class=\"note\">Warning: " + EscapeHtml(warning) + "</p>\n";
+  }
+  if (!section.scene_page.empty()) {
+    html +=
+        "<h3>Mesh, planes and trajectory in 3D</h3>\n<iframe class=\"scene\" loading=\"lazy\" "
+        "title=\"Mesh, planes and trajectory in 3D\" srcdoc=\"" +
+        EscapeHtml(section.scene_page) + "\"></iframe>\n";
   }
   html += FiguresHtml(MakeFigures(section.runs));
   const Table parameters = DifferingParameters(section);

@@ -20,6 +20,7 @@ struct ReportSection {
   std::string truth;
   std::string remark;  ///< a sentence about the runs; may be empty
   std::vector<ReportRun> runs;
+  std::string scene_page;  ///< HTML of a page that shows the runs in 3D; may be empty
 };
 
 struct Report {

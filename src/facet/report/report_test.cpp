@@ -131,6 +131,15 @@ TEST(ReportTest, NeedsNothingElseAndEscapesTexts) {
   EXPECT_EQ(html.find("</script>"), html.rfind("</script>"));
 }
 
+TEST(ReportTest, TheSceneIsAPageInThePage) {
+  const TempFolder folder;
+  Report report = MakeTestReport(folder);
+  EXPECT_THAT(ReportHtml(report), Not(HasSubstr("<iframe")));
+  report.sections[0].scene_page = "<p class=\"a\">1 & 2</p>";
+  EXPECT_THAT(ReportHtml(report),
+              HasSubstr("srcdoc=\"&lt;p class=&quot;a&quot;&gt;1 &amp; 2&lt;/p&gt;\""));
+}
+
 TEST(ReportTest, HasTheFiguresThatThereAreDataFor) {
   const TempFolder folder;
   const Report report = MakeTestReport(folder);

@@ -72,6 +72,8 @@ LiveView::LiveView(LiveViewOptions options, const StereoRig& rig)
     : options_(std::move(options)), rig_(rig), map_(options_.map) {
   ViewServerOptions server = options_.server;
   server.update = [this] { Update(); };
+  // A page that waits for the program connects before the server is in its place.
+  const std::lock_guard update_lock(update_mutex_);
   // The files are there when the run is over; until then nobody is told of them.
   server_ = std::make_unique<ViewServer>(server, PlainDownloads(options_.result, 0));
 }
@@ -85,6 +87,7 @@ void LiveView::AddImage(Timestamp t, const cv::Mat& left) {
 
 void LiveView::Add(const VioOutput& output, FrameRecord record) {
   const auto image = std::ranges::find_if(images_, [&](const Image& i) { return i.t == output.t; });
+  if (output.scene_update) is_request_due_ = output.scene_update->is_partial;
   const std::lock_guard lock(inbox_mutex_);
   inbox_.history.Add(std::move(record));
   for (const KeyframePose& keyframe : output.finished_keyframes)
@@ -106,8 +109,8 @@ bool LiveView::WantsSceneUpdate() {
   if (!inbox_.scene_updates.empty() || inbox_.history.frames().empty()) return false;
   const Timestamp now = inbox_.history.frames().back().t;
   const double since_s = ToSeconds(now - last_request_);
-  if (!is_first_request_ && since_s >= 0 && since_s < options_.scene_period_s) return false;
-  is_first_request_ = false;
+  if (!is_request_due_ && since_s >= 0 && since_s < options_.scene_period_s) return false;
+  is_request_due_ = false;
   last_request_ = now;
   return true;
 }

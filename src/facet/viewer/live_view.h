@@ -90,9 +90,9 @@ class LiveView {
 
   std::mutex inbox_mutex_;
   Inbox inbox_;
-  std::deque<Image> images_;  // run's thread only
-  Timestamp last_request_{};  // run's thread only
-  bool is_first_request_ = true;
+  std::deque<Image> images_;    // run's thread only
+  Timestamp last_request_{};    // run's thread only
+  bool is_request_due_ = true;  // at once: there was none, or it did not get all; run's thread only
 
   // Held for a whole update; the rest belongs to whoever holds it.
   std::mutex update_mutex_;

@@ -138,7 +138,7 @@ TEST(LiveView, TheMapFollowsInParts) {
   face.sigma_depth_m = 0.02;
   map.Add(face);
   auto update = std::make_shared<SceneUpdate>();
-  update->map_blocks = map.TakeChanged();
+  update->map_blocks = map.TakeChanged(100);
   update->planes.resize(1);
   VioOutput output = Keyframe(1);
   output.scene_update = update;

@@ -10,6 +10,7 @@
 #include "facet/io/errors.h"
 #include "facet/io/result_writer.h"
 #include "facet/testing/io/test_sequence.h"
+#include "facet/viewer/standalone_page.h"
 #include "facet/viewer/view_message.h"
 
 namespace facet {
@@ -86,6 +87,21 @@ TEST(ResultView, TwoResultsAreToldApartByTheirSource) {
     number = next->number;
   }
   EXPECT_EQ(num_second, 6);
+}
+
+TEST(ResultView, APageWithItsDataInsideNeedsNothingElse) {
+  const TempFolder folder;
+  WriteResult(folder.path(), SmallRun());
+  const std::string page = StandalonePage(ResultView({folder.path()}, nullptr));
+  EXPECT_TRUE(page.starts_with("<!doctype html>"));
+  EXPECT_TRUE(page.ends_with("</html>\n"));
+  EXPECT_EQ(page.find("page.js\""), std::string::npos);
+  EXPECT_EQ(page.find("page.css\""), std::string::npos);
+  int num_messages = 0;
+  for (std::size_t i = 0; (i = page.find("\"application/x-facet\">RkNUV", i)) != std::string::npos;
+       ++i)
+    ++num_messages;
+  EXPECT_EQ(num_messages, 7);
 }
 
 TEST(ResultView, WhatIsNoResultIsRefused) {

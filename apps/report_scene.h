@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The runs of a report in 3D.
+#pragma once
+
+#include "facet/eval/ground_truth.h"
+#include "facet/report/report_page.h"
+
+namespace facet {
+
+/// Adds the viewer's page with the first and the last run of the section that have a result folder
+/// with a mesh. A section without one, or whose page would be too large for a browser, has none.
+void AddScene(GroundTruth truth, ReportSection& section);
+
+}  // namespace facet
