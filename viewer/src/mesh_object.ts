@@ -49,10 +49,42 @@ function split(mesh: Mesh): SplitMesh {
   return { faces, origin: Uint32Array.from(origin), plane: Int32Array.from(plane) };
 }
 
+/** Vertices in one cell of a grid become one, about one of twelve; faces that keep three corners stay. */
+function cluster(positions: Float32Array, faces: Uint32Array): Uint32Array {
+  const EDGES_PER_CELL = 3.5, CELLS = 131072;
+  let sum = 0, count = 0;
+  const step = 3 * Math.max(1, Math.floor(faces.length / 3 / 1000));
+  for (let f = 0; f < faces.length; f += step) {
+    const a = 3 * faces[f]!, b = 3 * faces[f + 1]!;
+    sum += Math.hypot(
+      positions[a]! - positions[b]!, positions[a + 1]! - positions[b + 1]!, positions[a + 2]! - positions[b + 2]!);
+    count++;
+  }
+  const cell = (EDGES_PER_CELL * sum) / Math.max(count, 1);
+  if (!(cell > 0)) return faces;
+  const first = new Map<number, number>(); // vertex, by cell
+  const chosen = new Uint32Array(positions.length / 3);
+  for (let v = 0; v < chosen.length; v++) {
+    const [x, y, z] = [0, 1, 2].map((k) => Math.floor(positions[3 * v + k]! / cell) + CELLS / 2) as [number, number, number];
+    const key = (x * CELLS + y) * CELLS + z;
+    const known = first.get(key);
+    if (known === undefined) first.set(key, v);
+    chosen[v] = known ?? v;
+  }
+  const coarse: number[] = [];
+  for (let f = 0; f < faces.length; f += 3) {
+    const a = chosen[faces[f]!]!, b = chosen[faces[f + 1]!]!, c = chosen[faces[f + 2]!]!;
+    if (a !== b && b !== c && c !== a) coarse.push(a, b, c);
+  }
+  return Uint32Array.from(coarse);
+}
+
 export class MeshObject {
   readonly object: ThreeMesh<BufferGeometry, MeshLambertMaterial>;
   private readonly parts: SplitMesh;
   private readonly colours: Uint8Array;
+  private readonly fullIndex: BufferAttribute;
+  private coarseIndex: BufferAttribute | null = null;
 
   constructor(readonly mesh: Mesh, readonly source: number) {
     this.parts = split(mesh);
@@ -69,7 +101,8 @@ export class MeshObject {
     geometry.setAttribute('position', new BufferAttribute(positions, 3));
     geometry.setAttribute('normal', new BufferAttribute(normals, 4, true));
     geometry.setAttribute('color', new BufferAttribute(this.colours, 4, true));
-    geometry.setIndex(new BufferAttribute(this.parts.faces, 1));
+    this.fullIndex = new BufferAttribute(this.parts.faces, 1);
+    geometry.setIndex(this.fullIndex);
     if (n > 0) geometry.computeBoundingSphere();
     else geometry.boundingSphere = new Sphere(new Vector3(), 0);
     const material = new MeshLambertMaterial({ vertexColors: true, side: FrontSide });
@@ -85,6 +118,16 @@ export class MeshObject {
   set bothSides(both: boolean) {
     this.object.material.side = both ? DoubleSide : FrontSide;
     this.object.material.needsUpdate = true;
+  }
+
+  /** Fewer and larger faces over the same vertices, for a picture in motion; the first time takes a while. */
+  set coarse(coarse: boolean) {
+    if (coarse && !this.coarseIndex) {
+      const positions = this.object.geometry.getAttribute('position').array as Float32Array;
+      this.coarseIndex = new BufferAttribute(cluster(positions, this.parts.faces), 1);
+    }
+    const index = coarse ? this.coarseIndex! : this.fullIndex;
+    if (this.object.geometry.index !== index) this.object.geometry.setIndex(index);
   }
 
   recolour(colouring: Colouring, range: ColourRange): void {

@@ -37,6 +37,10 @@ const PATH_COLOURS = [
 ];
 
 const RECOLOUR_PERIOD_MS = 1000;
+// A picture in motion that takes longer than this gets fewer faces, until it is at rest for a moment.
+const SLOW_PICTURE_MS = 120;
+const REST_MS = 300;
+const MANY_FACES = 150000;
 
 export class Stage {
   readonly camera = new PerspectiveCamera(50, 1, 0.02, 2000);
@@ -59,6 +63,10 @@ export class Stage {
   private isDirty = true;
   private framedBy: 'nothing' | 'path' | 'mesh' | 'user' = 'nothing';
   private lastRecolour = 0;
+  private lastMotion = -Infinity;
+  private dirtySince = 0;
+  private isSlow = false;
+  private isCoarse = false;
   private lastFollowed: Vector3 | null = null;
 
   constructor(
@@ -75,7 +83,7 @@ export class Stage {
     this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
     this.controls.touches = { ONE: TOUCH.ROTATE, TWO: TOUCH.DOLLY_PAN };
     this.controls.zoomToCursor = true;
-    this.controls.addEventListener('change', () => this.invalidate());
+    this.controls.addEventListener('change', () => this.move());
     this.controls.addEventListener('start', () => (this.framedBy = 'user'));
     this.scene.add(new AmbientLight(0xffffff, 1.5), this.camera, this.measure);
     this.headLight.position.set(0.4, 0.6, 1);
@@ -84,13 +92,33 @@ export class Stage {
     this.grid = this.makeGrid();
     const render = (): void => {
       requestAnimationFrame(render);
-      if (this.isDirty) this.render();
+      const now = performance.now();
+      if (this.isCoarse && now - this.lastMotion > REST_MS) this.invalidate();
+      if (!this.isDirty) return;
+      const isMoving = now - this.lastMotion < REST_MS;
+      // The browser lets a picture wait for the one before it.
+      if (isMoving && now - this.dirtySince > SLOW_PICTURE_MS) this.isSlow = true;
+      this.setCoarse(this.isSlow && isMoving);
+      this.render();
     };
     requestAnimationFrame(render);
   }
 
   invalidate(): void {
+    if (!this.isDirty) this.dirtySince = performance.now();
     this.isDirty = true;
+  }
+
+  private move(): void {
+    this.lastMotion = performance.now();
+    this.invalidate();
+  }
+
+  private setCoarse(coarse: boolean): void {
+    let num = 0;
+    for (const s of this.sources) for (const m of s.meshes.values()) num += m.mesh.faces.length / 3;
+    this.isCoarse = coarse && num > MANY_FACES;
+    for (const s of this.sources) for (const m of s.meshes.values()) m.coarse = this.isCoarse;
   }
 
   // ------------------------------------------------------------------ what is shown
@@ -356,6 +384,7 @@ export class Stage {
     const at = new Vector2(
       (2 * (clientX - rect.left - view.x)) / view.width - 1, 1 - (2 * (clientY - rect.top)) / rect.height);
     this.setAspect(view.width / rect.height);
+    this.setCoarse(false);
     const caster = new Raycaster();
     caster.setFromCamera(at, this.camera);
     const objects = view.sources.flatMap((i) =>
@@ -449,6 +478,7 @@ export class Stage {
 
   /** A PNG of what is shown. */
   async screenshot(): Promise<Blob> {
+    this.setCoarse(false);
     this.render();
     return new Promise((resolve, reject) =>
       this.canvas.toBlob((b) => (b ? resolve(b) : reject(new Error('the picture could not be made'))), 'image/png'));
@@ -475,6 +505,7 @@ export class Stage {
       camera: this.camera.position.toArray(),
       target: this.controls.target.toArray(),
       colour: this.firstColour(),
+      isCoarse: this.isCoarse,
       triangles: this.renderer.info.render.triangles,
       measure: this.measure.children.length,
       frames: this.numFrames,
