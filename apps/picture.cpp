@@ -21,6 +21,11 @@ void PictureCommand(const PictureArguments& arguments) {
   if (!arguments.from.empty()) {
     options.from_W = PointOf(arguments.from);
     options.to_W = PointOf(arguments.to);
+    constexpr double kFarthest_m = 1e7;
+    for (const Vector3d& p : {*options.from_W, *options.to_W}) {
+      if (!p.allFinite() || !(p.cwiseAbs().maxCoeff() <= kFarthest_m))
+        throw ConfigError("--from and --to: numbers up to 1e7 m are expected");
+    }
     if (*options.from_W == *options.to_W) throw ConfigError("--from and --to: are the same point");
   }
   if (!arguments.size.empty()) {

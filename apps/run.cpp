@@ -244,7 +244,11 @@ std::unique_ptr<LiveView> OpenLiveView(const RunArguments& arguments,
 /// Until Ctrl-C, unless that has ended the run or nobody wants to look.
 void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRun& run) {
   if (live == nullptr || run.end == RunEnd::kStopped) return;
-  live->ShowResult(run.end == RunEnd::kComplete ? 0 : ExitCode(run.end), run.message);
+  try {
+    live->ShowResult(run.end == RunEnd::kComplete ? 0 : ExitCode(run.end), run.message);
+  } catch (const std::exception& error) {  // the run ends as it ended
+    std::fprintf(stderr, "facet: warning: the result cannot be shown: %s\n", error.what());
+  }
   if (arguments.view_exit) return;
   std::printf("the result is at %s; Ctrl-C ends\n", live->server().url().c_str());
   std::fflush(stdout);

@@ -27,6 +27,11 @@ HttpAnswers::HttpAnswers(const ViewAccess& access, std::vector<ViewDownload> dow
     pages_[std::string(asset.path)] = {
         std::string(asset.type), std::string(asset.bytes), Gzip(asset.bytes)};
   }
+  SetDownloads(std::move(downloads));
+}
+
+void HttpAnswers::SetDownloads(std::vector<ViewDownload> downloads) {
+  downloads_.clear();
   for (ViewDownload& download : downloads)
     downloads_[download.name] = std::move(download);
 }

@@ -31,6 +31,8 @@ class HttpAnswers {
  public:
   HttpAnswers(const ViewAccess& access, std::vector<ViewDownload> downloads);
 
+  void SetDownloads(std::vector<ViewDownload> downloads);
+
   HttpAnswer Answer(const HttpQuestion& question) const;
 
  private:

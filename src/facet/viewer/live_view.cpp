@@ -74,8 +74,8 @@ LiveView::LiveView(LiveViewOptions options, const StereoRig& rig)
   server.update = [this] { Update(); };
   // A page that waits for the program connects before the server is in its place.
   const std::lock_guard update_lock(update_mutex_);
-  // The files are there when the run is over; until then nobody is told of them.
-  server_ = std::make_unique<ViewServer>(server, PlainDownloads(options_.result, 0));
+  // The files of the result are there when the run is over.
+  server_ = std::make_unique<ViewServer>(server, std::vector<ViewDownload>{});
 }
 
 LiveView::~LiveView() = default;
@@ -160,7 +160,8 @@ void LiveView::PostHello(int history) {
                       {"stages", kStageNames},
                       {"history", history},
                       {"sources", Json::array({source})}};
-  Post("hello", TextMessage({MessageType::kHello}, JsonText(hello)));
+  slots_.insert("hello");
+  server_->board().PostFirst("hello", TextMessage({MessageType::kHello}, JsonText(hello)));
 }
 
 void LiveView::PostFrames() {
@@ -177,6 +178,12 @@ void LiveView::PostFrames() {
       fresh.assign(frames.begin() + static_cast<std::ptrdiff_t>(begin), frames.end());
   }
   PostHello(history);
+  // A history that was thinned has fewer groups than before.
+  for (std::size_t k = (begin + fresh.size() + kFramesPerGroup - 1) / kFramesPerGroup;
+       !fresh.empty() && slots_.erase("0/frames" + std::to_string(k)) > 0;
+       ++k) {
+    server_->board().Remove("0/frames" + std::to_string(k));
+  }
   for (std::size_t at = 0; at < fresh.size(); at += kFramesPerGroup) {
     const auto group =
         std::span(fresh).subspan(at).first(std::min(kFramesPerGroup, fresh.size() - at));
@@ -305,6 +312,7 @@ void LiveView::ShowResult(int code, const std::string& message) {
     if (slot != "0/image") server_->board().Remove(slot);
   }
   const ResultView result({options_.result}, nullptr, DescribeCamera(rig_).dump());
+  server_->SetDownloads(result.Downloads());
   result.PostTo(server_->board());
   const Json ended = {{"code", code}, {"message", message}};
   server_->board().Post("ended", TextMessage({MessageType::kEnded}, JsonText(ended)));

@@ -84,16 +84,25 @@ class Client {
     socket_.handshake("127.0.0.1:1", "/live");
   }
 
+  /// The next message.
+  std::string Read() {
+    boost::beast::flat_buffer buffer;
+    socket_.read(buffer);
+    return boost::beast::buffers_to_string(buffer.data());
+  }
+
   /// Reads until a message of this type comes.
   std::string ReadUntil(MessageType wanted) {
     while (true) {
-      boost::beast::flat_buffer buffer;
-      socket_.read(buffer);
-      std::string bytes = boost::beast::buffers_to_string(buffer.data());
-      std::uint16_t type = 0;
-      std::memcpy(&type, bytes.data() + 6, sizeof(type));
-      if (type == static_cast<std::uint16_t>(wanted)) return bytes;
+      std::string bytes = Read();
+      if (TypeOf(bytes) == wanted) return bytes;
     }
+  }
+
+  static MessageType TypeOf(const std::string& bytes) {
+    std::uint16_t type = 0;
+    std::memcpy(&type, bytes.data() + 6, sizeof(type));
+    return static_cast<MessageType>(type);
   }
 
  private:
@@ -163,6 +172,52 @@ TEST(LiveView, AfterTheRunItsFilesAreShown) {
   EXPECT_NE(hello.find("T_BC0"), std::string::npos);
   client.ReadUntil(MessageType::kFrames);
   EXPECT_NE(client.ReadUntil(MessageType::kEnded).find("it was lost"), std::string::npos);
+}
+
+TEST(LiveView, AClientThatComesAfterTheRunGetsHelloFirst) {
+  const TempFolder folder;
+  LiveView view(AnyPort(folder.path()), SmallRig());
+  {
+    Client client(view);
+    view.AddImage({5}, cv::Mat(48, 64, CV_8UC1, cv::Scalar(100)));
+    view.Add(Keyframe(5), RecordOf(Keyframe(5)));
+    client.ReadUntil(MessageType::kImage);
+  }
+  RunRecord run;
+  run.frames.push_back(RecordOf(Keyframe(5)));
+  WriteResult(folder.path(), run);
+  view.ShowResult(0, "");
+  Client client(view);
+  EXPECT_EQ(Client::TypeOf(client.Read()), MessageType::kHello);
+  EXPECT_EQ(Client::TypeOf(client.Read()), MessageType::kImage);
+}
+
+TEST(LiveView, AHistoryThatWasThinnedIsSentFromHelloOn) {
+  const TempFolder folder;
+  LiveView view(AnyPort(folder.path()), SmallRig());
+  VioOutput plain;
+  plain.has_pose = true;
+  const auto add_frames = [&](std::int64_t begin, std::int64_t end) {
+    for (plain.t.ns = begin; plain.t.ns < end; ++plain.t.ns)
+      view.Add(plain, RecordOf(plain));
+  };
+  add_frames(1, 24500);
+  Client early(view);
+  early.ReadUntil(MessageType::kHello);
+  early.ReadUntil(MessageType::kFrames);
+  add_frames(24500, 24700);  // thins
+  early.ReadUntil(MessageType::kHello);
+  Client late(view);
+  EXPECT_EQ(Client::TypeOf(late.Read()), MessageType::kHello);
+  // Each group is newer than the one before: none of the longer history is left.
+  std::int64_t newest = 0;
+  while (newest < 24600) {
+    const std::string frames = late.ReadUntil(MessageType::kFrames);
+    std::int64_t stamp = 0;
+    std::memcpy(&stamp, frames.data() + 16, sizeof(stamp));
+    ASSERT_GT(stamp, newest);
+    newest = stamp;
+  }
 }
 
 TEST(FrameHistory, ALongRunIsThereFromItsBeginning) {

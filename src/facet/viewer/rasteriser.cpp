@@ -48,6 +48,11 @@ double Cross(const Vector3d& a, const Vector3d& b, double x, double y) {
   return (b.x() - a.x()) * (y - a.y()) - (b.y() - a.y()) * (x - a.x());
 }
 
+// The sample at a coordinate, or the nearest one of the picture.
+int Within(double x, int size) {
+  return static_cast<int>(std::clamp<double>(x, 0, size - 1));
+}
+
 }  // namespace
 
 ViewPoint::ViewPoint(
@@ -106,8 +111,11 @@ void Rasteriser::DrawTriangle(const ViewPoint& view,
     const auto [x0, x1] = std::minmax({q[0].x(), q[1].x(), q[2].x()});
     const auto [y0, y1] = std::minmax({q[0].y(), q[1].y(), q[2].y()});
     if (x1 < 0 || y1 < 0 || x0 > width_ || y0 > height_) continue;
-    for (int y = std::max(0, static_cast<int>(y0)); y <= std::min<double>(height_ - 1, y1); ++y) {
-      for (int x = std::max(0, static_cast<int>(x0)); x <= std::min<double>(width_ - 1, x1); ++x) {
+    if (!std::isfinite(area)) continue;
+    const int first_x = Within(x0, width_), last_x = Within(x1, width_);
+    const int first_y = Within(y0, height_), last_y = Within(y1, height_);
+    for (int y = first_y; y <= last_y; ++y) {
+      for (int x = first_x; x <= last_x; ++x) {
         const double px = x + 0.5, py = y + 0.5;
         const double a = Cross(q[1], q[2], px, py) / area, b = Cross(q[2], q[0], px, py) / area;
         const double c = 1 - a - b;
@@ -147,9 +155,10 @@ void Rasteriser::DrawLine(const ViewPoint& view,
     const double y = kSamples * (p.y() + t * (q.y() - p.y()));
     const double inverse = 1 / p.z() + t * (1 / q.z() - 1 / p.z());
     const double shown = 1 / std::max(1 / inverse - nearer_m, 0.5 / inverse);
-    for (int v = static_cast<int>(std::ceil(y - radius)); v <= y + radius; ++v) {
-      for (int u = static_cast<int>(std::ceil(x - radius)); u <= x + radius; ++u) {
-        if (u < 0 || v < 0 || u >= width_ || v >= height_) continue;
+    if (!(x + radius >= 0 && y + radius >= 0 && x - radius < width_ && y - radius < height_))
+      continue;
+    for (int v = Within(y - radius, height_); v <= Within(y + radius, height_); ++v) {
+      for (int u = Within(x - radius, width_); u <= Within(x + radius, width_); ++u) {
         if ((u - x) * (u - x) + (v - y) * (v - y) <= radius * radius) Put(u, v, shown, colour);
       }
     }

@@ -170,6 +170,8 @@ void DrawLabels(std::vector<EstimatedPlane> planes,
     const Vector3d p_C = view.ToCamera(plane.centre_W);
     if (!(p_C.z() > 0)) continue;
     const Vector3d px = view.ToImage(p_C);
+    constexpr double kFar_px = 1e6;
+    if (!(px.head<2>().cwiseAbs().maxCoeff() < kFar_px)) continue;
     const std::string text = plane.label + " " + std::to_string(plane.id);
     const cv::Size letters = cv::getTextSize(text, cv::FONT_HERSHEY_DUPLEX, size, 1, nullptr);
     const int border = letters.height / 2;

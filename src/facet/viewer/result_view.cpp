@@ -2,6 +2,7 @@
 #include "facet/viewer/result_view.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -101,9 +102,10 @@ std::vector<std::int64_t> MeshStamps(const fs::path& folder) {
   std::error_code none;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
     const std::string stem = entry.path().stem().string();
-    const bool is_stamp = !stem.empty() && stem.size() < 20 &&
-                          stem.find_first_not_of("0123456789") == std::string::npos;
-    if (is_stamp && entry.path().extension() == ".ply") stamps.push_back(std::stoll(stem));
+    std::int64_t stamp = 0;
+    const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), stamp);
+    const bool is_stamp = error == std::errc() && end == stem.data() + stem.size() && stamp >= 0;
+    if (is_stamp && entry.path().extension() == ".ply") stamps.push_back(stamp);
   }
   std::ranges::sort(stamps);
   return stamps;
@@ -238,7 +240,8 @@ void ResultView::AddMeshes(const fs::path& folder, int source, Json& description
 }
 
 void ResultView::PostTo(ViewBoard& board) const {
-  for (const Message& message : messages_)
+  board.PostFirst(messages_.front().slot, messages_.front().bytes);
+  for (const Message& message : std::span(messages_).subspan(1))
     board.Post(message.slot, message.bytes);
 }
 

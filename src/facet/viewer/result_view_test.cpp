@@ -56,8 +56,10 @@ TEST(ResultView, APlainResultBecomesMessagesAndDownloads) {
   const TempFolder folder;
   WriteResult(folder.path(), SmallRun());
   std::filesystem::create_directories(folder.path() / "meshes");
-  std::filesystem::copy(folder.path() / "map.ply", folder.path() / "meshes" / "7.ply");
-  std::filesystem::copy(folder.path() / "map.ply", folder.path() / "meshes" / "evil.ply");
+  for (const char* name : {"7", "1403636579763555584", "9999999999999999999", "evil"}) {
+    const std::string file = std::string(name) + ".ply";
+    std::filesystem::copy(folder.path() / "map.ply", folder.path() / "meshes" / file);
+  }
   const ResultView view({folder.path()}, nullptr);
   ViewBoard board;
   view.PostTo(board);
@@ -70,6 +72,8 @@ TEST(ResultView, APlainResultBecomesMessagesAndDownloads) {
   EXPECT_EQ(files["a/map.glb"].substr(0, 4), "glTF");
   EXPECT_EQ(files["a/map.ply"].substr(0, 3), "ply");
   EXPECT_EQ(files["a/horizon-7.facet"].substr(0, 4), "FCTV");
+  EXPECT_TRUE(files.contains("a/horizon-1403636579763555584.facet"));
+  EXPECT_FALSE(files.contains("a/horizon-9999999999999999999.facet")) << "is no stamp";
   EXPECT_FALSE(files.contains("a/horizon-evil.facet"));
 }
 

@@ -8,10 +8,30 @@ namespace facet {
 void ViewBoard::Post(const std::string& slot, std::string message) {
   auto shared = std::make_shared<const std::string>(std::move(message));
   const std::lock_guard lock(mutex_);
+  Put(slot, std::move(shared));
+}
+
+void ViewBoard::PostFirst(const std::string& slot, std::string message) {
+  auto shared = std::make_shared<const std::string>(std::move(message));
+  const std::lock_guard lock(mutex_);
+  Put(slot, std::move(shared));
+  const std::uint64_t first = newest_;
+  std::map<std::uint64_t, std::string> others;
+  for (const auto& [name, number] : number_of_slot_) {
+    if (number != first) others.emplace(number, name);
+  }
+  for (const auto& [number, name] : others) {
+    auto node = messages_.extract(number);
+    messages_.emplace(++newest_, std::move(node.mapped()));
+    number_of_slot_[name] = newest_;
+  }
+}
+
+void ViewBoard::Put(const std::string& slot, SharedBytes message) {
   Erase(slot);
-  num_bytes_ += shared->size();
+  num_bytes_ += message->size();
   number_of_slot_[slot] = ++newest_;
-  messages_.emplace(newest_, std::move(shared));
+  messages_.emplace(newest_, std::move(message));
 }
 
 void ViewBoard::Remove(const std::string& slot) {

@@ -26,6 +26,10 @@ class ViewBoard {
   /// Replaces what the slot held. It goes to the end of the order in which slots are sent.
   void Post(const std::string& slot, std::string message);
 
+  /// The same for what has to come before everything else: all other messages are posted anew
+  /// behind it, in their order.
+  void PostFirst(const std::string& slot, std::string message);
+
   /// Empties the slot; clients that already have its message keep it.
   void Remove(const std::string& slot);
 
@@ -37,6 +41,8 @@ class ViewBoard {
   std::size_t num_bytes() const;  ///< of all messages on the board
 
  private:
+  // Under the lock.
+  void Put(const std::string& slot, SharedBytes message);
   void Erase(const std::string& slot);
 
   mutable std::mutex mutex_;

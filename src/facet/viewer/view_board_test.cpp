@@ -39,6 +39,20 @@ TEST(ViewBoard, ASlowClientSkipsWhatWasReplaced) {
   EXPECT_EQ(*first->message, "m0");  // still whole for the one who sends it
 }
 
+TEST(ViewBoard, WhatComesFirstIsFollowedByEverythingElseAnew) {
+  ViewBoard board;
+  board.Post("hello", "h1");
+  board.Post("mesh", "m");
+  board.Post("planes", "p");
+  const std::uint64_t newest = 3;
+  board.PostFirst("hello", "h2");
+  const std::vector<std::string> all = {"h2", "m", "p"};
+  EXPECT_EQ(AllAfter(board, 0), all);
+  EXPECT_EQ(AllAfter(board, newest), all);
+  board.Remove("planes");
+  EXPECT_EQ(board.num_bytes(), 3u);
+}
+
 TEST(ViewBoard, ARemovedSlotIsEmpty) {
   ViewBoard board;
   board.Post("mesh", "m");

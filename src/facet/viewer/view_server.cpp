@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <exception>
 #include <set>
 #include <thread>
@@ -54,15 +55,17 @@ struct Service {
   void RemoveClient(LiveClient* client);
   void RunUpdate();
   void ScheduleUpdate();
+  /// Whatever goes wrong here is the viewer's business: the run that it shows goes on.
+  void Warn(const std::exception& error);
 
   const ViewServerOptions options;
   const ViewAccess access;
-  const HttpAnswers answers;
+  HttpAnswers answers;
   const std::shared_ptr<ViewBoard> board;
   std::set<LiveClient*> clients;
   std::atomic<int> num_clients{0}, num_connections{0};
   int num_refused = 0;  // whose refusal is under way
-  bool is_update_scheduled = false;
+  bool is_update_scheduled = false, has_warned = false;
   // Last but for the timer, which uses it: what it destroys refers to the members above.
   asio::io_context context{1};
   asio::steady_timer update_timer;
@@ -160,8 +163,17 @@ void Service::RemoveClient(LiveClient* client) {
 
 void Service::RunUpdate() {
   if (!options.update) return;
-  options.update();
+  try {
+    options.update();
+  } catch (const std::exception& error) {
+    Warn(error);
+  }
   Announce();
+}
+
+void Service::Warn(const std::exception& error) {
+  if (std::exchange(has_warned, true)) return;
+  std::fprintf(stderr, "facet: warning: the viewer had an error: %s\n", error.what());
 }
 
 void Service::ScheduleUpdate() {
@@ -335,7 +347,7 @@ class ViewServer::Impl {
       throw ConfigError("--host " + options.host + ": others can reach it, so it needs a token");
     Listen();
     Accept();
-    thread_ = std::thread([this] { service_.context.run(); });
+    thread_ = std::thread([this] { Run(); });
   }
 
   ~Impl() {
@@ -366,9 +378,19 @@ class ViewServer::Impl {
     if (error) {
       throw ConfigError("the viewer cannot listen on " + options.host + ", ports " +
                         std::to_string(options.port) + " to " + std::to_string(last) + ": " +
-                        error.message());
+                        error.message() + "; choose another with --host, --port or --view=PORT");
     }
     port_ = acceptor_.local_endpoint().port();
+  }
+
+  void Run() {
+    while (!service_.context.stopped()) {
+      try {
+        service_.context.run();
+      } catch (const std::exception& error) {
+        service_.Warn(error);
+      }
+    }
   }
 
   void Accept() {
@@ -415,6 +437,13 @@ ViewServer::~ViewServer() = default;
 void ViewServer::Announce() {
   Service& service = impl_->service();
   if (service.num_clients > 0) asio::post(service.context, [&service] { service.Announce(); });
+}
+
+void ViewServer::SetDownloads(std::vector<ViewDownload> downloads) {
+  Service& service = impl_->service();
+  asio::post(service.context, [&service, downloads = std::move(downloads)]() mutable {
+    service.answers.SetDownloads(std::move(downloads));
+  });
 }
 
 int ViewServer::port() const {

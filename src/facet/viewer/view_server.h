@@ -53,6 +53,9 @@ class ViewServer {
   /// What is posted reaches the clients soon.
   ViewBoard& board() { return *board_; }
 
+  /// Replaces the downloads, before postings that are announced after it.
+  void SetDownloads(std::vector<ViewDownload> downloads);
+
   /// Postings since the last call may be sent; to be called after a group of them.
   void Announce();
 
