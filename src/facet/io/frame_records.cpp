@@ -10,6 +10,7 @@
 
 #include "facet/io/csv_reader.h"
 #include "facet/io/errors.h"
+#include "facet/io/states_file.h"
 
 namespace facet {
 namespace {
@@ -62,9 +63,6 @@ class NamedTable {
   int Count(const std::string& name) const {
     return static_cast<int>(ParseInteger(Text(name)).value_or(0));
   }
-  Vector3d Vector(const std::string& stem) const {
-    return {Number(stem + "x"), Number(stem + "y"), Number(stem + "z")};
-  }
   Timestamp Stamp() const {
     const auto ns = ParseInteger(Text("timestamp_ns"));
     if (!ns) {
@@ -82,26 +80,41 @@ class NamedTable {
   int line_ = 0;
 };
 
-FrameRecord StateOf(const NamedTable& row) {
+/// A frame of which nothing is known but its stamp.
+FrameRecord Frame(Timestamp t) {
   FrameRecord f;
-  f.t = row.Stamp();
-  f.state.t = f.t;
-  const Quaterniond q(row.Number("qw"), row.Number("qx"), row.Number("qy"), row.Number("qz"));
-  f.state.T_WB.p = row.Vector("p");
-  f.has_pose = f.state.T_WB.p.allFinite() && q.norm() > 0;
-  if (f.has_pose) f.state.T_WB.q = q.normalized();
-  f.state.v_WB = row.Vector("v");
-  f.state.bias.b_g = row.Vector("bg");
-  f.state.bias.b_a = row.Vector("ba");
-  f.sigma_p = row.Vector("sigma_p");
-  f.sigma_theta = row.Vector("sigma_r");
-  f.sigma_v = row.Vector("sigma_v");
-  f.sigma_b_g = row.Vector("sigma_bg");
-  f.sigma_b_a = row.Vector("sigma_ba");
-  f.status = row.Text("status");
-  f.reason = row.Text("reason");
-  f.segment = row.Count("segment");
+  f.t = f.state.t = t;
+  const Vector3d unknown = Unknown3();
+  f.state.T_WB.p = f.state.v_WB = f.state.bias.b_g = f.state.bias.b_a = unknown;
+  f.sigma_p = f.sigma_theta = f.sigma_v = f.sigma_b_g = f.sigma_b_a = unknown;
   return f;
+}
+
+void TakeState(const EstimatedState& s, FrameRecord& f) {
+  f.has_pose = true;
+  f.state = s.state;
+  f.segment = s.segment;
+  f.sigma_p = s.sigma_p;
+  f.sigma_theta = s.sigma_theta;
+  f.sigma_v = s.sigma_v;
+  f.sigma_b_g = s.sigma_b_g;
+  f.sigma_b_a = s.sigma_b_a;
+}
+
+// ReadStates judges what it reads, and leaves out frames without a pose.
+std::vector<FrameRecord> FromStates(const fs::path& file) {
+  const std::vector<EstimatedState> states = ReadStates(file);
+  auto state = states.begin();
+  std::vector<FrameRecord> frames;
+  NamedTable row(file);
+  while (row.Next()) {
+    FrameRecord& f = frames.emplace_back(Frame(row.Stamp()));
+    f.status = row.Text("status");
+    f.reason = row.Text("reason");
+    f.segment = row.Count("segment");
+    if (state != states.end() && state->state.t == f.t) TakeState(*state++, f);
+  }
+  return frames;
 }
 
 void AddTiming(const fs::path& file, std::vector<FrameRecord>& frames) {
@@ -126,21 +139,10 @@ void AddTiming(const fs::path& file, std::vector<FrameRecord>& frames) {
 
 std::vector<FrameRecord> FromTrajectory(const fs::path& file) {
   std::vector<FrameRecord> frames;
-  const Vector3d unknown = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   for (const StampedPose& pose : ReadTrajectory(file).poses) {
-    FrameRecord& f = frames.emplace_back();
-    f.t = pose.t;
+    FrameRecord& f = frames.emplace_back(Frame(pose.t));
     f.has_pose = true;
     f.state.T_WB = pose.T_WB;
-    for (Vector3d* v : {&f.state.v_WB,
-                        &f.state.bias.b_g,
-                        &f.state.bias.b_a,
-                        &f.sigma_p,
-                        &f.sigma_theta,
-                        &f.sigma_v,
-                        &f.sigma_b_g,
-                        &f.sigma_b_a})
-      *v = unknown;
     f.status = "ok";
   }
   return frames;
@@ -150,10 +152,7 @@ std::vector<FrameRecord> FromTrajectory(const fs::path& file) {
 
 std::vector<FrameRecord> ReadFrameRecords(const fs::path& folder) {
   if (!fs::exists(folder / "states.csv")) return FromTrajectory(folder / "trajectory.tum");
-  std::vector<FrameRecord> frames;
-  NamedTable row(folder / "states.csv");
-  while (row.Next())
-    frames.push_back(StateOf(row));
+  std::vector<FrameRecord> frames = FromStates(folder / "states.csv");
   AddTiming(folder / "timing.csv", frames);
   return frames;
 }

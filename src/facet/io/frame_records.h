@@ -11,8 +11,8 @@ namespace facet {
 
 /// From states.csv and timing.csv of a result folder; without states.csv the poses of
 /// trajectory.tum. What the files do not say is nan or empty. Sorted as the file is. Throws
-/// InputError naming the file and the line where a stamp is no number, and where neither file is
-/// there.
+/// InputError naming the file and the line where ReadStates does or a stamp is no number, and where
+/// neither file is there.
 std::vector<FrameRecord> ReadFrameRecords(const std::filesystem::path& folder);
 
 }  // namespace facet

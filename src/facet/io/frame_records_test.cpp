@@ -52,6 +52,16 @@ TEST(FrameRecords, WhatARunWroteIsReadAgain) {
   EXPECT_EQ(f.num_planes, 4);
 }
 
+TEST(FrameRecords, StatesThatWereCutOffAreRefused) {
+  const TempFolder folder;
+  WriteResult(folder.path(), TwoFrames());
+  const auto states = folder / "states.csv";
+  Truncate(states, ReadText(states).size() - 40);
+  EXPECT_THROW(ReadFrameRecords(folder.path()), InputError);
+  Truncate(states, 0);
+  EXPECT_THROW(ReadFrameRecords(folder.path()), InputError);
+}
+
 TEST(FrameRecords, WithoutStatesTheTrajectoryIsAllThereIs) {
   const TempFolder folder;
   EXPECT_THROW(ReadFrameRecords(folder.path()), InputError);
