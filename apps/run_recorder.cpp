@@ -15,6 +15,7 @@ FrameRecord MakeFrameRecord(const VioOutput& output) {
   f.has_pose = output.has_pose;
   f.segment = output.segment;
   f.state = output.state;
+  f.T_MW = output.T_MW;
   f.sigma_p = output.sigma_p;
   f.sigma_theta = output.sigma_theta;
   f.sigma_v = output.sigma_v;

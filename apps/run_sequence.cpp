@@ -371,6 +371,7 @@ class SequenceRunner {
     record.map_memory_mb = result.map_memory.used_mb;
     record.map_is_full = result.map_memory.is_full;
     record.planes = std::move(result.planes);
+    record.loops = std::move(result.loops);
     record.estimated_calibration = std::move(result.calibration);
     problems_.num_refused_imu = result.num_refused_imu;
     problems_.num_stray_imu = result.num_stray_imu;

@@ -24,6 +24,7 @@ RANK = {
     "mesh": 4,
     "regularities": 5,
     "plausibility": 5,
+    "loop": 5,
     "io": 6,
     "sim": 6,
     "eval": 6,

@@ -49,6 +49,7 @@ void RunStages(AslDataset& dataset,
   FrontStage front(rig, options);
   PoseStage pose(rig, dataset.imu_noise(), options);
   SceneStage scene(rig, options);
+  LoopStage loops(rig, options);
   VisitedFront visited(front, visit);
   std::size_t next_imu = 0;
   for (std::size_t i = 0; i < dataset.frames().size(); ++i) {
@@ -58,7 +59,7 @@ void RunStages(AslDataset& dataset,
       front.AddImu(imu[next_imu++]);
     StereoFrame frame{t, {}, {}};
     dataset.ReadPair(i, frame.left, frame.right);
-    const BackHalf back_half = ProcessFrame(visited, pose, scene, frame, nullptr);
+    const BackHalf back_half = ProcessFrame(visited, pose, scene, loops, frame, nullptr);
     if (!visited.goes_on()) return;
     ProcessedFrame processed = back_half();
     if (processed.feedback) front.AddFeedback(std::move(*processed.feedback));

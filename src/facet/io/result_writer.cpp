@@ -11,6 +11,7 @@
 #include "facet/io/calibration_writer.h"
 #include "facet/io/errors.h"
 #include "facet/io/json_file.h"
+#include "facet/io/loop_files.h"
 #include "facet/io/ply_writer.h"
 #include "facet/io/text_file.h"
 
@@ -244,6 +245,13 @@ Json Summary(const RunRecord& run) {
     json["map_memory_mb"] = run.map_memory_mb;
     json["map_is_full"] = run.map_is_full;
   }
+  if (run.loops) {
+    json["loops"] = {{"places", run.loops->num_places},
+                     {"compared", run.loops->closures.size()},
+                     {"closures", run.loops->NumAccepted()},
+                     {"memory_mb", run.loops->memory_mb},
+                     {"cpu_s", 1e-3 * run.loops->cpu_ms}};
+  }
   json["resets"] = run.num_resets;
   json["segments"] = SegmentsSummary(frames);
   json["dropped_frames"] = run.num_dropped;
@@ -259,6 +267,14 @@ std::vector<StampedPose> RunRecord::CausalTrajectory() const {
   std::vector<StampedPose> poses;
   for (const FrameRecord& f : frames) {
     if (f.has_pose) poses.push_back({f.t, f.state.T_WB});
+  }
+  return poses;
+}
+
+std::vector<StampedPose> RunRecord::CausalMapTrajectory() const {
+  std::vector<StampedPose> poses;
+  for (const FrameRecord& f : frames) {
+    if (f.has_pose) poses.push_back({f.t, f.T_MW * f.state.T_WB});
   }
   return poses;
 }
@@ -279,6 +295,12 @@ void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   if (run.mesh) WritePlyMesh(folder / "mesh.ply", *run.mesh);
   if (run.map) WritePlyMesh(folder / "map.ply", *run.map);
   if (run.planes) WriteTextFile(folder / "planes.csv", PlanesCsv(*run.planes));
+  if (run.loops) {
+    WriteTum(folder / "trajectory_map.tum", run.CausalMapTrajectory());
+    WriteTum(folder / "trajectory_final.tum",
+             MoveIntoMap(run.CausalTrajectory(), run.loops->corrections));
+    WriteTextFile(folder / "closures.csv", ClosuresCsv(run.loops->closures));
+  }
   if (run.estimated_calibration)
     WriteCalibration(folder / "calibration.yaml", *run.estimated_calibration);
   WriteTextFile(folder / "config.yaml", run.config);

@@ -11,6 +11,7 @@
 #include "facet/camera/stereo_rig.h"
 #include "facet/imu/imu_types.h"
 #include "facet/io/trajectory_file.h"
+#include "facet/loop/loop_result.h"
 #include "facet/map/plane_record.h"
 #include "facet/mesh/triangle_mesh.h"
 
@@ -23,6 +24,7 @@ struct FrameRecord {
   bool has_pose = false;
   int segment = 0;  ///< of the pose: the stretches between losses, from 0 on
   NavState state;   ///< causal; meaningless without a pose
+  SE3 T_MW;         ///< to the map, as known then
   Vector3d sigma_p = Vector3d::Zero();
   Vector3d sigma_theta = Vector3d::Zero();
   Vector3d sigma_v = Vector3d::Zero();
@@ -62,10 +64,13 @@ struct RunRecord {
   std::optional<std::vector<PlaneRecord>> planes;  ///< ever in the estimator, in W; if looked for
   /// Surface of the horizon mesh and of the newest keyframe's own faces, by keyframe [m^2].
   std::vector<double> mesh_areas_m2, view_areas_m2;
+  std::optional<LoopResult> loops;                 ///< if places were looked for
   std::optional<StereoRig> estimated_calibration;  ///< if it was estimated
   std::string config;                              ///< YAML of every parameter in force
 
   std::vector<StampedPose> CausalTrajectory() const;  ///< of the frames with a pose
+  /// The same in the map, corrected as far as was known at each frame.
+  std::vector<StampedPose> CausalMapTrajectory() const;
   /// Seconds from first_pair to the first pose.
   std::optional<double> InitSeconds() const;
 };

@@ -2,6 +2,7 @@
 // Immutable copy of what the estimator knows, for the front end (depth), the mesher and output.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <vector>
@@ -54,5 +55,15 @@ struct MapSnapshot {
   std::vector<PlaneRelation> relations;     ///< between these planes, in force
   std::vector<LandmarkEstimate> landmarks;  ///< sorted by id; every point in front of its cameras
 };
+
+/// Null if the snapshot does not hold it.
+inline const LandmarkEstimate* FindLandmark(const MapSnapshot& snapshot, LandmarkId id) {
+  const auto found = std::lower_bound(
+      snapshot.landmarks.begin(),
+      snapshot.landmarks.end(),
+      id,
+      [](const LandmarkEstimate& landmark, LandmarkId sought) { return landmark.id < sought; });
+  return found != snapshot.landmarks.end() && found->id == id ? &*found : nullptr;
+}
 
 }  // namespace facet

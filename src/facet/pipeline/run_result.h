@@ -7,6 +7,7 @@
 
 #include "facet/camera/stereo_rig.h"
 #include "facet/imu/imu_screen.h"
+#include "facet/loop/loop_result.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/plane_record.h"
 #include "facet/mesh/surface_map.h"
@@ -24,8 +25,9 @@ struct RunResult {
   std::optional<std::vector<PlaneRecord>> planes;
   /// With what was learnt of it, and its covariance; empty if it is held, or nothing was learnt.
   std::optional<StereoRig> calibration;
-  int num_refused_imu = 0;  ///< samples that were not finite or not in order
-  int num_stray_imu = 0;    ///< samples whose stamps were far ahead of the ones around them
+  std::optional<LoopResult> loops;  ///< if places were looked for
+  int num_refused_imu = 0;          ///< samples that were not finite or not in order
+  int num_stray_imu = 0;            ///< samples whose stamps were far ahead of the ones around them
   ImuScreenCounts imu_screen;
 };
 

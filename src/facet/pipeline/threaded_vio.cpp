@@ -97,10 +97,10 @@ void ThreadedVio::AddImu(const ImuSample& sample) {
 }
 
 std::vector<VioOutput> ThreadedVio::AddStereo(const StereoFrame& frame) {
-  auto& [front, pose, scene] = *stages_;
+  auto& [front, pose, scene, loops] = *stages_;
   // The front stage may use feedback of frames kLag back, so those must be done.
   std::vector<VioOutput> ready = TakeDone(FrontStage::kLag - 1);
-  worker_->Add(ProcessFrame(front, pose, scene, frame, on_pose_));
+  worker_->Add(ProcessFrame(front, pose, scene, loops, frame, on_pose_));
   return ready;
 }
 

@@ -7,6 +7,7 @@
 #include "facet/base/options.h"
 #include "facet/estimator/estimator_options.h"
 #include "facet/frontend/frontend_options.h"
+#include "facet/loop/loop_options.h"
 #include "facet/mesh/mesh_options.h"
 #include "facet/regularities/regularity_options.h"
 
@@ -30,6 +31,7 @@ struct VioOptions {
   EstimatorOptions estimator;
   MeshOptions mesh;
   RegularityOptions regularities;
+  LoopOptions loops;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -46,6 +48,7 @@ struct VioOptions {
     v.Group("estimator", estimator);
     v.Group("mesh", mesh);
     v.Group("regularities", regularities);
+    v.Group("loops", loops);
   }
 };
 

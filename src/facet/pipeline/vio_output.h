@@ -35,7 +35,10 @@ struct VioOutput {
   /// Which of the stretches between losses the pose belongs to; counts from 0. Across a break poses
   /// are as uncertain as their sigmas say, and may jump.
   int segment = 0;
-  NavState state;                           ///< causal estimate at t
+  NavState state;  ///< causal estimate at t
+  /// From W to the map M, which places that were recognised correct; W never jumps, M may. The
+  /// identity unless loops.enabled.
+  SE3 T_MW;
   Vector3d sigma_p = Vector3d::Zero();      ///< 1-sigma [m], in W
   Vector3d sigma_theta = Vector3d::Zero();  ///< 1-sigma [rad], in B
   Vector3d sigma_v = Vector3d::Zero();      ///< 1-sigma [m/s], in W

@@ -18,8 +18,8 @@ void VioPipeline::AddImu(const ImuSample& sample) {
 }
 
 VioOutput VioPipeline::AddStereo(const StereoFrame& frame, const PoseObserver& on_pose) {
-  auto& [front, pose, scene] = *stages_;
-  const BackHalf back_half = ProcessFrame(front, pose, scene, frame, on_pose);
+  auto& [front, pose, scene, loops] = *stages_;
+  const BackHalf back_half = ProcessFrame(front, pose, scene, loops, frame, on_pose);
   ProcessedFrame processed = back_half();
   if (processed.feedback) front.AddFeedback(std::move(*processed.feedback));
   return std::move(processed.output);

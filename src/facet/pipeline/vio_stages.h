@@ -3,6 +3,7 @@
 #pragma once
 
 #include "facet/pipeline/front_stage.h"
+#include "facet/pipeline/loop_stage.h"
 #include "facet/pipeline/pose_stage.h"
 #include "facet/pipeline/run_result.h"
 #include "facet/pipeline/scene_stage.h"
@@ -11,17 +12,19 @@ namespace facet {
 
 struct VioStages {
   VioStages(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
-      : front(rig, options), pose(rig, noise, options), scene(rig, options) {}
+      : front(rig, options), pose(rig, noise, options), scene(rig, options), loops(rig, options) {}
 
   FrontStage front;
   PoseStage pose;
   SceneStage scene;
+  LoopStage loops;
 
   RunResult Result() const {
     RunResult result;
     result.window_keyframes = pose.WindowKeyframes();
     result.map = scene.Map(result.map_memory);
     result.planes = scene.Planes();
+    result.loops = loops.Result();
     result.calibration = pose.Calibration();
     result.num_refused_imu = front.num_refused_imu();
     result.num_stray_imu = front.num_stray_imu();

@@ -54,8 +54,9 @@ void RunOnFeatures(const Run& run, const VioOptions& options, const Watch& watch
   SimulatedFront front(run);
   PoseStage pose(run.rig, ImuNoise{}, options);
   SceneStage scene(run.rig, options);
+  LoopStage loops(run.rig, options);
   for (std::size_t i = 0; i < run.frames.size(); ++i)
-    watch(ProcessFrame(front, pose, scene, {run.frames[i].t, {}, {}}, nullptr)().output);
+    watch(ProcessFrame(front, pose, scene, loops, {run.frames[i].t, {}, {}}, nullptr)().output);
 }
 
 }  // namespace facet::testing

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/loop/map_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+#include <Eigen/SparseCholesky>
+
+#include "facet/base/check.h"
+
+namespace facet {
+
+namespace {
+
+constexpr double kMaxChi2 = 13.3;           // 99 % of four degrees of freedom
+constexpr double kSigmaDisparity_px = 0.1;  // of a careful calibration
+
+Vector3d TurnBack(double yaw_rad, const Vector3d& x) {
+  const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
+  return {c * x.x() + s * x.y(), -s * x.x() + c * x.y(), x.z()};
+}
+
+}  // namespace
+
+int MapGraph::AddNode(const Vector3d& p_W, const Matrix4d& drift) {
+  Node node;
+  node.p_W = p_W;
+  const int index = num_nodes();
+  if (index > 0) {
+    const Node& previous = nodes_.back();
+    node.T_MW = previous.T_MW;
+    GraphEdge edge;
+    edge.first = index - 1;
+    edge.second = index;
+    edge.p_first = p_W - previous.p_W;
+    edge.covariance = drift;
+    node.edge_to_previous = static_cast<int>(edges_.size());
+    edges_.push_back(edge);
+  }
+  nodes_.push_back(node);
+  return index;
+}
+
+void MapGraph::MoveNode(int node, const Vector3d& p_W) {
+  FACET_CHECK(node >= 0 && node < num_nodes());
+  const Vector3d moved = p_W - nodes_[node].p_W;
+  nodes_[node].p_W = p_W;
+  if (nodes_[node].edge_to_previous >= 0) edges_[nodes_[node].edge_to_previous].p_first += moved;
+  if (node + 1 < num_nodes()) edges_[nodes_[node + 1].edge_to_previous].p_first -= moved;
+}
+
+void MapGraph::AddClosure(const GraphEdge& edge) {
+  FACET_CHECK(edge.first >= 0 && edge.first < edge.second && edge.second < num_nodes());
+  edges_.push_back(edge);
+  edges_.back().is_closure = true;
+}
+
+Vector3d MapGraph::BetweenBodies(const GraphEdge& edge) const {
+  const Node &a = nodes_[edge.first], &b = nodes_[edge.second];
+  return b.T_MW * b.p_W - a.T_MW * a.p_W;
+}
+
+Vector<4> MapGraph::Error(const GraphEdge& edge) const {
+  const Node &a = nodes_[edge.first], &b = nodes_[edge.second];
+  Vector<4> error;
+  error(0) = std::remainder(b.T_MW.yaw_rad - a.T_MW.yaw_rad - edge.yaw_rad, 2 * std::numbers::pi);
+  error.tail<3>() = TurnBack(a.T_MW.yaw_rad, BetweenBodies(edge)) -
+                    (1 - edge.stretch_per_px * disparity_error_px_) * edge.p_first;
+  return error;
+}
+
+double MapGraph::Chi2(const GraphEdge& edge) const {
+  const Vector<4> error = Error(edge);
+  return error.dot(edge.covariance.inverse() * error);
+}
+
+void MapGraph::Optimize() {
+  constexpr double kEasing = 1.6;
+  double mu = 1;
+  for (const GraphEdge& edge : edges_) {
+    if (edge.is_closure) mu = std::max(mu, 2 * Chi2(edge) / kMaxChi2);
+  }
+  for (bool is_last = false; !is_last; mu = std::max(1.0, mu / kEasing)) {
+    is_last = mu == 1;
+    const int steps = is_last ? 4 : 1;
+    for (int step = 0; step < steps; ++step) {
+      for (GraphEdge& edge : edges_) {
+        if (!edge.is_closure) continue;
+        const double limit = mu * kMaxChi2;
+        const double share = limit / (limit + Chi2(edge));
+        edge.weight = share * share;
+      }
+      Step();
+    }
+  }
+}
+
+double MapGraph::Step() {
+  const int n = 4 * (num_nodes() - 1) + 1;
+  if (n <= 1) return 0;
+  std::vector<Eigen::Triplet<double>> entries;
+  VectorXd g = VectorXd::Zero(n);
+  const auto add = [&](int row_node, int column_node, const Matrix4d& block) {
+    if (row_node == 0 || column_node == 0) return;
+    for (int r = 0; r < 4; ++r) {
+      for (int c = 0; c < 4; ++c)
+        entries.emplace_back(4 * (row_node - 1) + r, 4 * (column_node - 1) + c, block(r, c));
+    }
+  };
+  // Variables: yaw of T_MW and the body's position in the map, for each node but the first; last
+  // the common error of disparities.
+  const int common = n - 1;
+  const double information_common = 1 / (kSigmaDisparity_px * kSigmaDisparity_px);
+  entries.emplace_back(common, common, information_common);
+  g(common) = information_common * disparity_error_px_;
+  for (const GraphEdge& edge : edges_) {
+    const Vector<4> error = Error(edge);
+    const double yaw = nodes_[edge.first].T_MW.yaw_rad;
+    const Matrix4d information = edge.weight * edge.covariance.inverse();
+    const Vector3d p = TurnBack(yaw, BetweenBodies(edge));
+    Matrix4d J_first = Matrix4d::Zero(), J_second = Matrix4d::Zero();
+    J_first(0, 0) = -1;
+    J_second(0, 0) = 1;
+    J_first.block<3, 1>(1, 0) = Vector3d(p.y(), -p.x(), 0);
+    Matrix3d R_back;
+    for (int axis = 0; axis < 3; ++axis)
+      R_back.col(axis) = TurnBack(yaw, Vector3d::Unit(axis));
+    J_first.bottomRightCorner<3, 3>() = -R_back;
+    J_second.bottomRightCorner<3, 3>() = R_back;
+    const Matrix4d W_first = information * J_first, W_second = information * J_second;
+    add(edge.first, edge.first, J_first.transpose() * W_first);
+    add(edge.first, edge.second, J_first.transpose() * W_second);
+    add(edge.second, edge.first, J_second.transpose() * W_first);
+    add(edge.second, edge.second, J_second.transpose() * W_second);
+    if (edge.stretch_per_px != 0) {
+      Vector<4> J_common = Vector<4>::Zero();
+      J_common.tail<3>() = edge.stretch_per_px * edge.p_first;
+      const Vector<4> W_common = information * J_common;
+      entries.emplace_back(common, common, J_common.dot(W_common));
+      g(common) += W_common.dot(error);
+      const auto add_cross = [&](int node, const Matrix4d& J) {
+        if (node == 0) return;
+        const Vector<4> cross = J.transpose() * W_common;
+        for (int r = 0; r < 4; ++r) {
+          entries.emplace_back(4 * (node - 1) + r, common, cross(r));
+          entries.emplace_back(common, 4 * (node - 1) + r, cross(r));
+        }
+      };
+      add_cross(edge.first, J_first);
+      add_cross(edge.second, J_second);
+    }
+    if (edge.first > 0) g.segment<4>(4 * (edge.first - 1)) += W_first.transpose() * error;
+    if (edge.second > 0) g.segment<4>(4 * (edge.second - 1)) += W_second.transpose() * error;
+  }
+  Eigen::SparseMatrix<double> H(n, n);
+  H.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(H);
+  if (ldlt.info() != Eigen::Success) return 0;
+  const VectorXd x = -ldlt.solve(g);
+  if (!x.allFinite()) return 0;
+  disparity_error_px_ += x(common);
+  for (int i = 1; i < num_nodes(); ++i) {
+    Node& node = nodes_[i];
+    const Vector3d p_M = node.T_MW * node.p_W + x.segment<3>(4 * (i - 1) + 1);
+    node.T_MW.yaw_rad = std::remainder(node.T_MW.yaw_rad + x(4 * (i - 1)), 2 * std::numbers::pi);
+    node.T_MW.p.setZero();
+    node.T_MW.p = p_M - node.T_MW * node.p_W;
+  }
+  return x.cwiseAbs().maxCoeff();
+}
+
+}  // namespace facet

@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/loop/place_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "facet/base/median.h"
+
+namespace facet {
+
+namespace {
+
+constexpr int kMostCandidates = 3;
+constexpr double kMinSeenShare = 0.3;
+constexpr double kKeepInterval_s = 1;
+constexpr double kAgreeWithin_s = 12;  // closures that confirm each other
+constexpr std::size_t kMinAgreeing = 3;
+// A node of the graph has a position for every keyframe that was looked for, kept or not.
+
+// What two fits may differ in besides their covariances: the calibration, and tilts.
+constexpr double kCommonError_m = 0.01, kCommonError_rad = 2e-3;
+
+/// Variances of a turn about the axes of the world; the estimator states them in the body.
+Vector3d TurnVariance(const KeyframeView& view) {
+  return view.T_WB.R().cwiseAbs2() * view.sigma_theta.cwiseAbs2();
+}
+
+double SigmaTilt(const KeyframeView& view) {
+  constexpr double kLeast_rad = 1e-3;  // what calibration and gravity leave
+  return std::max(kLeast_rad, std::sqrt(TurnVariance(view).head<2>().maxCoeff()));
+}
+
+/// What the odometry has drifted from one keyframe to another: what its covariance has grown by.
+Matrix4d Drift(const KeyframeView& from, const KeyframeView& to) {
+  // A share of the way that is always allowed: the stated covariance is not exact, and shrinks
+  // where planes are found again.
+  constexpr double kLeastShare = 5e-4, kLeast_m = 2e-4, kLeast_rad = 5e-5;
+  const double way_m = (to.T_WB.p - from.T_WB.p).norm();
+  const double least_m = kLeast_m + kLeastShare * way_m;
+  Vector<4> variance;
+  const double turned = TurnVariance(to).z() - TurnVariance(from).z();
+  variance(0) = std::max(kLeast_rad * kLeast_rad, turned);
+  variance.tail<3>() =
+      (to.sigma_p.cwiseAbs2() - from.sigma_p.cwiseAbs2()).cwiseMax(least_m * least_m);
+  return variance.asDiagonal();
+}
+
+RecordPatch CutPatch(const ImageLevel& image, const Eigen::Vector2f& at) {
+  RecordPatch patch;
+  const int x0 = static_cast<int>(at.x()) - 5, y0 = static_cast<int>(at.y()) - 5;
+  patch.x = at.x() - static_cast<float>(x0);
+  patch.y = at.y() - static_cast<float>(y0);
+  for (int y = 0; y < RecordPatch::kSide; ++y) {
+    for (int x = 0; x < RecordPatch::kSide; ++x) {
+      const int column = std::clamp(x0 + x, 0, image.width - 1);
+      const int row = std::clamp(y0 + y, 0, image.height - 1);
+      patch.grey[y * RecordPatch::kSide + x] = image.data[row * image.step + column];
+    }
+  }
+  return patch;
+}
+
+}  // namespace
+
+PlaceMap::PlaceMap(const StereoRig& rig, const LoopOptions& options)
+    : camera_(rig.cameras[0]),
+      focal_baseline_(camera_.mean_focal_px() * rig.baseline_m()),
+      options_(options),
+      corners_(camera_),
+      checker_(options.min_inliers) {}
+
+bool PlaceMap::IsWanted(Timestamp t) const {
+  return !last_query_ || ToSeconds(t - *last_query_) >= options_.query_interval_s - 1e-3;
+}
+
+void PlaceMap::Add(const KeyframeView& view) {
+  if (!IsWanted(view.t) || view.left.empty()) return;
+  last_query_ = view.t;
+  const Vector3d up_C = (view.T_WB * view.T_BC).q.conjugate() * Vector3d::UnitZ();
+  is_known_well_ = false;
+  const std::vector<int> candidates = Candidates(view);
+  if (!candidates.empty()) {
+    pyramid_.Build(view.left, 2);
+    query_ = {view.camera,
+              view.T_WB,
+              view.T_BC,
+              SigmaTilt(view),
+              corners_.Detect(view.left, up_C),
+              &pyramid_};
+    for (const int place : candidates) {
+      const auto places = WithNeighbours(place);
+      Consider(checker_.Check(query_, places, Predict(places_[place], view)), place, view);
+    }
+    BelieveWhatAgrees();
+  }
+  if (!nodes_.empty()) T_MW_ = graph_.T_MW(graph_.num_nodes() - 1);
+  Keep(view);
+}
+
+// Places that the keyframe should see, if the map is right about where both are: best first.
+std::vector<int> PlaceMap::Candidates(const KeyframeView& view) const {
+  std::vector<std::pair<double, int>> found;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const PlaceRecord& place = places_[i];
+    if (ToSeconds(view.t - place.t) < options_.min_age_s) continue;
+    const SE3 T_MW_place = graph_.T_MW(place.node).ToSE3();
+    const SE3 T_WC = (T_MW_place.Inverse() * T_MW_.ToSE3()) * view.T_WB * view.T_BC;
+    const double share = SeenShare(place, T_WC.Inverse(), T_WC);
+    if (share >= kMinSeenShare) found.emplace_back(-share, static_cast<int>(i));
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<int> candidates;
+  for (const auto& [share, place] : found) {
+    if (static_cast<int>(candidates.size()) == kMostCandidates) break;
+    candidates.push_back(place);
+  }
+  return candidates;
+}
+
+double PlaceMap::SeenShare(const PlaceRecord& place, const SE3& T_CW, const SE3& T_WC) const {
+  constexpr std::size_t kEvery = 4;
+  constexpr double kMaxRatio = 1.7, kLeastCosine = 0.87;
+  const SE3 T_WCplace = place.T_WC();
+  int num_seen = 0, num = 0;
+  for (std::size_t i = 0; i < place.points.size(); i += kEvery) {
+    ++num;
+    const Vector3d p_place = place.points[i].p_C.cast<double>();
+    const Vector3d p_C = T_CW * (T_WCplace * p_place);
+    if (p_C.z() < kMinDepth_m) continue;
+    const double ratio = p_C.norm() / p_place.norm();
+    if (ratio > kMaxRatio || ratio < 1 / kMaxRatio) continue;
+    // Seen from too different a side, it looks different.
+    if ((T_WC.q * p_C).dot(T_WCplace.q * p_place) < kLeastCosine * p_C.norm() * p_place.norm())
+      continue;
+    const auto px = camera_.Project(p_C);
+    if (px && camera_.IsInside(*px, 0)) ++num_seen;
+  }
+  return num > 0 ? static_cast<double>(num_seen) / num : 0;
+}
+
+ClosurePrediction PlaceMap::Predict(const PlaceRecord& place, const KeyframeView& view) const {
+  const UprightPose T_WplaceWquery = graph_.T_MW(place.node).Inverse() * T_MW_;
+  const double angle =
+      3 * (view.sigma_p.maxCoeff() / place.median_distance_m + view.sigma_theta.maxCoeff()) + 0.1;
+  return {T_WplaceWquery, angle};
+}
+
+std::vector<const PlaceRecord*> PlaceMap::WithNeighbours(int place) const {
+  constexpr int kNeighbours = 2;
+  constexpr double kNear_s = 5;
+  std::vector<const PlaceRecord*> places = {&places_[place]};
+  for (int i = place - kNeighbours; i <= place + kNeighbours; ++i) {
+    if (i == place || i < 0 || i >= static_cast<int>(places_.size())) continue;
+    const PlaceRecord& other = places_[i];
+    if (other.segment == places_[place].segment &&
+        std::abs(ToSeconds(other.t - places_[place].t)) < kNear_s)
+      places.push_back(&other);
+  }
+  return places;
+}
+
+int PlaceMap::NodeOf(const KeyframeView& view) {
+  if (!nodes_.empty() && nodes_.back().frame == view.frame) return graph_.num_nodes() - 1;
+  const int node = graph_.AddNode(
+      view.T_WB.p, nodes_.empty() ? Matrix4d::Identity() : Drift(last_node_view_, view));
+  nodes_.push_back({view.frame, view.t, view.segment});
+  last_node_view_ = view;
+  last_node_view_.left = cv::Mat();
+  last_node_view_.points.clear();
+  return node;
+}
+
+void PlaceMap::Consider(const ClosureCheck& check, int place, const KeyframeView& view) {
+  ClosureRecord record{view.t,
+                       places_[place].t,
+                       check.num_matches,
+                       check.num_inliers,
+                       check.num_visible,
+                       check.T_WplaceWquery,
+                       std::sqrt(check.covariance.diagonal().tail<3>().maxCoeff()),
+                       std::sqrt(check.covariance(0, 0)),
+                       check.is_closure() ? "waiting for others" : check.refusal,
+                       -1};
+  closures_.push_back(record);
+  if (!check.is_closure()) return;
+  const int node = NodeOf(view);
+  Matrix4d covariance = check.covariance;
+  const double apart_m = (check.T_WplaceWquery * view.T_WB.p - places_[place].T_WB.p).norm();
+  // Points lie too far or too near by an error of disparity that all have in common, and the way
+  // between the views is too long or too short by the same share; what is left of that is noise.
+  constexpr double kOwnDisparity_px = 0.04, kCommon_m = 3e-3, kCommon_rad = 1e-3;
+  const double stretch_per_px = places_[place].median_distance_m / focal_baseline_;
+  const double common_m = kCommon_m + kOwnDisparity_px * stretch_per_px * apart_m;
+  covariance.diagonal().tail<3>().array() += common_m * common_m;
+  covariance(0, 0) += kCommon_rad * kCommon_rad;
+  pending_.push_back({closures_.size() - 1,
+                      places_[place].node,
+                      node,
+                      check.T_WplaceWquery,
+                      covariance,
+                      stretch_per_px,
+                      view.T_WB.p,
+                      check.T_WplaceWquery * view.T_WB.p - places_[place].T_WB.p,
+                      view.t});
+  const SE3 T_moved = places_[place].T_WB.Inverse() * check.T_WplaceWquery.ToSE3() * view.T_WB;
+  constexpr double kSameShare = 0.15, kSameAngle_rad = 0.35;
+  if (T_moved.p.norm() < kSameShare * places_[place].median_distance_m &&
+      2 * std::acos(std::min(1.0, std::abs(T_moved.q.w()))) < kSameAngle_rad)
+    is_known_well_ = true;
+}
+
+// Whether both say the same about where the map is, at the younger keyframe.
+bool PlaceMap::Agree(const Pending& a, const Pending& b) const {
+  const UprightPose by_a = graph_.T_MW(a.place_node) * a.T_WplaceWquery;
+  const UprightPose by_b = graph_.T_MW(b.place_node) * b.T_WplaceWquery;
+  const Vector3d& p_W = a.t < b.t ? b.p_W : a.p_W;
+  const Matrix4d covariance = a.covariance + b.covariance;
+  const double yaw = std::abs(std::remainder(by_a.yaw_rad - by_b.yaw_rad, 2 * std::numbers::pi));
+  const double sigma_m = std::sqrt(covariance.diagonal().tail<3>().maxCoeff());
+  return yaw < 3 * std::sqrt(covariance(0, 0)) + kCommonError_rad &&
+         (by_a * p_W - by_b * p_W).norm() < 3 * sigma_m + kCommonError_m;
+}
+
+// A closure becomes an edge when enough others, from other keyframes, say the same.
+void PlaceMap::BelieveWhatAgrees() {
+  if (pending_.empty()) return;
+  while (ToSeconds(pending_.back().t - pending_.front().t) > kAgreeWithin_s) {
+    ClosureRecord& record = closures_[pending_.front().closure];
+    if (record.edge < 0) record.verdict = "no others agreed";
+    pending_.pop_front();
+  }
+  bool has_new = false;
+  for (const Pending& one : pending_) {
+    ClosureRecord& record = closures_[one.closure];
+    if (record.edge >= 0) continue;
+    std::vector<int> keyframes = {one.query_node};
+    for (const Pending& other : pending_) {
+      if (std::find(keyframes.begin(), keyframes.end(), other.query_node) == keyframes.end() &&
+          Agree(one, other))
+        keyframes.push_back(other.query_node);
+    }
+    if (keyframes.size() < kMinAgreeing) continue;
+    record.edge = static_cast<int>(graph_.edges().size());
+    record.verdict = kClosureAccepted;
+    // They share errors: together they are worth one, wherever these come from.
+    GraphEdge edge;
+    edge.first = one.place_node;
+    edge.second = one.query_node;
+    edge.yaw_rad = one.T_WplaceWquery.yaw_rad;
+    edge.p_first = one.p_place;
+    edge.covariance = std::sqrt(static_cast<double>(keyframes.size())) * one.covariance;
+    edge.stretch_per_px = one.stretch_per_px;
+    graph_.AddClosure(edge);
+    has_new = true;
+  }
+  if (has_new) graph_.Optimize();
+}
+
+void PlaceMap::Keep(const KeyframeView& view) {
+  constexpr std::size_t kFewestPoints = 30;
+  if (last_kept_ && ToSeconds(view.t - *last_kept_) < kKeepInterval_s - 1e-3) return;
+  const int node = NodeOf(view);
+  if (is_known_well_ || view.points.size() < kFewestPoints) return;
+  last_kept_ = view.t;
+  PlaceRecord place;
+  place.node = node;
+  place.frame = view.frame;
+  place.t = view.t;
+  place.segment = view.segment;
+  place.T_WB = view.T_WB;
+  place.T_BC = view.T_BC;
+  place.sigma_tilt_rad = SigmaTilt(view);
+  std::vector<Vector2d> pixels;
+  for (const PlacePoint& point : view.points)
+    pixels.push_back(point.px);
+  const Vector3d up_C = (view.T_WB * view.T_BC).q.conjugate() * Vector3d::UnitZ();
+  pyramid_.Build(view.left, 2);
+  std::vector<int> levels(view.points.size(), 0);
+  std::vector<RecordPoint> points(view.points.size());
+  for (const UprightCorner& corner : corners_.Describe(view.left, up_C, pixels)) {
+    ++levels[corner.source];
+    points[corner.source].descriptors[corner.level] = corner.descriptor;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (levels[i] != kNumCornerLevels) continue;
+    points[i].px = view.points[i].px.cast<float>();
+    for (int level = 0; level < 2; ++level)
+      points[i].patches[level] = CutPatch(pyramid_.level(level), points[i].px / (1 << level));
+    points[i].p_C = view.points[i].p_C.cast<float>();
+    points[i].sigma_depth_m = static_cast<float>(view.points[i].sigma_depth_m);
+    place.points.push_back(points[i]);
+    place.landmarks.push_back(view.points[i].landmark);
+  }
+  pyramid_.Clear();
+  std::vector<double> distances_m;
+  for (const RecordPoint& point : place.points)
+    distances_m.push_back(point.p_C.norm());
+  place.median_distance_m = Median(distances_m).value_or(1);
+  places_.push_back(std::move(place));
+}
+
+void PlaceMap::Refine(const MapSnapshot& snapshot) {
+  for (auto place = places_.rbegin(); place != places_.rend() && !place->landmarks.empty();
+       ++place) {
+    const auto keyframe = std::find_if(snapshot.keyframes.begin(),
+                                       snapshot.keyframes.end(),
+                                       [&](const KeyframePose& k) { return k.id == place->frame; });
+    if (keyframe == snapshot.keyframes.end()) {
+      place->landmarks.clear();
+      place->landmarks.shrink_to_fit();
+      continue;
+    }
+    place->T_WB = keyframe->T_WB;
+    const SE3 T_CW = place->T_WC().Inverse();
+    for (std::size_t i = 0; i < place->points.size(); ++i) {
+      const LandmarkEstimate* landmark = FindLandmark(snapshot, place->landmarks[i]);
+      if (landmark == nullptr) continue;
+      place->points[i].p_C = (T_CW * landmark->p_W).cast<float>();
+      place->points[i].sigma_depth_m = static_cast<float>(landmark->sigma_depth_m);
+    }
+  }
+}
+
+void PlaceMap::Smooth(FrameId frame, const SE3& T_WB) {
+  const auto node =
+      std::lower_bound(nodes_.begin(), nodes_.end(), frame, [](const NodeRecord& n, FrameId f) {
+        return n.frame < f;
+      });
+  if (node == nodes_.end() || node->frame != frame) return;
+  graph_.MoveNode(static_cast<int>(node - nodes_.begin()), T_WB.p);
+}
+
+std::vector<MapCorrection> PlaceMap::Corrections() const {
+  std::vector<MapCorrection> corrections;
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    corrections.push_back({nodes_[i].t, nodes_[i].segment, graph_.T_MW(static_cast<int>(i))});
+  return corrections;
+}
+
+std::vector<ClosureRecord> PlaceMap::Closures() const {
+  constexpr double kLeastWeight = 0.25;  // of a closure with the error that is still believed
+  std::vector<ClosureRecord> closures = closures_;
+  for (ClosureRecord& record : closures) {
+    if (record.edge >= 0 && graph_.edges()[record.edge].weight < kLeastWeight)
+      record.verdict = "taken back";
+  }
+  return closures;
+}
+
+std::size_t PlaceMap::memory_bytes() const {
+  std::size_t bytes = 0;
+  for (const PlaceRecord& place : places_)
+    bytes += sizeof(PlaceRecord) + place.points.capacity() * sizeof(RecordPoint);
+  return bytes;
+}
+
+}  // namespace facet

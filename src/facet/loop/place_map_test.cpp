@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Two laps through a painted room with an odometry that drifts.
+#include "facet/loop/place_map.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "facet/geometry/so3.h"
+#include "facet/testing/loop/painted_room.h"
+
+namespace facet {
+namespace {
+
+using testing::LooksAhead;
+using testing::PaintedRoom;
+using testing::SmallCamera;
+
+constexpr int kPerLap = 24;
+
+StereoRig Rig() {
+  StereoRig rig;
+  rig.cameras = {SmallCamera(), SmallCamera()};
+  rig.T_BC = {LooksAhead(), LooksAhead()};
+  rig.T_BC[1].p.y() -= 0.11;
+  return rig;
+}
+
+SE3 TruePose(int number) {
+  const double angle = 2 * std::numbers::pi * number / kPerLap;
+  return {ExpSO3(Vector3d(0, 0, angle)),
+          Vector3d(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.1)};
+}
+
+/// From the true world to the odometry's.
+UprightPose Drift(int number) {
+  return {2e-4 * number, 2e-3 * number * Vector3d(1, -0.5, 0.3)};
+}
+
+struct Flight {
+  explicit Flight(const LoopOptions& options = {}) : map(Rig(), options) {}
+
+  void Fly(const PaintedRoom& room, int first, int last) {
+    for (int i = first; i < last; ++i) {
+      map.Add(
+          room.View(i, SmallCamera(), LooksAhead(), TruePose(i), Drift(i).ToSE3() * TruePose(i)));
+    }
+  }
+
+  double ErrorInMap_m(int number) const {
+    const SE3 T_MB = map.T_MW().ToSE3() * Drift(number).ToSE3() * TruePose(number);
+    return (T_MB.p - TruePose(number).p).norm();
+  }
+
+  int NumAccepted() const {
+    int num = 0;
+    for (const ClosureRecord& closure : map.Closures())
+      num += closure.verdict == kClosureAccepted ? 1 : 0;
+    return num;
+  }
+
+  PlaceMap map;
+};
+
+TEST(PlaceMapTest, ASecondLapTakesTheDriftBack) {
+  const PaintedRoom room(1);
+  Flight flight;
+  flight.Fly(room, 0, kPerLap);
+  EXPECT_EQ(flight.NumAccepted(), 0);
+  EXPECT_EQ(flight.map.T_MW().p.norm(), 0);
+  flight.Fly(room, kPerLap, 2 * kPerLap);
+  const int last = 2 * kPerLap - 1;
+  EXPECT_GT(flight.NumAccepted(), 10);
+  EXPECT_GT((Drift(last) * TruePose(last).p - TruePose(last).p).norm(), 0.1);
+  // A lap later the map is as true as it was when the place was first seen.
+  const double then_m = (Drift(last - kPerLap) * TruePose(last).p - TruePose(last).p).norm();
+  EXPECT_LT(flight.ErrorInMap_m(last), then_m + 0.01);
+  for (const ClosureRecord& closure : flight.map.Closures()) {
+    if (closure.verdict != kClosureAccepted) continue;
+    const auto place = static_cast<int>(closure.t_place.ns / 500'000'000);
+    const auto query = static_cast<int>(closure.t.ns / 500'000'000);
+    const UprightPose truth = Drift(place) * Drift(query).Inverse();
+    const Vector3d p_W = Drift(query) * TruePose(query).p;
+    EXPECT_LT((closure.T_WplaceWquery * p_W - truth * p_W).norm(), 0.015);
+    EXPECT_LT(std::abs(closure.T_WplaceWquery.yaw_rad - truth.yaw_rad), 4e-3);
+  }
+}
+
+TEST(PlaceMapTest, APlaceThatIsSeenAgainIsNotKeptTwice) {
+  const PaintedRoom room(1);
+  Flight flight;
+  flight.Fly(room, 0, kPerLap);
+  const int before = flight.map.num_places();
+  EXPECT_GT(before, 8);
+  flight.Fly(room, kPerLap, 3 * kPerLap);
+  EXPECT_LE(flight.map.num_places(), before + 4);
+}
+
+TEST(PlaceMapTest, AnotherRoomOfTheSameShapeIsNotTakenForIt) {
+  Flight flight;
+  flight.Fly(PaintedRoom(1), 0, kPerLap);
+  flight.Fly(PaintedRoom(2), kPerLap, 2 * kPerLap - 6);  // it sees nothing of its own again
+  EXPECT_GT(flight.map.Closures().size(), 10U) << "it was looked for";
+  EXPECT_EQ(flight.NumAccepted(), 0);
+  EXPECT_EQ(flight.map.T_MW().p.norm(), 0);
+}
+
+TEST(PlaceMapTest, TheSameFlightGivesTheSameMap) {
+  const PaintedRoom room(1);
+  Flight one, two;
+  one.Fly(room, 0, 30);
+  two.Fly(room, 0, 30);
+  EXPECT_EQ(one.map.T_MW().p, two.map.T_MW().p);
+  EXPECT_EQ(one.map.T_MW().yaw_rad, two.map.T_MW().yaw_rad);
+}
+
+TEST(PlaceMapTest, SmoothedPosesOfUnknownFramesAreIgnored) {
+  Flight flight;
+  flight.map.Smooth(FrameId{5}, SE3());
+  flight.Fly(PaintedRoom(1), 0, 3);
+  flight.map.Smooth(FrameId{77}, SE3());
+  EXPECT_EQ(flight.map.Corrections().size(), 2U) << "one keyframe a second";
+}
+
+TEST(PlaceMapTest, WhatTheEstimatorLearnsMovesTheNewestPlaces) {
+  const PaintedRoom room(1);
+  Flight flight;
+  const KeyframeView view = room.View(0, SmallCamera(), LooksAhead(), TruePose(0), TruePose(0));
+  flight.map.Add(view);
+  MapSnapshot snapshot;
+  snapshot.keyframes = {{view.frame, view.t, SE3(TruePose(0).q, Vector3d(9, 9, 9))}};
+  flight.map.Refine(snapshot);
+  snapshot.keyframes.clear();
+  flight.map.Refine(snapshot);  // it has left the window
+  EXPECT_EQ(flight.map.num_places(), 1);
+}
+
+TEST(PlaceMapTest, KeyframesWithoutAnImageOrPointsAreNotKept) {
+  Flight flight;
+  KeyframeView view = PaintedRoom(1).View(0, SmallCamera(), LooksAhead(), SE3(), SE3());
+  view.points.clear();
+  flight.map.Add(view);
+  view.left = cv::Mat();
+  view.t = Timestamp{5'000'000'000};
+  flight.map.Add(view);
+  EXPECT_EQ(flight.map.num_places(), 0);
+}
+
+}  // namespace
+}  // namespace facet

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/pipeline/loop_stage.h"
+
+namespace facet {
+
+namespace {
+
+/// Of a depth that is known from one stereo pair alone.
+double StereoSigma_m(const StereoRig& rig, const FeatureObservation& feature, double depth_m) {
+  const double match_px =
+      feature.sigma_match_px > 0 ? feature.sigma_match_px : feature.sigma_right_px;
+  return depth_m * depth_m * match_px / (rig.cameras[0].mean_focal_px() * rig.baseline_m());
+}
+
+}  // namespace
+
+LoopStage::LoopStage(const StereoRig& rig, const VioOptions& options) : rig_(rig) {
+  if (options.loops.enabled) map_.emplace(rig, options.loops);
+}
+
+void LoopStage::Correct(VioOutput& out) {
+  while (!due_.empty() && due_.front().frame <= out.frame) {
+    T_MW_ = due_.front().T_MW;
+    due_.pop_front();
+  }
+  out.T_MW = T_MW_;
+}
+
+void LoopStage::Add(const cv::Mat& left, const TrackedFrame& frame, const VioOutput& out) {
+  if (!map_) return;
+  const double start_ms = ThreadCpuMs();
+  for (const KeyframePose& keyframe : out.finished_keyframes)
+    map_->Smooth(keyframe.id, keyframe.T_WB);
+  if (out.snapshot && map_->IsWanted(out.t)) {
+    map_->Refine(*out.snapshot);
+    FillView(left, frame, out);
+    map_->Add(view_);
+    due_.push_back({FrameId{out.frame.value + kLag}, map_->T_MW().ToSE3()});
+  }
+  cpu_ms_ += ThreadCpuMs() - start_ms;
+}
+
+void LoopStage::FillView(const cv::Mat& left, const TrackedFrame& frame, const VioOutput& out) {
+  const MapSnapshot& snapshot = *out.snapshot;
+  const StereoRig& rig = snapshot.rig ? *snapshot.rig : rig_;
+  view_.frame = out.frame;
+  view_.t = out.t;
+  view_.segment = out.segment;
+  view_.camera = rig.cameras[0];
+  view_.T_BC = rig.T_BC[0];
+  // Where the camera was when the image was taken.
+  view_.T_WB = snapshot.T_WC0 * view_.T_BC.Inverse();
+  view_.sigma_theta = out.sigma_theta;
+  view_.sigma_p = out.sigma_p;
+  view_.left = left;
+  view_.points.clear();
+  const SE3 T_CW = snapshot.T_WC0.Inverse();
+  const auto& features = frame.frontend.observations.features;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (const LandmarkEstimate* landmark = FindLandmark(snapshot, features[i].landmark)) {
+      view_.points.push_back({features[i].landmark,
+                              features[i].px_left,
+                              T_CW * landmark->p_W,
+                              landmark->sigma_depth_m});
+    } else if (const double rho = frame.frontend.depths.inverse_depths[i]; rho > 0) {
+      const auto ray = view_.camera.Undistort(features[i].px_left);
+      if (!ray) continue;
+      const Vector3d p_C = Vector3d(ray->xy.x(), ray->xy.y(), 1) / rho;
+      view_.points.push_back({features[i].landmark,
+                              features[i].px_left,
+                              p_C,
+                              StereoSigma_m(rig, features[i], 1 / rho)});
+    }
+  }
+}
+
+std::optional<LoopResult> LoopStage::Result() const {
+  if (!map_) return std::nullopt;
+  constexpr double kBytesPerMb = 1024 * 1024;
+  LoopResult result;
+  result.corrections = map_->Corrections();
+  result.closures = map_->Closures();
+  result.num_places = map_->num_places();
+  result.memory_mb = static_cast<double>(map_->memory_bytes()) / kBytesPerMb;
+  result.cpu_ms = cpu_ms_;
+  return result;
+}
+
+}  // namespace facet
