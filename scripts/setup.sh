@@ -14,7 +14,7 @@ python3 python3-numpy python3-matplotlib"
 case "${1:-}" in
   "") ;;
   test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev clang-format clang-tidy
-pybind11-dev python3-dev python3-pytest python3-yaml" ;;
+pybind11-dev python3-dev python3-pytest python3-venv python3-yaml" ;;
   deb) packages="$packages debhelper dh-python lintian pybind11-dev python3-dev" ;;
   *)
     echo "usage: scripts/setup.sh [test|deb]" >&2
