@@ -4,7 +4,7 @@ PREFIX ?= /usr/local
 SEQUENCE ?=
 DATA ?=
 
-.PHONY: all setup setup-test build demo test test-long bench format docs viewer install clean
+.PHONY: all setup setup-test build demo test test-long bench format docs viewer deb install clean
 all: build
 
 setup:  ## install the Debian packages that the program needs and that are missing
@@ -38,9 +38,13 @@ docs:  ## the API reference in build/docs/html; installs doxygen if it is missin
 viewer:  ## the page of the viewer, viewer/dist, anew from viewer/src; needs Node 18 and npm
 	@scripts/viewer.sh
 
+deb:  ## the Debian packages facet, libfacet-dev and python3-facet in build/packages
+	@scripts/setup.sh deb
+	@scripts/deb.sh $(PRESET)
+
 install: setup  ## make install PREFIX=...
 	@scripts/build.sh $(PRESET) installable
 	@cmake --install build --prefix "$(PREFIX)"
 
 clean:
-	rm -rf build build-asan build-tsan build-fuzz build-fuzz-fast build-no-pch build-debug
+	rm -rf build build-package build-wheel build-asan build-tsan build-fuzz build-fuzz-fast build-no-pch build-debug

@@ -11,6 +11,7 @@ volatile std::sig_atomic_t interrupted = 0;
 }  // namespace
 
 void CatchInterrupts() {
+  interrupted = 0;
   struct sigaction action {};
   action.sa_handler = [](int) { interrupted = 1; };
   action.sa_flags = SA_RESETHAND;

@@ -8,7 +8,7 @@ namespace facet {
 /// the program. A SIGHUP that was ignored (nohup) stays so.
 void CatchInterrupts();
 
-/// Whether one came.
+/// Whether one came since then.
 bool WasInterrupted();
 
 }  // namespace facet

@@ -36,12 +36,17 @@
 namespace facet {
 namespace {
 
+void Tell(const RunArguments& arguments, const char* kind, const std::string& text) {
+  if (arguments.on_message) return arguments.on_message(text);
+  std::fprintf(stderr, "facet: %s: %s\n", kind, text.c_str());
+}
+
 VioOptions ChooseOptions(const RunArguments& arguments) {
   std::vector<std::string> overrides = arguments.overrides;
   if (!arguments.pipeline.empty()) overrides.push_back("pipeline=" + arguments.pipeline);
   const LoadedOptions loaded = LoadOptions(arguments.config, overrides);
   for (const std::string& notice : loaded.notices)
-    std::fprintf(stderr, "facet: note: %s\n", notice.c_str());
+    Tell(arguments, "note", notice);
   return loaded.options;
 }
 
@@ -172,6 +177,7 @@ SequenceRun RunWith(Vio& vio,
       if (live->WantsSceneUpdate()) vio.RequestSceneUpdate();
     }
     bar.Update(done, total, ToString(output.status));
+    if (arguments.on_frame) arguments.on_frame(done, total);
     return !WasInterrupted();
   };
   RunRange range = arguments.range;
@@ -292,7 +298,7 @@ void RunCommand(const RunArguments& arguments) {
   folder.Commit();
 
   for (const std::string& warning : run.record.warnings) {
-    if (warning != run.message) std::fprintf(stderr, "facet: warning: %s\n", warning.c_str());
+    if (warning != run.message) Tell(arguments, "warning", warning);
   }
   const bool is_complete = run.end == RunEnd::kComplete;
   if (is_complete && !arguments.quiet) PrintOutcome(run.record, folder.target().string());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
 
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,6 +35,9 @@ struct RunArguments {
   std::string view;  // port of the live viewer, or empty: none
   std::string view_host = "127.0.0.1";
   bool view_exit = false;  // at the end of the run instead of at Ctrl-C
+  /// For other programs than `facet`. Hears each note and warning, which otherwise go to stderr.
+  std::function<void(const std::string& text)> on_message;
+  std::function<void(int done, int total)> on_frame;  ///< called after each frame
 };
 
 /// `facet run`. Throws InputError, ConfigError, OutputError or RunEndedError.

@@ -9,10 +9,10 @@
 #include <optional>
 #include <thread>
 #include <utility>
-#include <variant>
 
 #include "run_recorder.h"
 #include "start_trouble.h"
+#include "step_reader.h"
 #include "warning_log.h"
 #include <sys/resource.h>
 
@@ -27,10 +27,6 @@ namespace facet {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// A frame this close to the border of the chosen part belongs to it: EuRoC's stamps jitter by 256
-// ns.
-constexpr double kStampJitterS = 1e-3;
 
 double MsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -71,98 +67,6 @@ struct InputProblems {
   ImuScreenCounts imu_screen;
 };
 
-/// A frame and the IMU samples that come before it.
-struct RunStep {
-  std::vector<ImuSample> imu;
-  RecordedFrame frame;
-};
-
-/// The frames of the chosen part of a recording, one after the other.
-class StepReader {
- public:
-  StepReader(Recording& recording, const RunRange& range) : recording_(recording), range_(range) {}
-
-  /// Steps over what comes before the part; false when no stereo pair is in it. Of the samples from
-  /// before the first frame (or from before the wanted history of it), the last one stays.
-  bool FindFirst(RunStep& step) {
-    std::deque<ImuSample> imu;
-    while (const auto event = NextEvent()) {
-      if (const auto* sample = std::get_if<ImuSample>(&*event)) {
-        imu.push_back(*sample);
-        continue;
-      }
-      const auto& frame = std::get<RecordedFrame>(*event);
-      if (!origin_) origin_ = frame.t;
-      last_ = frame.t;
-      DropEarly(imu, frame.t);
-      if (SecondsOf(frame.t) < range_.start_s - kStampJitterS || !frame.HasRight()) continue;
-      if (IsBehind(frame.t)) break;
-      step.frame = frame;
-      step.imu.assign(imu.begin(), imu.end());
-      return true;
-    }
-    return false;
-  }
-
-  /// False at the end of the part.
-  bool Next(RunStep& step) {
-    step.imu.clear();
-    while (const auto event = NextEvent()) {
-      if (const auto* sample = std::get_if<ImuSample>(&*event)) {
-        step.imu.push_back(*sample);
-        continue;
-      }
-      step.frame = std::get<RecordedFrame>(*event);
-      return !IsBehind(step.frame.t);
-    }
-    return false;
-  }
-
-  /// Reads on to see how long the recording is.
-  double LengthSeconds() {
-    while (const auto event = NextEvent()) {
-      if (const auto* frame = std::get_if<RecordedFrame>(&*event)) last_ = frame->t;
-    }
-    return origin_ ? SecondsOf(last_) : 0;
-  }
-
-  int NumFramesFrom(Timestamp first) const {
-    const double end_s = range_.start_s + range_.duration_s + kStampJitterS;
-    return recording_.NumFrames(first, *origin_ + FromSeconds(end_s));
-  }
-
-  const std::string& damage() const { return damage_; }  ///< where reading ended; empty: nowhere
-
- private:
-  double SecondsOf(Timestamp t) const { return ToSeconds(t - *origin_); }
-  bool IsBehind(Timestamp t) const {
-    return SecondsOf(t) > range_.start_s + range_.duration_s + kStampJitterS;
-  }
-
-  std::optional<RecordingEvent> NextEvent() {
-    if (!damage_.empty()) return std::nullopt;
-    try {
-      return recording_.Next();
-    } catch (const InputError& error) {
-      damage_ = error.what();
-      return std::nullopt;
-    }
-  }
-
-  void DropEarly(std::deque<ImuSample>& imu, Timestamp frame) const {
-    const Timestamp first =
-        frame + recording_.calibration()->rig.time_offset - FromSeconds(range_.imu_history_s);
-    while (imu.size() > 1 && imu[1].t <= first)
-      imu.pop_front();
-  }
-
-  Recording& recording_;
-  const RunRange range_;
-  std::optional<Timestamp> origin_;  // the first stereo pair of the recording
-  Timestamp last_;
-  std::string damage_;
-};
-
 class SequenceRunner {
  public:
   SequenceRunner(Recording& recording,
@@ -177,7 +81,7 @@ class SequenceRunner {
         decoder_(recording.calibration()->rig),
         turner_(recording.calibration()->rig.cameras[1]),
         start_(Clock::now()) {
-    if (!steps_.FindFirst(step_)) ThrowNoPair();
+    if (!steps_.FindFirst(step_)) steps_.ThrowNoPair();
     if (range.num_decoders > 0 && !range.realtime) {
       decode_ahead_.emplace(recording.calibration()->rig, range.num_decoders);
       decode_ahead_->Add(step_.frame);
@@ -221,19 +125,6 @@ class SequenceRunner {
   }
 
  private:
-  [[noreturn]] void ThrowNoPair() {
-    const double length_s = steps_.LengthSeconds();
-    if (!steps_.damage().empty()) throw InputError(steps_.damage());
-    char text[120];
-    std::snprintf(text,
-                  sizeof(text),
-                  "--start %g --duration %g: no stereo pair there, the sequence lasts %.1f s",
-                  range_.start_s,
-                  range_.duration_s,
-                  length_s);
-    throw ConfigError(text);
-  }
-
   /// When the frame arrives in a run at recorded speed.
   Clock::time_point ArrivalOf(Timestamp t) const {
     return start_ + std::chrono::nanoseconds((t - run_.record.first_pair).ns);

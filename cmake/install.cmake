@@ -33,9 +33,10 @@ file(RELATIVE_PATH FACET_PC_UP "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 configure_file(cmake/facet.pc.in facet.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/facet.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 install(EXPORT FacetTargets NAMESPACE facet:: DESTINATION ${package_dir})
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/FacetConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES cmake/FacetConfig.cmake cmake/opencv.cmake ${PROJECT_BINARY_DIR}/FacetConfigVersion.cmake
-  DESTINATION ${package_dir})
+# With these names both find_package(Facet) and find_package(facet) find it.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/facet-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES cmake/facet-config.cmake DESTINATION ${package_dir})
+install(FILES cmake/opencv.cmake ${PROJECT_BINARY_DIR}/facet-config-version.cmake DESTINATION ${package_dir})
 
 # Installs to a folder of its own and builds and runs examples/library against that.
 if(FACET_BUILD_TESTS AND NOT FACET_SANITIZE)

@@ -38,6 +38,7 @@ RANK = {
     "faults": 8,
     "apps": 9,
     "bench": 9,
+    "python": 10,
     "studies": 10,
 }
 # Folders with sub-folders, lowest first; sub-folders in one set are siblings. What lies in the folder itself
@@ -65,7 +66,7 @@ def included_folder(header):
     parts = header.split("/")
     if parts[0] == "facet" and len(parts) > 2:
         return parts[1]
-    return parts[0] if parts[0] in ("apps", "bench", "studies") else None
+    return parts[0] if parts[0] in ("apps", "bench", "python", "studies") else None
 
 
 def is_allowed(folder, other, is_test):
@@ -118,7 +119,7 @@ def complaints(root, path):
 
 def main():
     root = Path(__file__).resolve().parent.parent
-    files = [p for top in ("src", "apps", "bench", "studies") for p in sorted((root / top).rglob("*"))
+    files = [p for top in ("src", "apps", "bench", "python", "studies") for p in sorted((root / top).rglob("*"))
              if p.suffix in (".h", ".cpp")]
     found = [text for path in files for text in complaints(root, path)]
     for text in found:

@@ -87,7 +87,7 @@ def expand_braces(path):
 def check_programs(index, passage):
     for match in re.finditer(r"(?<![\w/-])build/(?:(bench|studies|tests)/)?([\w*]+)(?![\w/])", passage.text):
         folder, name = match.groups()
-        if "*" in name or (not folder and name in ("bench", "studies", "tests")):
+        if "*" in name or (not folder and name in ("bench", "studies", "tests", "python", "packages")):
             continue
         if name not in index.programs:
             yield match.start(), f"no program {match.group()}"

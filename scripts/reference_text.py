@@ -7,7 +7,8 @@ import re
 import tokenize
 from dataclasses import dataclass
 
-FOLDERS = ("src", "apps", "bench", "studies", "examples", "scripts", "docs", "config", "cmake", "testdata", ".ci")
+FOLDERS = ("src", "apps", "bench", "studies", "python", "examples", "scripts", "docs", "config", "cmake", "testdata",
+           "debian", ".ci")
 NOTEBOOK = "docs/notebook/"
 
 

@@ -1,6 +1,7 @@
 #!/bin/sh
-# scripts/setup.sh [test]: installs the Debian packages that the program and the demo are built with, and with "test"
-# those of the tests, benchmarks and checks, too. Does nothing, quickly, when all are there.
+# scripts/setup.sh [test|deb]: installs the Debian packages that the program and the demo are built with, and with "test"
+# those of the Python package, tests, benchmarks and checks, too; with "deb" those that Debian packages are made with.
+# Does nothing, quickly, when all are there.
 set -eu
 
 # What a demo needs; python3 draws its picture.
@@ -13,9 +14,10 @@ python3 python3-numpy python3-matplotlib"
 case "${1:-}" in
   "") ;;
   test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev clang-format clang-tidy
-python3-yaml" ;;
+pybind11-dev python3-dev python3-pytest python3-venv python3-yaml" ;;
+  deb) packages="$packages debhelper dh-python lintian pybind11-dev python3-dev" ;;
   *)
-    echo "usage: scripts/setup.sh [test]" >&2
+    echo "usage: scripts/setup.sh [test|deb]" >&2
     exit 2
     ;;
 esac

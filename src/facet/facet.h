@@ -82,6 +82,12 @@ struct Calibration {
   /// Densities as on the IMU's datasheet: rad/s/sqrt(Hz), rad/s^2/sqrt(Hz), m/s^2/sqrt(Hz),
   /// m/s^3/sqrt(Hz).
   double gyro_noise = 1.6968e-4, gyro_walk = 1.9393e-5, accel_noise = 2.0e-3, accel_walk = 3.0e-3;
+  /// By what share the gyroscope reads too much on each axis; not zero if a former run estimated
+  /// it.
+  Vec3 gyro_scale{{0, 0, 0}};
+  /// How well a former run knew cameras, mount, time offset and gyroscope: what ReadCalibration
+  /// found beside them, a square matrix row by row, to be handed on as it is. Empty: not known.
+  std::vector<double> covariance;
 };
 
 /// `cameras`: Kalibr's camchain.yaml, or a folder that holds mav0/ (EuRoC). `imu`: Kalibr's

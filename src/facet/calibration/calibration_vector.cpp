@@ -16,4 +16,14 @@ CalibrationVector CalibrationDifference(const StereoRig& from, const StereoRig& 
   return delta;
 }
 
+std::string WhatIsWrong(const CalibrationMatrix& covariance) {
+  const CalibrationVector scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const CalibrationMatrix correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+  if (!((correlation - correlation.transpose()).cwiseAbs().maxCoeff() < 1e-6))
+    return "a covariance is symmetric";
+  if (!(covariance.diagonal().minCoeff() > 0) || correlation.ldlt().vectorD().minCoeff() <= 0)
+    return "a covariance is positive definite";
+  return "";
+}
+
 }  // namespace facet

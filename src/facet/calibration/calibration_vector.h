@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "facet/calibration/rig_parameters.h"
 
@@ -36,5 +37,8 @@ using CalibrationMatrix = Matrix<kNumCalibration, kNumCalibration>;
 
 /// How far `to` is from `from`, whose models of distortion are the same.
 CalibrationVector CalibrationDifference(const StereoRig& from, const StereoRig& to);
+
+/// Why the matrix can be no covariance, for a message; empty if it can.
+std::string WhatIsWrong(const CalibrationMatrix& covariance);
 
 }  // namespace facet

@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "facet/calibration/calibration_vector.h"
+#include "facet/facade/plain_calibration.h"
 #include "facet/facet.h"
 #include "facet/pipeline/vio_pipeline.h"
 #include "facet/testing/io/test_sequence.h"
@@ -203,7 +205,17 @@ TEST(FacadeErrorTest, SaysWhatIsWrong) {
   absurd = TestCalibration();
   absurd.accel_walk = std::numeric_limits<double>::infinity();
   EXPECT_THAT(ErrorOf(absurd), HasSubstr("noise"));
+  absurd = TestCalibration();
+  absurd.gyro_scale[1] = 2;
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("gyro_scale"));
+  absurd = TestCalibration();
+  absurd.covariance = {1, 2, 3};
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("covariance: neither empty"));
+  absurd.covariance.assign(kNumCalibration * kNumCalibration, 0);
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("covariance: a covariance is positive definite"));
   api::Odometry::Options options;
+  options.overrides = {"frontend.klt.simd=neon512"};
+  EXPECT_THAT(ErrorOf(TestCalibration(), options), HasSubstr("frontend.klt.simd"));
   options.overrides = {"frontend.max_feature=7"};
   EXPECT_THAT(ErrorOf(TestCalibration(), options), HasSubstr("unknown key"));
   options = {"nowhere.yaml", {}};
@@ -227,6 +239,24 @@ TEST(FacadeErrorTest, ReadsTheCalibrationOfASequence) {
   EXPECT_EQ(calibration.left.width, 160);
   EXPECT_EQ(ErrorOf(calibration), "no error");
   EXPECT_THAT(api::Version(), HasSubstr("0."));
+}
+
+// calibration.yaml of a run has the covariance; a controller that goes on with it has the same.
+TEST(FacadeErrorTest, WhatAFormerRunEstimatedIsHandedOn) {
+  StereoRig rig;
+  rig.T_BC[1].p = Vector3d(0, -0.11, 0);
+  rig.gyro_scale = Vector3d(0.003, -0.001, 0.002);
+  CalibrationMatrix A = CalibrationMatrix::Identity();
+  A(3, 1) = 0.25;
+  rig.covariance = std::make_shared<const MatrixXd>(A * A.transpose());
+  const api::Calibration plain = api::PlainCalibration(rig, ImuNoise());
+  EXPECT_EQ(plain.gyro_scale, (api::Vec3{0.003, -0.001, 0.002}));
+  ASSERT_EQ(plain.covariance.size(), static_cast<std::size_t>(rig.covariance->size()));
+  EXPECT_EQ(plain.covariance[3 * kNumCalibration + 1], 0.25);
+  api::Calibration usable = TestCalibration();
+  usable.gyro_scale = plain.gyro_scale;
+  usable.covariance = plain.covariance;
+  EXPECT_EQ(ErrorOf(usable), "no error");
 }
 
 }  // namespace

@@ -5,6 +5,9 @@
 #include <filesystem>
 #include <utility>
 
+#include "facet/calibration/calibration_vector.h"
+#include "facet/facade/plain_calibration.h"
+#include "facet/frontend/patch_kernels.h"
 #include "facet/io/calibration_file.h"
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
@@ -40,7 +43,10 @@ SE3 Internal(const Pose& pose) {
   const auto& [w, x, y, z] = pose.q;
   const Quaterniond q(w, x, y, z);
   if (!(std::abs(q.norm() - 1) < 1e-3)) throw Error("T_BC: the quaternion is not of unit length");
-  return {q.normalized(), Vector3d(pose.p[0], pose.p[1], pose.p[2])};
+  // One that is of unit length but for rounding stays as it is, bit by bit.
+  constexpr double kRounding = 1e-15;
+  return {std::abs(q.squaredNorm() - 1) < kRounding ? q : q.normalized(),
+          Vector3d(pose.p[0], pose.p[1], pose.p[2])};
 }
 
 Camera Plain(const CameraModel& camera, const SE3& T_BC) {
@@ -73,6 +79,20 @@ CameraModel Internal(const Camera& plain, const char* name) {
   return CameraModel(k);
 }
 
+Vector3d Internal(const Vec3& v) {
+  return {v[0], v[1], v[2]};
+}
+
+std::shared_ptr<const MatrixXd> CovarianceOf(const std::vector<double>& rows) {
+  if (rows.empty()) return nullptr;
+  if (rows.size() != kNumCalibration * kNumCalibration)
+    throw Error("covariance: neither empty nor as ReadCalibration gives it");
+  const CalibrationMatrix matrix = Eigen::Map<const CalibrationMatrix>(rows.data());
+  const std::string problem = WhatIsWrong(matrix);
+  if (!problem.empty()) throw Error("covariance: " + problem);
+  return std::make_shared<const MatrixXd>(matrix);
+}
+
 StereoRig RigOf(const Calibration& calibration) {
   StereoRig rig;
   rig.cameras = {Internal(calibration.left, "left"), Internal(calibration.right, "right")};
@@ -80,6 +100,10 @@ StereoRig RigOf(const Calibration& calibration) {
   if (!(std::abs(calibration.time_offset_s) <= 1))
     throw Error("time_offset_s must be seconds, from -1 to 1");
   rig.time_offset = FromSeconds(calibration.time_offset_s);
+  rig.gyro_scale = Internal(calibration.gyro_scale);
+  if (!(rig.gyro_scale.cwiseAbs().maxCoeff() <= 0.5))
+    throw Error("gyro_scale must be a share, from -0.5 to 0.5");
+  rig.covariance = CovarianceOf(calibration.covariance);
   for (const SE3& T_BC : rig.T_BC) {
     if (!(T_BC.p.norm() <= 10)) throw Error("T_BC: the position must be metres, up to 10");
   }
@@ -111,6 +135,10 @@ VioOptions OptionsOf(const Odometry::Options& plain, std::vector<std::string>& n
       notices.push_back(std::move(notice));
   } catch (const ConfigError& error) {
     throw Error(error.what());
+  }
+  if (const std::string& simd = options.frontend.klt.simd; FindPatchKernels(simd) == nullptr) {
+    throw Error("frontend.klt.simd = '" + simd +
+                "': this machine has no such instructions; allowed: auto | scalar");
   }
   return options;
 }
@@ -192,6 +220,22 @@ struct Odometry::Impl {
   std::vector<std::pair<OwnedImage, OwnedImage>> images;  // of the newest frames
 };
 
+Calibration PlainCalibration(const StereoRig& rig, const facet::ImuNoise& noise) {
+  Calibration plain;
+  plain.left = Plain(rig.cameras[0], rig.T_BC[0]);
+  plain.right = Plain(rig.cameras[1], rig.T_BC[1]);
+  plain.time_offset_s = ToSeconds(rig.time_offset);
+  plain.gyro_noise = noise.gyro_noise;
+  plain.gyro_walk = noise.gyro_walk;
+  plain.accel_noise = noise.accel_noise;
+  plain.accel_walk = noise.accel_walk;
+  plain.gyro_scale = Plain(rig.gyro_scale);
+  if (rig.covariance)
+    plain.covariance.assign(rig.covariance->data(),
+                            rig.covariance->data() + rig.covariance->size());
+  return plain;
+}
+
 Calibration ReadCalibration(const std::string& cameras, const std::string& imu) try {
   const bool is_folder = std::filesystem::is_directory(cameras);
   const std::filesystem::path folder = cameras;
@@ -200,15 +244,7 @@ Calibration ReadCalibration(const std::string& cameras, const std::string& imu) 
           ? FindCalibration(std::filesystem::exists(folder / "mav0") ? folder / "mav0" : folder,
                             {{}, imu})
           : ReadKalibrCalibration(cameras, imu);
-  Calibration plain;
-  plain.left = Plain(read.rig.cameras[0], read.rig.T_BC[0]);
-  plain.right = Plain(read.rig.cameras[1], read.rig.T_BC[1]);
-  plain.time_offset_s = ToSeconds(read.rig.time_offset);
-  plain.gyro_noise = read.imu_noise.gyro_noise;
-  plain.gyro_walk = read.imu_noise.gyro_walk;
-  plain.accel_noise = read.imu_noise.accel_noise;
-  plain.accel_walk = read.imu_noise.accel_walk;
-  return plain;
+  return PlainCalibration(read.rig, read.imu_noise);
 } catch (const InputError& error) {
   throw Error(error.what());
 }

@@ -130,12 +130,8 @@ std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml) {
                   std::to_string(values.size()));
   }
   const CalibrationMatrix matrix = Eigen::Map<const CalibrationMatrix>(values.data());
-  const CalibrationVector scale = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const CalibrationMatrix correlation = scale.asDiagonal() * matrix * scale.asDiagonal();
-  if (!((correlation - correlation.transpose()).cwiseAbs().maxCoeff() < 1e-6))
-    yaml.Fail(rows, "a covariance is symmetric");
-  if (!(matrix.diagonal().minCoeff() > 0) || correlation.ldlt().vectorD().minCoeff() <= 0)
-    yaml.Fail(rows, "a covariance is positive definite");
+  const std::string problem = WhatIsWrong(matrix);
+  if (!problem.empty()) yaml.Fail(rows, problem);
   return std::make_shared<const MatrixXd>(0.5 * (matrix + matrix.transpose()));
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# find_package(Facet) gives facet::facade (facet/facet.h: C++17, no other headers needed) and the libraries
+# find_package(facet), or find_package(Facet), gives facet::facade (facet/facet.h: C++17, no other headers needed) and the libraries
 # that it is made of, such as facet::pipeline. What includes headers of those must be compiled as C++20 and
 # with the same -march as Facet itself: Eigen's alignment depends on it.
 
