@@ -3,19 +3,25 @@
 #include "run.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "align_stereo.h"
 #include "interrupts.h"
 #include "load_options.h"
+#include "partial_result.h"
 #include "progress_bar.h"
 #include "run_recorder.h"
 #include "run_sequence.h"
@@ -98,6 +104,32 @@ void WriteGlbMeshes(const std::filesystem::path& folder, const RunRecord& record
   if (record.map) WriteGlbMesh(folder / "map.glb", *record.map);
 }
 
+/// When poses came, which may be on another thread than the outputs. Thread-safe.
+class PoseClock {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  void Add(const VioOutput& output) {
+    const std::lock_guard lock(mutex_);
+    poses_.emplace_back(output.t, Clock::now());
+  }
+
+  /// Of the frames in their order.
+  Clock::time_point TakeTimeOf(Timestamp t) {
+    const std::lock_guard lock(mutex_);
+    while (!poses_.empty() && poses_.front().first != t)
+      poses_.pop_front();
+    if (poses_.empty()) return Clock::now();
+    const Clock::time_point time = poses_.front().second;
+    poses_.pop_front();
+    return time;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<std::pair<Timestamp, Clock::time_point>> poses_;
+};
+
 /// Writes every n-th keyframe's mesh while the run goes on.
 class MeshFiles {
  public:
@@ -109,13 +141,19 @@ class MeshFiles {
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
     if (error) throw OutputError(folder_.string() + ": cannot be created: " + error.message());
-    const std::string stem = std::to_string(output.t.ns);
+    // A kill leaves it hidden, or not at all.
+    const std::string name = std::to_string(output.t.ns) + (as_glb_ ? ".glb" : ".ply");
+    const std::filesystem::path fresh = folder_ / (".new-" + name);
     if (as_glb_) {
-      WriteGlbMesh(folder_ / (stem + ".glb"), output.mesh->mesh);
+      WriteGlbMesh(fresh, output.mesh->mesh);
     } else {
-      WritePlyMesh(folder_ / (stem + ".ply"), output.mesh->mesh);
+      WritePlyMesh(fresh, output.mesh->mesh);
     }
+    std::filesystem::rename(fresh, folder_ / name, error);
+    if (error) throw OutputError((folder_ / name).string() + ": cannot be written");
   }
+
+  const std::filesystem::path& folder() const { return folder_; }
 
  private:
   std::filesystem::path folder_;
@@ -143,6 +181,7 @@ void WarnOfMissingMesh(const VioOptions& options, RunRecord& record) {
 struct Observers {
   MeshFiles& mesh_files;
   LiveView* live = nullptr;
+  PartialResult* partial = nullptr;
 };
 
 /// Runs the sequence with VioPipeline or ThreadedVio.
@@ -164,14 +203,18 @@ SequenceRun RunWith(Vio& vio,
   functions.result = [&] { return vio.Result(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
-  const auto observer = [&](int done, int total, const VioOutput& output) {
+  const auto observer = [&](const RunProgress& progress, const VioOutput& output) {
     if (arguments.verbose) LogFrame(output);
     observers.mesh_files.Add(output);
     if (live != nullptr) {
       live->Add(output, MakeFrameRecord(output));
       if (live->WantsSceneUpdate()) vio.RequestSceneUpdate();
     }
-    bar.Update(done, total, ToString(output.status));
+    if (observers.partial != nullptr) {
+      observers.partial->Add(progress, output);
+      if (observers.partial->WantsSceneUpdate()) vio.RequestSceneUpdate();
+    }
+    bar.Update(progress.num_frames, progress.num_expected, ToString(output.status));
     return !WasInterrupted();
   };
   RunRange range = arguments.range;
@@ -190,13 +233,18 @@ SequenceRun RunPipeline(Recording& recording,
                         const RunArguments& arguments,
                         const Observers& observers) {
   VioFunctions functions;
+  PoseClock poses;
+  const PoseObserver on_pose = [&](const VioOutput& output) { poses.Add(output); };
+  functions.when_posed = [&](Timestamp t) { return poses.TakeTimeOf(t); };
   if (arguments.threads == 1) {
     VioPipeline vio(rig, recording.calibration()->imu_noise, options);
-    functions.add_stereo = [&](const StereoFrame& f) { return std::vector{vio.AddStereo(f)}; };
+    functions.add_stereo = [&](const StereoFrame& f) {
+      return std::vector{vio.AddStereo(f, on_pose)};
+    };
     functions.finish = [] { return std::vector<VioOutput>(); };
     return RunWith(vio, functions, recording, options, arguments, observers);
   }
-  ThreadedVio vio(rig, recording.calibration()->imu_noise, options);
+  ThreadedVio vio(rig, recording.calibration()->imu_noise, options, on_pose);
   functions.add_stereo = [&](const StereoFrame& f) { return vio.AddStereo(f); };
   functions.finish = [&] { return vio.Finish(); };
   return RunWith(vio, functions, recording, options, arguments, observers);
@@ -214,6 +262,17 @@ void PrintOutcome(const RunRecord& record, const std::string& folder) {
               record.duration_s / record.wall_s,
               record.peak_rss_mb,
               folder.c_str());
+}
+
+void PrintLatency(const char* what, const std::optional<LatencyFigures>& figures) {
+  if (!figures) return;
+  std::printf(
+      "from images to %s: median %.1f ms, 90 %% within %.1f, 99 %% within %.1f, at most %.1f\n",
+      what,
+      figures->median_ms,
+      figures->p90_ms,
+      figures->p99_ms,
+      figures->max_ms);
 }
 
 int ExitCode(RunEnd end) {
@@ -255,6 +314,36 @@ void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRu
   WaitForInterrupt();
 }
 
+void KeepWhatAKillLeft(const std::string& out) {
+  const std::filesystem::path kept = KeepInterrupted(out);
+  if (kept.empty()) return;
+  std::fprintf(stderr,
+               "facet: note: a run was killed that wrote to %s; what it left is now %s\n",
+               out.c_str(),
+               kept.c_str());
+}
+
+/// What is known of a run when it begins.
+void DescribeRun(const Recording& recording,
+                 const VioOptions& options,
+                 const RunArguments& arguments,
+                 RunRecord& record) {
+  record.version = FACET_VERSION;
+  record.sequence = recording.name();
+  record.calibration = recording.calibration()->source;
+  record.pipeline = ToString(options.pipeline);
+  record.threads = arguments.threads;
+  record.config = GivenBesideParameters(arguments) + FormatOptions(options);
+}
+
+/// The meshes of a run are part of its result.
+void MoveMeshes(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code error;
+  if (!std::filesystem::exists(from, error)) return;
+  std::filesystem::rename(from, to, error);
+  if (error) throw OutputError(to.string() + ": cannot be created: " + error.message());
+}
+
 }  // namespace
 
 void RunCommand(const RunArguments& arguments) {
@@ -263,12 +352,11 @@ void RunCommand(const RunArguments& arguments) {
   Recording& recording = *opened;
   if (arguments.verbose)
     std::fprintf(stderr, "calibration: %s\n", recording.calibration()->source.c_str());
-  ResultFolder folder(arguments.out.empty()
-                          ? "runs/" + recording.name() + "-" + ToString(options.pipeline)
-                          : arguments.out);
-
-  MeshFiles mesh_files(
-      folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
+  const std::string out = arguments.out.empty()
+                              ? "runs/" + recording.name() + "-" + ToString(options.pipeline)
+                              : arguments.out;
+  KeepWhatAKillLeft(out);
+  ResultFolder folder(out);
   AlignedRig aligned{recording.calibration()->rig, {}, {}};
   if (options.check_calibration) aligned = AlignStereo(recording, arguments.range.start_s);
   if (!aligned.refusal.empty()) {
@@ -277,25 +365,36 @@ void RunCommand(const RunArguments& arguments) {
   }
   const std::unique_ptr<LiveView> live =
       OpenLiveView(arguments, options, recording.name(), folder.target(), aligned.rig);
-  SequenceRun run =
-      RunPipeline(recording, aligned.rig, options, arguments, {mesh_files, live.get()});
+  RunRecord about;
+  DescribeRun(recording, options, arguments, about);
+  std::unique_ptr<PartialResult> partial;
+  if (arguments.range.realtime)
+    partial = std::make_unique<PartialResult>(out, about, options.mesh.map);
+  MeshFiles mesh_files((partial ? partial->folder() : folder.staging()) / "meshes",
+                       arguments.mesh_every,
+                       arguments.mesh_format == "glb");
+  SequenceRun run = RunPipeline(
+      recording, aligned.rig, options, arguments, {mesh_files, live.get(), partial.get()});
   if (!aligned.warning.empty()) run.record.warnings.push_back(aligned.warning);
   for (const std::string& warning :
        InflationWarnings(recording.calibration()->imu_noise, options.estimator.imu))
     run.record.warnings.push_back(warning);
-  run.record.version = FACET_VERSION;
-  run.record.pipeline = ToString(options.pipeline);
-  run.record.threads = arguments.threads;
-  run.record.config = GivenBesideParameters(arguments) + FormatOptions(options);
+  DescribeRun(recording, options, arguments, run.record);
   WriteResult(folder.staging(), run.record);
   if (arguments.mesh_format == "glb") WriteGlbMeshes(folder.staging(), run.record);
+  if (partial) MoveMeshes(mesh_files.folder(), folder.staging() / "meshes");
   folder.Commit();
+  if (partial) partial->Remove();
 
   for (const std::string& warning : run.record.warnings) {
     if (warning != run.message) std::fprintf(stderr, "facet: warning: %s\n", warning.c_str());
   }
   const bool is_complete = run.end == RunEnd::kComplete;
   if (is_complete && !arguments.quiet) PrintOutcome(run.record, folder.target().string());
+  if (arguments.range.realtime && !arguments.quiet) {
+    PrintLatency("pose", PoseLatency(run.record.frames));
+    PrintLatency("mesh, on keyframes", MeshLatency(run.record.frames));
+  }
   KeepShowing(live.get(), arguments, run);
   if (!is_complete) throw RunEndedError(ExitCode(run.end), run.message);
 }
