@@ -14,6 +14,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -23,6 +24,7 @@
 #include "load_options.h"
 #include "partial_result.h"
 #include "progress_bar.h"
+#include "run_publishing.h"
 #include "run_recorder.h"
 #include "run_sequence.h"
 #include "view.h"
@@ -182,6 +184,7 @@ struct Observers {
   MeshFiles& mesh_files;
   LiveView* live = nullptr;
   PartialResult* partial = nullptr;
+  Publisher* publisher = nullptr;
 };
 
 /// Runs the sequence with VioPipeline or ThreadedVio.
@@ -193,12 +196,12 @@ SequenceRun RunWith(Vio& vio,
                     const RunArguments& arguments,
                     const Observers& observers) {
   LiveView* const live = observers.live;
-  if (live != nullptr) {
-    functions.add_stereo = [live, add = functions.add_stereo](const StereoFrame& frame) {
-      live->AddImage(frame.t, frame.left);
-      return add(frame);
-    };
-  }
+  Publisher* const publisher = observers.publisher;
+  functions.add_stereo = [=, add = functions.add_stereo](const StereoFrame& frame) {
+    if (live != nullptr) live->AddImage(frame.t, frame.left);
+    if (publisher != nullptr) publisher->AddImage(frame.t, frame.left);
+    return add(frame);
+  };
   functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
   functions.result = [&] { return vio.Result(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
@@ -213,6 +216,10 @@ SequenceRun RunWith(Vio& vio,
     if (observers.partial != nullptr) {
       observers.partial->Add(progress, output);
       if (observers.partial->WantsSceneUpdate()) vio.RequestSceneUpdate();
+    }
+    if (publisher != nullptr) {
+      publisher->Add(output);
+      if (publisher->WantsSceneUpdate(output.t)) vio.RequestSceneUpdate();
     }
     bar.Update(progress.num_frames, progress.num_expected, ToString(output.status));
     return !WasInterrupted();
@@ -281,28 +288,39 @@ int ExitCode(RunEnd end) {
   return end == RunEnd::kStopped ? kInterrupted : kEstimator;
 }
 
-/// Null where it was not asked for.
+void PrintFoxgloveAddress(const ViewServer& server) {
+  constexpr std::string_view kHttp = "http";
+  std::printf("open ws%s in Foxglove\n", server.url().substr(kHttp.size()).c_str());
+  std::fflush(stdout);
+}
+
+/// Null where neither page nor messages were asked for.
 std::unique_ptr<LiveView> OpenLiveView(const RunArguments& arguments,
                                        const VioOptions& options,
                                        const std::string& name,
                                        const std::filesystem::path& result,
-                                       const StereoRig& rig) {
-  if (arguments.view.empty()) return nullptr;
+                                       const StereoRig& rig,
+                                       std::optional<SocketProtocol> protocol) {
+  if (arguments.view.empty() && !protocol) return nullptr;
+  const int port = arguments.view.empty() ? ParsePort("--publish", arguments.publish)
+                                          : ParsePort("--view", arguments.view);
   LiveViewOptions view;
   view.name = name;
   view.map = options.mesh.map;
   view.result = result;
   view.server.host = arguments.view_host;
-  view.server.port = ParsePort(arguments.view);
+  view.server.port = port;
+  view.server.protocol = std::move(protocol);
   if (!IsLoopback(view.server.host)) view.server.token = RandomToken();
   auto live = std::make_unique<LiveView>(std::move(view), rig);
-  PrintAddress(live->server(), ParsePort(arguments.view));
+  if (!arguments.view.empty()) PrintAddress(live->server(), port);
+  if (!arguments.publish.empty()) PrintFoxgloveAddress(live->server());
   return live;
 }
 
 /// Until Ctrl-C, unless that has ended the run or nobody wants to look.
 void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRun& run) {
-  if (live == nullptr || run.end == RunEnd::kStopped) return;
+  if (live == nullptr || arguments.view.empty() || run.end == RunEnd::kStopped) return;
   try {
     live->ShowResult(run.end == RunEnd::kComplete ? 0 : ExitCode(run.end), run.message);
   } catch (const std::exception& error) {  // the run ends as it ended
@@ -363,8 +381,11 @@ void RunCommand(const RunArguments& arguments) {
     throw InputError(recording.calibration()->source + ": the calibration cannot be right: " +
                      aligned.refusal + " (check_calibration=false goes on with it)");
   }
-  const std::unique_ptr<LiveView> live =
-      OpenLiveView(arguments, options, recording.name(), folder.target(), aligned.rig);
+  std::unique_ptr<LiveView> live;  // longer than what is published
+  RunPublishing publishing(arguments, recording.name());
+  live = OpenLiveView(
+      arguments, options, recording.name(), folder.target(), aligned.rig, publishing.Protocol());
+  publishing.Begin(aligned.rig, options.mesh.map, live.get());
   RunRecord about;
   DescribeRun(recording, options, arguments, about);
   std::unique_ptr<PartialResult> partial;
@@ -373,8 +394,13 @@ void RunCommand(const RunArguments& arguments) {
   MeshFiles mesh_files((partial ? partial->folder() : folder.staging()) / "meshes",
                        arguments.mesh_every,
                        arguments.mesh_format == "glb");
-  SequenceRun run = RunPipeline(
-      recording, aligned.rig, options, arguments, {mesh_files, live.get(), partial.get()});
+  SequenceRun run = RunPipeline(recording,
+                                aligned.rig,
+                                options,
+                                arguments,
+                                {mesh_files, live.get(), partial.get(), publishing.publisher()});
+  const std::string published = publishing.Finish();
+  if (!published.empty()) run.record.warnings.push_back(published);
   if (!aligned.warning.empty()) run.record.warnings.push_back(aligned.warning);
   for (const std::string& warning :
        InflationWarnings(recording.calibration()->imu_noise, options.estimator.imu))

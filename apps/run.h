@@ -34,6 +34,8 @@ struct RunArguments {
   std::string view;  // port of the live viewer, or empty: none
   std::string view_host = "127.0.0.1";
   bool view_exit = false;  // at the end of the run instead of at Ctrl-C
+  std::string publish;     // port for Foxglove, on the viewer's server, or empty: not published
+  std::string record;      // MCAP file of the same messages, or empty
 };
 
 /// `facet run`. Throws InputError, ConfigError, OutputError or RunEndedError.

@@ -34,6 +34,7 @@ RANK = {
     "render": 7,
     "viewer": 7,
     "facade": 8,
+    "publish": 8,
     "check": 8,
     "faults": 8,
     "apps": 9,

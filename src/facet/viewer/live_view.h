@@ -56,6 +56,9 @@ class LiveView {
 
   const ViewServer& server() const { return *server_; }
 
+  /// What other sessions of the server have may be sent. From any thread.
+  void Announce() { server_->Announce(); }
+
  private:
   struct Image {
     Timestamp t;
