@@ -232,6 +232,8 @@ TEST_F(BadInputTest, WrongUsage) {
   ExpectFailure(2, "the sequence lasts 0.6 s", "--start 100");
   ExpectFailure(2, "--duration", "--duration 0");
   ExpectFailure(2, "--nonsense", "--nonsense");
+  ExpectFailure(2, "--publish=70000: a port", "--publish=70000");
+  ExpectFailure(2, "is a folder", "--record " + folder_.path().string());
   EXPECT_EQ(RunFacet("").exit_code, 2);
   EXPECT_EQ(RunFacet("run").exit_code, 2);
   const ProgramRun unknown = RunFacet("fly there");

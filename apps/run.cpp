@@ -399,8 +399,6 @@ void RunCommand(const RunArguments& arguments) {
                                 options,
                                 arguments,
                                 {mesh_files, live.get(), partial.get(), publishing.publisher()});
-  const std::string published = publishing.Finish();
-  if (!published.empty()) run.record.warnings.push_back(published);
   if (!aligned.warning.empty()) run.record.warnings.push_back(aligned.warning);
   for (const std::string& warning :
        InflationWarnings(recording.calibration()->imu_noise, options.estimator.imu))
@@ -411,6 +409,7 @@ void RunCommand(const RunArguments& arguments) {
   if (partial) MoveMeshes(mesh_files.folder(), folder.staging() / "meshes");
   folder.Commit();
   if (partial) partial->Remove();
+  publishing.Finish();
 
   for (const std::string& warning : run.record.warnings) {
     if (warning != run.message) std::fprintf(stderr, "facet: warning: %s\n", warning.c_str());

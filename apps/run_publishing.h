@@ -18,7 +18,7 @@ namespace facet {
 /// Not thread-safe.
 class RunPublishing {
  public:
-  /// Creates the file of `--record`. Throws OutputError.
+  /// Creates the file of `--record`. Throws ConfigError and OutputError.
   RunPublishing(const RunArguments& arguments, const std::string& name);
 
   /// What the viewer's server is to speak besides; empty without `--publish`.
@@ -31,9 +31,9 @@ class RunPublishing {
   /// Null if nothing is wanted.
   Publisher* publisher() { return publisher_.get(); }
 
-  /// After the run: everything is published, and the file complete. Throws OutputError. Returns a
-  /// warning, or an empty text.
-  std::string Finish();
+  /// After the run, when its result is safe: everything is published, and the file complete. Throws
+  /// OutputError; says on stderr if something was left out.
+  void Finish();
 
  private:
   std::optional<FoxgloveServer> foxglove_;

@@ -2,6 +2,7 @@
 #include "facet/io/partial_folder.h"
 
 #include <cerrno>
+#include <fstream>
 #include <string_view>
 #include <system_error>
 
