@@ -232,6 +232,8 @@ TEST_F(BadInputTest, WrongUsage) {
   ExpectFailure(2, "the sequence lasts 0.6 s", "--start 100");
   ExpectFailure(2, "--duration", "--duration 0");
   ExpectFailure(2, "--nonsense", "--nonsense");
+  ExpectFailure(2, "--publish=70000: a port", "--publish=70000");
+  ExpectFailure(2, "is a folder", "--record " + folder_.path().string());
   EXPECT_EQ(RunFacet("").exit_code, 2);
   EXPECT_EQ(RunFacet("run").exit_code, 2);
   const ProgramRun unknown = RunFacet("fly there");
@@ -330,13 +332,18 @@ TEST_F(InterruptedRunTest, InterruptedRunsWriteWhatTheyHave) {
   EXPECT_EQ(NumEntries(), 2);
 }
 
-TEST_F(InterruptedRunTest, TheNextRunRemovesWhatAKilledOneLeft) {
+// What a run that is killed leaves is looked at by scripts/kill_runs.py.
+TEST_F(InterruptedRunTest, TheNextRunKeepsWhatAKilledOneLeft) {
   EXPECT_EQ(RunAndSend("KILL").exit_code, 128 + SIGKILL);
   EXPECT_FALSE(std::filesystem::exists(Out()));
-  EXPECT_EQ(NumEntries(), 2) << "the sequence, and what was written up to then";
-  Run("--duration 0.5");
+  EXPECT_EQ(NumEntries(), 3) << "the sequence, the partial result, and the place for the whole";
+  EXPECT_THAT(ReadText(folder_ / "out.partial" / "summary.json"),
+              HasSubstr("\"interrupted\": true"));
+  const ProgramRun next = Run("--duration 0.5");
+  EXPECT_THAT(next.err, HasSubstr("out.interrupted"));
   EXPECT_TRUE(std::filesystem::exists(Out() / "summary.json"));
-  EXPECT_EQ(NumEntries(), 2) << "the sequence and the result";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out.interrupted" / "states.csv"));
+  EXPECT_EQ(NumEntries(), 3) << "the sequence, what is left of the killed run, and the result";
 }
 
 TEST_F(BadInputTest, SmallDamageIsSurvivedAndReported) {

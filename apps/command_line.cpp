@@ -71,6 +71,12 @@ void AddViewOptions(CLI::App& command, RunArguments& a) {
                    "--view=PORT: the first port that is tried");
   AddHost(command, a.view_host);
   command.add_flag("--view-exit", a.view_exit, "with --view: end with the run");
+  command.add_flag(
+      "--publish{8765}",
+      a.publish,
+      "send state, path, mesh, map, planes and images to Foxglove (WebSocket) while the "
+      "run goes on; --publish=PORT: the first port that is tried, unless --view says");
+  command.add_option("--record", a.record, "MCAP file for the messages of --publish");
 }
 
 void AddOptions(CLI::App& command, RunArguments& a) {

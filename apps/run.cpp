@@ -3,20 +3,28 @@
 #include "run.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "align_stereo.h"
 #include "interrupts.h"
 #include "load_options.h"
+#include "partial_result.h"
 #include "progress_bar.h"
+#include "run_publishing.h"
 #include "run_recorder.h"
 #include "run_sequence.h"
 #include "view.h"
@@ -103,6 +111,32 @@ void WriteGlbMeshes(const std::filesystem::path& folder, const RunRecord& record
   if (record.map) WriteGlbMesh(folder / "map.glb", *record.map);
 }
 
+/// When poses came, which may be on another thread than the outputs. Thread-safe.
+class PoseClock {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  void Add(const VioOutput& output) {
+    const std::lock_guard lock(mutex_);
+    poses_.emplace_back(output.t, Clock::now());
+  }
+
+  /// Of the frames in their order.
+  Clock::time_point TakeTimeOf(Timestamp t) {
+    const std::lock_guard lock(mutex_);
+    while (!poses_.empty() && poses_.front().first != t)
+      poses_.pop_front();
+    if (poses_.empty()) return Clock::now();
+    const Clock::time_point time = poses_.front().second;
+    poses_.pop_front();
+    return time;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<std::pair<Timestamp, Clock::time_point>> poses_;
+};
+
 /// Writes every n-th keyframe's mesh while the run goes on.
 class MeshFiles {
  public:
@@ -114,13 +148,19 @@ class MeshFiles {
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
     if (error) throw OutputError(folder_.string() + ": cannot be created: " + error.message());
-    const std::string stem = std::to_string(output.t.ns);
+    // A kill leaves it hidden, or not at all.
+    const std::string name = std::to_string(output.t.ns) + (as_glb_ ? ".glb" : ".ply");
+    const std::filesystem::path fresh = folder_ / (".new-" + name);
     if (as_glb_) {
-      WriteGlbMesh(folder_ / (stem + ".glb"), output.mesh->mesh);
+      WriteGlbMesh(fresh, output.mesh->mesh);
     } else {
-      WritePlyMesh(folder_ / (stem + ".ply"), output.mesh->mesh);
+      WritePlyMesh(fresh, output.mesh->mesh);
     }
+    std::filesystem::rename(fresh, folder_ / name, error);
+    if (error) throw OutputError((folder_ / name).string() + ": cannot be written");
   }
+
+  const std::filesystem::path& folder() const { return folder_; }
 
  private:
   std::filesystem::path folder_;
@@ -148,6 +188,8 @@ void WarnOfMissingMesh(const VioOptions& options, RunRecord& record) {
 struct Observers {
   MeshFiles& mesh_files;
   LiveView* live = nullptr;
+  PartialResult* partial = nullptr;
+  Publisher* publisher = nullptr;
 };
 
 /// Runs the sequence with VioPipeline or ThreadedVio.
@@ -159,25 +201,33 @@ SequenceRun RunWith(Vio& vio,
                     const RunArguments& arguments,
                     const Observers& observers) {
   LiveView* const live = observers.live;
-  if (live != nullptr) {
-    functions.add_stereo = [live, add = functions.add_stereo](const StereoFrame& frame) {
-      live->AddImage(frame.t, frame.left);
-      return add(frame);
-    };
-  }
+  Publisher* const publisher = observers.publisher;
+  functions.add_stereo = [=, add = functions.add_stereo](const StereoFrame& frame) {
+    if (live != nullptr) live->AddImage(frame.t, frame.left);
+    if (publisher != nullptr) publisher->AddImage(frame.t, frame.left);
+    return add(frame);
+  };
   functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
   functions.result = [&] { return vio.Result(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
-  const auto observer = [&](int done, int total, const VioOutput& output) {
+  const auto observer = [&](const RunProgress& progress, const VioOutput& output) {
     if (arguments.verbose) LogFrame(output);
     observers.mesh_files.Add(output);
     if (live != nullptr) {
       live->Add(output, MakeFrameRecord(output));
       if (live->WantsSceneUpdate()) vio.RequestSceneUpdate();
     }
-    bar.Update(done, total, ToString(output.status));
-    if (arguments.on_frame) arguments.on_frame(done, total);
+    if (observers.partial != nullptr) {
+      observers.partial->Add(progress, output);
+      if (observers.partial->WantsSceneUpdate()) vio.RequestSceneUpdate();
+    }
+    if (publisher != nullptr) {
+      publisher->Add(output);
+      if (publisher->WantsSceneUpdate(output.t)) vio.RequestSceneUpdate();
+    }
+    bar.Update(progress.num_frames, progress.num_expected, ToString(output.status));
+    if (arguments.on_frame) arguments.on_frame(progress.num_frames, progress.num_expected);
     return !WasInterrupted();
   };
   RunRange range = arguments.range;
@@ -196,13 +246,18 @@ SequenceRun RunPipeline(Recording& recording,
                         const RunArguments& arguments,
                         const Observers& observers) {
   VioFunctions functions;
+  PoseClock poses;
+  const PoseObserver on_pose = [&](const VioOutput& output) { poses.Add(output); };
+  functions.when_posed = [&](Timestamp t) { return poses.TakeTimeOf(t); };
   if (arguments.threads == 1) {
     VioPipeline vio(rig, recording.calibration()->imu_noise, options);
-    functions.add_stereo = [&](const StereoFrame& f) { return std::vector{vio.AddStereo(f)}; };
+    functions.add_stereo = [&](const StereoFrame& f) {
+      return std::vector{vio.AddStereo(f, on_pose)};
+    };
     functions.finish = [] { return std::vector<VioOutput>(); };
     return RunWith(vio, functions, recording, options, arguments, observers);
   }
-  ThreadedVio vio(rig, recording.calibration()->imu_noise, options);
+  ThreadedVio vio(rig, recording.calibration()->imu_noise, options, on_pose);
   functions.add_stereo = [&](const StereoFrame& f) { return vio.AddStereo(f); };
   functions.finish = [&] { return vio.Finish(); };
   return RunWith(vio, functions, recording, options, arguments, observers);
@@ -222,34 +277,56 @@ void PrintOutcome(const RunRecord& record, const std::string& folder) {
               folder.c_str());
 }
 
+void PrintLatency(const char* what, const std::optional<LatencyFigures>& figures) {
+  if (!figures) return;
+  std::printf(
+      "from images to %s: median %.1f ms, 90 %% within %.1f, 99 %% within %.1f, at most %.1f\n",
+      what,
+      figures->median_ms,
+      figures->p90_ms,
+      figures->p99_ms,
+      figures->max_ms);
+}
+
 int ExitCode(RunEnd end) {
   constexpr int kInput = 3, kEstimator = 4, kInterrupted = 128 + SIGINT;
   if (end == RunEnd::kRefused || end == RunEnd::kDamaged) return kInput;
   return end == RunEnd::kStopped ? kInterrupted : kEstimator;
 }
 
-/// Null where it was not asked for.
+void PrintFoxgloveAddress(const ViewServer& server) {
+  constexpr std::string_view kHttp = "http";
+  std::printf("open ws%s in Foxglove\n", server.url().substr(kHttp.size()).c_str());
+  std::fflush(stdout);
+}
+
+/// Null where neither page nor messages were asked for.
 std::unique_ptr<LiveView> OpenLiveView(const RunArguments& arguments,
                                        const VioOptions& options,
                                        const std::string& name,
                                        const std::filesystem::path& result,
-                                       const StereoRig& rig) {
-  if (arguments.view.empty()) return nullptr;
+                                       const StereoRig& rig,
+                                       std::optional<SocketProtocol> protocol) {
+  if (arguments.view.empty() && !protocol) return nullptr;
+  const int port = arguments.view.empty() ? ParsePort("--publish", arguments.publish)
+                                          : ParsePort("--view", arguments.view);
   LiveViewOptions view;
   view.name = name;
   view.map = options.mesh.map;
   view.result = result;
   view.server.host = arguments.view_host;
-  view.server.port = ParsePort(arguments.view);
+  view.server.port = port;
+  view.server.protocol = std::move(protocol);
   if (!IsLoopback(view.server.host)) view.server.token = RandomToken();
   auto live = std::make_unique<LiveView>(std::move(view), rig);
-  PrintAddress(live->server(), ParsePort(arguments.view));
+  if (!arguments.view.empty()) PrintAddress(live->server(), port);
+  if (!arguments.publish.empty()) PrintFoxgloveAddress(live->server());
   return live;
 }
 
 /// Until Ctrl-C, unless that has ended the run or nobody wants to look.
 void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRun& run) {
-  if (live == nullptr || run.end == RunEnd::kStopped) return;
+  if (live == nullptr || arguments.view.empty() || run.end == RunEnd::kStopped) return;
   try {
     live->ShowResult(run.end == RunEnd::kComplete ? 0 : ExitCode(run.end), run.message);
   } catch (const std::exception& error) {  // the run ends as it ended
@@ -261,6 +338,36 @@ void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRu
   WaitForInterrupt();
 }
 
+void KeepWhatAKillLeft(const std::string& out) {
+  const std::filesystem::path kept = KeepInterrupted(out);
+  if (kept.empty()) return;
+  std::fprintf(stderr,
+               "facet: note: a run was killed that wrote to %s; what it left is now %s\n",
+               out.c_str(),
+               kept.c_str());
+}
+
+/// What is known of a run when it begins.
+void DescribeRun(const Recording& recording,
+                 const VioOptions& options,
+                 const RunArguments& arguments,
+                 RunRecord& record) {
+  record.version = FACET_VERSION;
+  record.sequence = recording.name();
+  record.calibration = recording.calibration()->source;
+  record.pipeline = ToString(options.pipeline);
+  record.threads = arguments.threads;
+  record.config = GivenBesideParameters(arguments) + FormatOptions(options);
+}
+
+/// The meshes of a run are part of its result.
+void MoveMeshes(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code error;
+  if (!std::filesystem::exists(from, error)) return;
+  std::filesystem::rename(from, to, error);
+  if (error) throw OutputError(to.string() + ": cannot be created: " + error.message());
+}
+
 }  // namespace
 
 void RunCommand(const RunArguments& arguments) {
@@ -269,39 +376,56 @@ void RunCommand(const RunArguments& arguments) {
   Recording& recording = *opened;
   if (arguments.verbose)
     std::fprintf(stderr, "calibration: %s\n", recording.calibration()->source.c_str());
-  ResultFolder folder(arguments.out.empty()
-                          ? "runs/" + recording.name() + "-" + ToString(options.pipeline)
-                          : arguments.out);
-
-  MeshFiles mesh_files(
-      folder.staging() / "meshes", arguments.mesh_every, arguments.mesh_format == "glb");
+  const std::string out = arguments.out.empty()
+                              ? "runs/" + recording.name() + "-" + ToString(options.pipeline)
+                              : arguments.out;
+  KeepWhatAKillLeft(out);
+  ResultFolder folder(out);
   AlignedRig aligned{recording.calibration()->rig, {}, {}};
   if (options.check_calibration) aligned = AlignStereo(recording, arguments.range.start_s);
   if (!aligned.refusal.empty()) {
     throw InputError(recording.calibration()->source + ": the calibration cannot be right: " +
                      aligned.refusal + " (check_calibration=false goes on with it)");
   }
-  const std::unique_ptr<LiveView> live =
-      OpenLiveView(arguments, options, recording.name(), folder.target(), aligned.rig);
-  SequenceRun run =
-      RunPipeline(recording, aligned.rig, options, arguments, {mesh_files, live.get()});
+  std::unique_ptr<LiveView> live;  // longer than what is published
+  RunPublishing publishing(arguments, recording.name());
+  live = OpenLiveView(
+      arguments, options, recording.name(), folder.target(), aligned.rig, publishing.Protocol());
+  publishing.Begin(aligned.rig, options.mesh.map, live.get());
+  RunRecord about;
+  DescribeRun(recording, options, arguments, about);
+  std::unique_ptr<PartialResult> partial;
+  if (arguments.range.realtime)
+    partial = std::make_unique<PartialResult>(out, about, options.mesh.map);
+  MeshFiles mesh_files((partial ? partial->folder() : folder.staging()) / "meshes",
+                       arguments.mesh_every,
+                       arguments.mesh_format == "glb");
+  SequenceRun run = RunPipeline(recording,
+                                aligned.rig,
+                                options,
+                                arguments,
+                                {mesh_files, live.get(), partial.get(), publishing.publisher()});
   if (!aligned.warning.empty()) run.record.warnings.push_back(aligned.warning);
   for (const std::string& warning :
        InflationWarnings(recording.calibration()->imu_noise, options.estimator.imu))
     run.record.warnings.push_back(warning);
-  run.record.version = FACET_VERSION;
-  run.record.pipeline = ToString(options.pipeline);
-  run.record.threads = arguments.threads;
-  run.record.config = GivenBesideParameters(arguments) + FormatOptions(options);
+  DescribeRun(recording, options, arguments, run.record);
   WriteResult(folder.staging(), run.record);
   if (arguments.mesh_format == "glb") WriteGlbMeshes(folder.staging(), run.record);
+  if (partial) MoveMeshes(mesh_files.folder(), folder.staging() / "meshes");
   folder.Commit();
+  if (partial) partial->Remove();
+  publishing.Finish();
 
   for (const std::string& warning : run.record.warnings) {
     if (warning != run.message) Tell(arguments, "warning", warning);
   }
   const bool is_complete = run.end == RunEnd::kComplete;
   if (is_complete && !arguments.quiet) PrintOutcome(run.record, folder.target().string());
+  if (arguments.range.realtime && !arguments.quiet) {
+    PrintLatency("pose", PoseLatency(run.record.frames));
+    PrintLatency("mesh, on keyframes", MeshLatency(run.record.frames));
+  }
   KeepShowing(live.get(), arguments, run);
   if (!is_complete) throw RunEndedError(ExitCode(run.end), run.message);
 }

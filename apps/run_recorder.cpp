@@ -35,6 +35,7 @@ void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
   f.times[Stage::kDecode] += cost.decode_ms;
   f.wall_ms = cost.wall_ms;
   f.latency_ms = cost.latency_ms;
+  f.pose_latency_ms = cost.pose_latency_ms;
   frames_.push_back(std::move(f));
   resets_.Add(output.t, output.was_reset ? 1 : 0);
   imu_gaps_.Add(output.t, output.imu_gaps);

@@ -16,9 +16,10 @@ namespace facet {
 
 /// What the run loop measured of one frame.
 struct FrameCost {
-  double decode_ms = 0;   ///< thread CPU time
-  double wall_ms = 0;     ///< decoding and the call of the estimator
-  double latency_ms = 0;  ///< from the arrival of the images to the output
+  double decode_ms = 0;        ///< thread CPU time
+  double wall_ms = 0;          ///< decoding and the call of the estimator
+  double latency_ms = 0;       ///< from the arrival of the images to the output
+  double pose_latency_ms = 0;  ///< the same to the pose
 };
 
 /// What is kept of a frame; without its costs but the stages'.

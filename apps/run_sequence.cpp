@@ -10,11 +10,11 @@
 #include <thread>
 #include <utility>
 
+#include "process_usage.h"
 #include "run_recorder.h"
 #include "start_trouble.h"
 #include "step_reader.h"
 #include "warning_log.h"
-#include <sys/resource.h>
 
 #include "facet/base/check.h"
 #include "facet/io/errors.h"
@@ -28,23 +28,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+double MsBetween(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double, std::milli>(end - start).count();
+}
+
 double MsSince(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-double ProcessCpuSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-double PeakRssMb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024e-6;  // from KiB
+  return MsBetween(start, Clock::now());
 }
 
 /// Images of one camera that cannot be read.
@@ -87,6 +76,7 @@ class SequenceRunner {
       decode_ahead_->Add(step_.frame);
     }
     RunRecord& record = run_.record;
+    record.is_realtime = range.realtime;
     record.sequence = recording.name();
     record.calibration = recording.calibration()->source;
     record.first_pair = step_.frame.t;
@@ -205,14 +195,25 @@ class SequenceRunner {
       PendingFrame frame = pending_.front();
       pending_.pop_front();
       frame.cost.latency_ms = MsSince(frame.arrival);
+      frame.cost.pose_latency_ms = vio_.when_posed
+                                       ? MsBetween(frame.arrival, vio_.when_posed(output.t))
+                                       : frame.cost.latency_ms;
       recorder_.Add(output, frame.cost);
       start_trouble_.AddOutput(output);
       if (!output.warning.empty()) vio_warnings_.Add(output.t, output.warning);
       if (refusal_.empty()) refusal_ = output.refusal;
-      goes_on = observer_(num_frames_, std::max(num_expected_, num_frames_), output) && goes_on &&
-                refusal_.empty();
+      goes_on = observer_(Progress(), output) && goes_on && refusal_.empty();
     }
     return goes_on;
+  }
+
+  RunProgress Progress() const {
+    return {num_frames_,
+            std::max(num_expected_, num_frames_),
+            run_.record.num_dropped,
+            problems_.left.num,
+            run_.record.first_pair,
+            &recorder_.frames().back()};
   }
 
   /// False when the left image is unusable. Says how much processor time was spent, by whichever

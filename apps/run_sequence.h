@@ -2,6 +2,7 @@
 // The run loop: feeds a recording to the estimator and keeps what comes out.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <limits>
 #include <string>
@@ -22,6 +23,9 @@ struct VioFunctions {
   std::function<std::vector<VioOutput>(const StereoFrame&)> add_stereo;
   std::function<std::vector<VioOutput>()> finish;
   std::function<RunResult()> result;
+  /// When the pose of the frame with this stamp was known, which may be before its output comes;
+  /// called once for each output, in order. Empty: with the output.
+  std::function<std::chrono::steady_clock::time_point(Timestamp)> when_posed = nullptr;
 };
 
 /// Which part of a recording is run and how fast.
@@ -50,9 +54,18 @@ struct SequenceRun {
   std::string message;  ///< what happened and what to do; empty when complete
 };
 
-/// Called after each processed frame with the number of frames so far and of all (about, as
-/// Recording::NumFrames); false stops the run.
-using RunObserver = std::function<bool(int done, int total, const VioOutput& output)>;
+/// How far a run has come.
+struct RunProgress {
+  int num_frames = 0;    ///< so far, also those that were dropped or damaged
+  int num_expected = 0;  ///< in all (about, as Recording::NumFrames)
+  int num_dropped = 0;   ///< arrived while busy
+  int num_damaged = 0;   ///< left image unreadable
+  Timestamp first_pair;
+  const FrameRecord* newest = nullptr;  ///< what is kept of the processed frame
+};
+
+/// Called after each processed frame; false stops the run.
+using RunObserver = std::function<bool(const RunProgress& progress, const VioOutput& output)>;
 
 /// Runs one part of a recording. Before each frame the IMU samples up to its stamp (plus the rig's
 /// time offset) and one more are fed. A frame whose left image is unusable is skipped like a

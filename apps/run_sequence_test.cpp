@@ -78,7 +78,8 @@ struct FakeVio {
               RunResult result;
               result.window_keyframes = {{FrameId{8}, frames[last], {}}};
               return result;
-            }};
+            },
+            nullptr};
   }
 };
 
@@ -87,9 +88,10 @@ class RunSequenceTest : public testing::Test {
   SequenceRun Run(const RunRange& range = {}) {
     FolderRecording recording{AslDataset(Sequence())};
     return RunSequence(
-        recording, vio_.Functions(), range, [&](int done, int total, const VioOutput&) {
-          EXPECT_LE(done, total);
-          return done < stop_after_;
+        recording, vio_.Functions(), range, [&](const RunProgress& progress, const VioOutput& out) {
+          EXPECT_LE(progress.num_frames, progress.num_expected);
+          EXPECT_EQ(progress.newest->t, out.t);
+          return progress.num_frames < stop_after_;
         });
   }
   std::filesystem::path Sequence() const { return folder_ / "seq"; }

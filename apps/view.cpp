@@ -25,10 +25,10 @@ void WaitForInterrupt() {
     std::this_thread::sleep_for(kPeriod);
 }
 
-int ParsePort(const std::string& text) {
+int ParsePort(const std::string& option, const std::string& text) {
   const auto port = ParseInteger(text);
   if (port && *port >= 0 && *port <= 65535) return static_cast<int>(*port);
-  throw ConfigError("--view=" + text + ": a port from 0 to 65535 is expected");
+  throw ConfigError(option + "=" + text + ": a port from 0 to 65535 is expected");
 }
 
 void PrintAddress(const ViewServer& server, int wanted_port) {

@@ -19,8 +19,8 @@ void ViewCommand(const ViewArguments& arguments);
 
 class ViewServer;
 
-/// From 0 to 65535. Throws ConfigError.
-int ParsePort(const std::string& text);
+/// From 0 to 65535. Throws ConfigError, with the name of the option.
+int ParsePort(const std::string& option, const std::string& text);
 
 /// Where the page is; and if the wanted port is in use, says so.
 void PrintAddress(const ViewServer& server, int wanted_port);

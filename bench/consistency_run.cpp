@@ -11,12 +11,6 @@
 
 namespace facet {
 
-namespace {
-
-constexpr Duration kMaxImuGap{20'000'000};
-constexpr Duration kMaxImuExtrapolation{0};
-
-// Moves the truth's frame G into W by heading and position: T_WG with T_WG * T_GB ~ T_WB.
 SE3 GaugeTransform(const SE3& T_WB, const SE3& T_GB) {
   const Matrix3d R = (T_WB.q * T_GB.q.conjugate()).toRotationMatrix();
   const double yaw = std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
@@ -40,7 +34,6 @@ FrameError CompareWithTruth(const NavState& estimate,
   return out;
 }
 
-// The simulated front end: right pixels on keyframes only, once there is a pose.
 FrameObservations AsFrontEnd(const FrameObservations& simulated, bool is_initialised) {
   FrameObservations out = simulated;
   if (!is_initialised || out.is_keyframe) return out;
@@ -48,6 +41,11 @@ FrameObservations AsFrontEnd(const FrameObservations& simulated, bool is_initial
     feature.px_right.reset();
   return out;
 }
+
+namespace {
+
+constexpr Duration kMaxImuGap{20'000'000};
+constexpr Duration kMaxImuExtrapolation{0};
 
 // Everything that happens to one run.
 class Runner {

@@ -24,6 +24,19 @@ struct FrameError {
   Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
 };
 
+/// Moves the truth's frame G into W by heading and position: T_WG with T_WG * T_GB ~ T_WB.
+SE3 GaugeTransform(const SE3& T_WB, const SE3& T_GB);
+
+/// The frame's moments are left out. `truth` in G.
+FrameError CompareWithTruth(const NavState& estimate,
+                            const Matrix<15, 15>& covariance,
+                            const NavState& truth,
+                            const SE3& T_WG);
+
+/// What a front end hands over of simulated observations: right pixels on keyframes only, once
+/// there is a pose.
+FrameObservations AsFrontEnd(const FrameObservations& simulated, bool is_initialised);
+
 /// Estimate of a plane against the surface that most of its landmarks lie on, at one keyframe.
 struct PlaneError {
   double elapsed_s = 0;

@@ -29,7 +29,7 @@ foreach(file ${texts})
   endif()
 endforeach()
 
-foreach(example "library;at_rest" "shared_library;fly")
+foreach(example "library;at_rest" "shared_library;fly" "live_loop;live_loop")
   list(GET example 0 folder)
   list(GET example 1 program)
   run(${CMAKE_COMMAND} -S ${source_dir}/examples/${folder} -B ${work}/${folder} -G ${generator}

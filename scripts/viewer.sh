@@ -1,7 +1,8 @@
 #!/bin/sh
-# scripts/viewer.sh [--check | --browser FACET FOLDER]: builds the viewer's page, viewer/dist, with npm. --check builds it
+# scripts/viewer.sh [--check | --browser FACET FOLDER | --foxglove FACET FOLDER]: builds the viewer's page, viewer/dist, with npm. --check builds it
 # elsewhere and fails where the committed one is another. --browser tests the page of the program FACET in Chromium, with
-# what it writes below FOLDER. Both say what is not there, if something is not, and exit with 77: ctest takes it for
+# what it writes below FOLDER. --foxglove reads what that program publishes and records with Foxglove's own packages
+# (npm ci in viewer/foxglove installs them). All three say what is not there, if something is not, and exit with 77: ctest takes it for
 # skipped.
 set -eu
 cd "$(dirname "$0")/../viewer"
@@ -11,6 +12,13 @@ if [ "${1:-}" = --browser ]; then
     exit 77
   fi
   exec node test/run.mjs "$2" "$3" "${FACET_DATA_DIR:-$PWD/../../shared/data}"
+fi
+if [ "${1:-}" = --foxglove ]; then
+  if ! command -v node >/dev/null; then
+    echo "foxglove: skipped, there is no Node"
+    exit 77
+  fi
+  exec node foxglove/test.mjs "$2" "$3/foxglove" "${FACET_DATA_DIR:-$PWD/../../shared/data}/rendered_room"
 fi
 if [ "${1:-}" != --check ]; then
   npm ci --no-audit --no-fund

@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -169,6 +170,90 @@ class Odometry {
   /// Planes that turned out not to fit their landmarks, or to be curved, are left out. Takes as
   /// long as Map().
   std::vector<Plane> Planes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Where a frame F that is fixed to the body is, between and after the stereo pairs.
+struct Motion {
+  std::int64_t t_ns = 0;  ///< IMU clock
+  Pose T_WF;              ///< in the world of LiveOdometry::Options
+  Vec3 v_WF{{0, 0, 0}};   ///< of F's origin [m/s]
+  Vec3 w_F{{0, 0, 0}};    ///< angular velocity in F, without bias [rad/s]
+  Vec3 a_WF{{0, 0, 0}};   ///< of F's origin, without gravity [m/s^2]; that of a turn that becomes
+                          ///< faster is left out where F is not the body
+  Vec3 gyro_bias{{0, 0, 0}}, accel_bias{{0, 0, 0}};  ///< in B [rad/s], [m/s^2]
+  /// 15 x 15, row by row, with what the IMU has added since the newest pair: rotation (in F),
+  /// position and velocity (in the world), gyro_bias, accel_bias.
+  std::array<double, 225> covariance{};
+  Status status = Status::kInitialising;  ///< of the newest pair
+  int segment = 0;                        ///< counts losses; poses of two of them may be apart
+  double since_pair_s = 0;                ///< age: from the newest pair with a pose to t
+  double since_imu_s = 0;                 ///< from the newest sample to t, for which it is held
+  /// What smoothing holds back of the estimate: a rotation on the right [rad], then what is to be
+  /// added to p and v.
+  Vec3 held_back_theta{{0, 0, 0}}, held_back_p{{0, 0, 0}}, held_back_v{{0, 0, 0}};
+};
+
+/// The odometry in a running system: IMU, images and a controller each have a thread of their own,
+/// and none of them waits for the estimator. Thread-safe; samples come in order of time, and so do
+/// pairs. Nothing here throws for any content of samples or images.
+class LiveOdometry {
+ public:
+  enum class World {
+    kEnu,  ///< z up; its heading is that of the first pose, not north's
+    kNed   ///< the same with x and y exchanged and z down
+  };
+
+  struct Options : Odometry::Options {
+    Pose T_BF;                  ///< of the frame F that is output, to body; none given: the body
+    World world = World::kEnu;  ///< in which it is told where it is
+    double smoothing_s = 0;     ///< corrections are spread over this time; 0: at once
+    double max_age_s = 1;       ///< no motion is predicted for longer after the newest pair
+    int max_waiting_pairs = 2;  ///< one more, and the oldest one is dropped
+    bool two_threads = false;   ///< tracking beside the mesh of the pair before
+  };
+
+  struct Counts {
+    std::int64_t pairs = 0, done_pairs = 0, dropped_pairs = 0;
+    std::int64_t imu = 0, dropped_imu = 0;
+    /// From AddStereo until PredictAt knows of the pair: of the newest one, and the largest so far.
+    double latency_s = 0, max_latency_s = 0;
+  };
+
+  /// `on_pose` is called on a thread of this object as soon as a pose is known; may be empty, and
+  /// must not call Finish. Throws Error where calibration or options are wrong.
+  explicit LiveOdometry(const Calibration& calibration,
+                        std::function<void(const State&)> on_pose = nullptr);
+  LiveOdometry(const Calibration& calibration,
+               const Options& options,
+               std::function<void(const State&)> on_pose = nullptr);
+  ~LiveOdometry();
+  LiveOdometry(LiveOdometry&&) noexcept;
+  LiveOdometry& operator=(LiveOdometry&&) noexcept;
+
+  /// As Odometry::Notices.
+  const std::vector<std::string>& Notices() const;
+
+  /// Returns at once.
+  void AddImu(const ImuSample& sample);
+
+  /// Returns at once, with the pixels copied. An image without pixels is a missing one.
+  void AddStereo(std::int64_t t_ns, const Image& left, const Image& right);
+
+  /// The motion at a moment of the IMU's clock; empty before the first pose, before the newest pair
+  /// and max_age_s after it. Some microseconds; never waits for the estimator.
+  std::optional<Motion> PredictAt(std::int64_t t_ns) const;
+
+  /// The mesh over the last seconds, after the newest keyframe.
+  Mesh HorizonMesh() const;
+
+  Counts counts() const;
+
+  /// Waits for the pairs that have come, and ends.
+  void Finish();
 
  private:
   struct Impl;

@@ -8,6 +8,7 @@
 
 #include "facet/estimator/bias_watch.h"
 #include "facet/estimator/solver/window_solver.h"
+#include "facet/imu/causal_state.h"
 #include "facet/imu/imu_types.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/tracking_status.h"
@@ -22,6 +23,7 @@ struct EstimatorResult {
   NavState state;          ///< causal estimate of this frame
   Matrix<15, 15> covariance =
       Matrix<15, 15>::Zero();  ///< theta p v b_g b_a; of the smoother, see docs
+  CausalState causal;          ///< the same for whoever goes on with the IMU
   int num_constraining = 0;    ///< landmarks that constrain the window and are seen in this frame
   bool was_reset = false;  ///< the state was given up after this frame; the next one starts again
   SolveSummary solve;

@@ -77,11 +77,11 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
   }
   EstimatorResult result = Estimate(observations, times);
   if (result.has_state) {
+    result.causal = AtImu(result);
     calibration_.MoveToImage(
         window_, intermediate_ ? ToImage(*intermediate_) : window_.frames.back().to_image, result);
     result.segment = segments_.id();
-    result.covariance = segments_.InWorld(result.covariance, result.state) +
-                        contradiction_.CovarianceOf(result.state);
+    result.covariance = InWorld(result.covariance, result.state);
     if (contradiction_.IsRecentAt(result.state.t) && result.status == TrackingStatus::kOk) {
       result.status = TrackingStatus::kDegraded;
       result.reason = "IMU and images contradict each other";
@@ -93,6 +93,16 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
     }
   }
   return result;
+}
+
+Matrix<15, 15> VioEstimator::InWorld(const Matrix<15, 15>& covariance, const NavState& x) const {
+  return segments_.InWorld(covariance, x) + contradiction_.CovarianceOf(x);
+}
+
+CausalState VioEstimator::AtImu(const EstimatorResult& result) const {
+  CausalState causal{result.state, InWorld(result.covariance, result.state), window_.GyroScale()};
+  causal.x.t = result.state.t + rig_.time_offset;
+  return causal;
 }
 
 EstimatorResult VioEstimator::Estimate(const FrameObservations& observations, StageTimes& times) {

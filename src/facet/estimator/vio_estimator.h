@@ -86,6 +86,10 @@ class VioEstimator {
   /// Everything but the segments.
   void Forget();
   EstimatorResult Estimate(const FrameObservations& observations, StageTimes& times);
+  /// Of a state of this segment, with what is uncertain about all of it.
+  Matrix<15, 15> InWorld(const Matrix<15, 15>& covariance, const NavState& x) const;
+  /// The state of the newest frame, before it is moved to where the image was taken.
+  CausalState AtImu(const EstimatorResult& result) const;
 
   StereoRig rig_;
   EstimatorOptions options_;

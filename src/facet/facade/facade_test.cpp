@@ -2,6 +2,7 @@
 // The facade gives what the pipeline gives, and says what is wrong. That facet/facet.h is C++17 and
 // links into a shared library is tested by package_test.
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <random>
 
@@ -133,6 +134,76 @@ TEST_F(FacadeTest, TheWallIsAMeshAndThePoseComesFirst) {
   for (const api::Vec3& vertex : mesh.vertices)
     mean_x += vertex[0] / static_cast<double>(mesh.vertices.size());
   EXPECT_NEAR(mean_x, 2.2, 0.05);
+}
+
+TEST_F(FacadeTest, LiveOdometryPredictsBetweenPairs) {
+  api::LiveOdometry::Options options;
+  options.overrides = {"mesh.map.enabled=false"};
+  options.max_waiting_pairs = 100;
+  options.T_BF.p = {0.5, 0, 0};
+  options.world = api::LiveOdometry::World::kNed;
+  std::atomic<int> num_poses = 0;
+  api::LiveOdometry odometry(
+      TestCalibration(), options, [&](const api::State& state) { num_poses += state.has_pose; });
+  EXPECT_FALSE(odometry.PredictAt(0));
+  std::int64_t imu_ns = 0, t_ns = 0;
+  for (; t_ns < 40 * kFrameNs; t_ns += kFrameNs) {
+    for (; imu_ns <= t_ns + kImuNs; imu_ns += kImuNs)
+      odometry.AddImu({imu_ns, {0, 0, 0}, {0, 0, 9.81}});
+    std::vector<std::uint8_t> left = left_, right = right_;
+    odometry.AddStereo(t_ns, {left.data(), kWidth, kHeight}, {right.data(), kWidth, kHeight});
+    std::fill(left.begin(), left.end(), std::uint8_t{0});
+  }
+  odometry.Finish();
+  EXPECT_GT(num_poses, 20);
+  EXPECT_EQ(odometry.counts().done_pairs, 40);
+  EXPECT_EQ(odometry.counts().dropped_pairs + odometry.counts().dropped_imu, 0);
+  EXPECT_GT(odometry.HorizonMesh().faces.size(), 20u);
+  const std::int64_t last_ns = t_ns - kFrameNs;
+  EXPECT_FALSE(odometry.PredictAt(last_ns - 1));
+  const auto motion = odometry.PredictAt(last_ns + 7'000'000);
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(motion->status, api::Status::kOk);
+  EXPECT_NEAR(motion->since_pair_s, 0.007, 1e-9);
+  EXPECT_NEAR(motion->since_imu_s, 0.002, 1e-9);
+  EXPECT_NEAR(motion->T_WF.p[0], 0, 0.01) << "x is W's y";
+  EXPECT_NEAR(motion->T_WF.p[1], 0.5, 0.01);
+  EXPECT_NEAR(motion->T_WF.p[2], 0, 0.01);
+  for (const double v : motion->v_WF)
+    EXPECT_NEAR(v, 0, 0.02);
+  for (std::size_t i = 0; i < 15; ++i) {
+    EXPECT_GT(motion->covariance[16 * i], 0);
+    for (std::size_t j = 0; j < 15; ++j)
+      EXPECT_NEAR(motion->covariance[15 * i + j], motion->covariance[15 * j + i], 1e-12);
+  }
+}
+
+std::string ErrorOfLive(const api::LiveOdometry::Options& options) {
+  try {
+    api::LiveOdometry odometry(TestCalibration(), options);
+  } catch (const api::Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(FacadeErrorTest, SaysWhatIsWrongWithLiveOptions) {
+  api::LiveOdometry::Options options;
+  EXPECT_EQ(ErrorOfLive(options), "no error");
+  options.smoothing_s = -1;
+  EXPECT_THAT(ErrorOfLive(options), HasSubstr("smoothing_s"));
+  options = {};
+  options.max_age_s = 0;
+  EXPECT_THAT(ErrorOfLive(options), HasSubstr("max_age_s"));
+  options = {};
+  options.max_waiting_pairs = 0;
+  EXPECT_THAT(ErrorOfLive(options), HasSubstr("max_waiting_pairs"));
+  options = {};
+  options.T_BF.q = {0, 0, 0, 0};
+  EXPECT_THAT(ErrorOfLive(options), HasSubstr("T_BF: the quaternion"));
+  options = {};
+  options.overrides = {"frontend.max_feature=7"};
+  EXPECT_THAT(ErrorOfLive(options), HasSubstr("unknown key"));
 }
 
 TEST_F(FacadeTest, ImagesMayGoAfterTheCall) {

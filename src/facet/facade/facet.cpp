@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <mutex>
 #include <utility>
 
 #include "facet/calibration/calibration_vector.h"
@@ -11,6 +12,7 @@
 #include "facet/io/calibration_file.h"
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
+#include "facet/live/live_vio.h"
 #include "facet/pipeline/vio_pipeline.h"
 
 namespace facet::api {
@@ -39,10 +41,11 @@ Pose Plain(const SE3& T) {
   return {Plain(T.p), {T.q.w(), T.q.x(), T.q.y(), T.q.z()}};
 }
 
-SE3 Internal(const Pose& pose) {
+SE3 Internal(const Pose& pose, const std::string& name) {
   const auto& [w, x, y, z] = pose.q;
   const Quaterniond q(w, x, y, z);
-  if (!(std::abs(q.norm() - 1) < 1e-3)) throw Error("T_BC: the quaternion is not of unit length");
+  if (!(std::abs(q.norm() - 1) < 1e-3))
+    throw Error(name + ": the quaternion is not of unit length");
   // One that is of unit length but for rounding stays as it is, bit by bit.
   constexpr double kRounding = 1e-15;
   return {std::abs(q.squaredNorm() - 1) < kRounding ? q : q.normalized(),
@@ -96,7 +99,7 @@ std::shared_ptr<const MatrixXd> CovarianceOf(const std::vector<double>& rows) {
 StereoRig RigOf(const Calibration& calibration) {
   StereoRig rig;
   rig.cameras = {Internal(calibration.left, "left"), Internal(calibration.right, "right")};
-  rig.T_BC = {Internal(calibration.left.T_BC), Internal(calibration.right.T_BC)};
+  rig.T_BC = {Internal(calibration.left.T_BC, "T_BC"), Internal(calibration.right.T_BC, "T_BC")};
   if (!(std::abs(calibration.time_offset_s) <= 1))
     throw Error("time_offset_s must be seconds, from -1 to 1");
   rig.time_offset = FromSeconds(calibration.time_offset_s);
@@ -181,6 +184,36 @@ State Plain(const VioOutput& output) {
   state.was_reset = output.was_reset;
   state.warning = output.refusal.empty() ? output.warning : output.refusal;
   return state;
+}
+
+facet::ImuSample Internal(const ImuSample& sample) {
+  return {{sample.t_ns},
+          {sample.gyro[0], sample.gyro[1], sample.gyro[2]},
+          {sample.accel[0], sample.accel[1], sample.accel[2]}};
+}
+
+Motion Plain(const PredictedState& state) {
+  Motion motion;
+  motion.t_ns = state.t.ns;
+  motion.T_WF = Plain(state.T_WF);
+  motion.v_WF = Plain(state.v_WF);
+  motion.w_F = Plain(state.w_F);
+  motion.a_WF = Plain(state.a_WF);
+  motion.gyro_bias = Plain(state.bias.b_g);
+  motion.accel_bias = Plain(state.bias.b_a);
+  for (int row = 0; row < 15; ++row) {
+    for (int column = 0; column < 15; ++column)
+      motion.covariance[static_cast<std::size_t>(15 * row + column)] =
+          state.covariance(row, column);
+  }
+  motion.status = static_cast<Status>(state.status);
+  motion.segment = state.segment;
+  motion.since_pair_s = ToSeconds(state.since_frame);
+  motion.since_imu_s = ToSeconds(state.since_imu);
+  motion.held_back_theta = Plain(Vector3d(state.held_back.head<3>()));
+  motion.held_back_p = Plain(Vector3d(state.held_back.segment<3>(3)));
+  motion.held_back_v = Plain(Vector3d(state.held_back.tail<3>()));
+  return motion;
 }
 
 Mesh Plain(const TriangleMesh& mesh) {
@@ -271,9 +304,7 @@ void Odometry::OnPose(std::function<void(const State&)> observer) {
 }
 
 void Odometry::AddImu(const ImuSample& sample) {
-  impl_->pipeline.AddImu({{sample.t_ns},
-                          {sample.gyro[0], sample.gyro[1], sample.gyro[2]},
-                          {sample.accel[0], sample.accel[1], sample.accel[2]}});
+  impl_->pipeline.AddImu(Internal(sample));
 }
 
 State Odometry::AddStereo(std::int64_t t_ns, const Image& left, const Image& right) {
@@ -302,6 +333,106 @@ std::vector<Plane> Odometry::Planes() const {
   for (const PlaneRecord& record : result.planes.value_or(std::vector<PlaneRecord>()))
     planes.push_back(Plain(record));
   return planes;
+}
+
+struct LiveOdometry::Impl {
+  Impl(const Calibration& calibration,
+       const Options& options,
+       std::function<void(const State&)> on_pose)
+      : vio(
+            RigOf(calibration),
+            NoiseOf(calibration),
+            OptionsOf(options, notices),
+            Internal(options),
+            [on_pose = std::move(on_pose)](const VioOutput& output) {
+              if (on_pose) on_pose(Plain(output));
+            },
+            [this](const VioOutput& output) {
+              if (!output.mesh) return;
+              const std::lock_guard lock(mesh_mutex);
+              mesh = output.mesh;
+            }) {}
+
+  static LiveOptions Internal(const Options& plain) {
+    LiveOptions options;
+    if (!(plain.smoothing_s >= 0 && plain.smoothing_s <= 10))
+      throw Error("smoothing_s must be seconds, from 0 to 10");
+    if (!(plain.max_age_s > 0 && plain.max_age_s <= 60))
+      throw Error("max_age_s must be seconds, above 0, up to 60");
+    if (plain.max_waiting_pairs < 1) throw Error("max_waiting_pairs must be 1 or more");
+    options.prediction.smoothing_s = plain.smoothing_s;
+    options.prediction.max_age_s = plain.max_age_s;
+    options.prediction.frame.T_BF = api::Internal(plain.T_BF, "T_BF");
+    options.prediction.frame.world = plain.world == World::kNed ? WorldAxes::kNed : WorldAxes::kEnu;
+    options.max_waiting_frames = static_cast<std::size_t>(plain.max_waiting_pairs);
+    options.two_threads = plain.two_threads;
+    return options;
+  }
+
+  std::vector<std::string> notices;
+  mutable std::mutex mesh_mutex;
+  std::shared_ptr<const MeshSnapshot> mesh;
+  LiveVio vio;  // last: its threads use the others
+};
+
+LiveOdometry::LiveOdometry(const Calibration& calibration,
+                           std::function<void(const State&)> on_pose)
+    : LiveOdometry(calibration, Options(), std::move(on_pose)) {}
+
+LiveOdometry::LiveOdometry(const Calibration& calibration,
+                           const Options& options,
+                           std::function<void(const State&)> on_pose)
+    : impl_(std::make_unique<Impl>(calibration, options, std::move(on_pose))) {}
+
+LiveOdometry::~LiveOdometry() = default;
+LiveOdometry::LiveOdometry(LiveOdometry&&) noexcept = default;
+LiveOdometry& LiveOdometry::operator=(LiveOdometry&&) noexcept = default;
+
+const std::vector<std::string>& LiveOdometry::Notices() const {
+  return impl_->notices;
+}
+
+void LiveOdometry::AddImu(const ImuSample& sample) {
+  impl_->vio.AddImu(Internal(sample));
+}
+
+void LiveOdometry::AddStereo(std::int64_t t_ns, const Image& left, const Image& right) {
+  const auto copy = [](const Image& image) {
+    return OwnedImage({image.pixels, image.width, image.height, image.stride_bytes, nullptr});
+  };
+  impl_->vio.AddStereo({{t_ns}, copy(left).pixels(), copy(right).pixels()});
+}
+
+std::optional<Motion> LiveOdometry::PredictAt(std::int64_t t_ns) const {
+  const std::optional<PredictedState> state = impl_->vio.PredictAt({t_ns});
+  if (!state) return std::nullopt;
+  return Plain(*state);
+}
+
+Mesh LiveOdometry::HorizonMesh() const {
+  std::shared_ptr<const MeshSnapshot> mesh;
+  {
+    const std::lock_guard lock(impl_->mesh_mutex);
+    mesh = impl_->mesh;
+  }
+  return mesh ? Plain(mesh->mesh) : Mesh();
+}
+
+LiveOdometry::Counts LiveOdometry::counts() const {
+  const LiveCounts counts = impl_->vio.counts();
+  Counts plain;
+  plain.pairs = counts.frames;
+  plain.done_pairs = counts.done_frames;
+  plain.dropped_pairs = counts.dropped_frames;
+  plain.imu = counts.imu;
+  plain.dropped_imu = counts.dropped_imu;
+  plain.latency_s = counts.latency_s;
+  plain.max_latency_s = counts.max_latency_s;
+  return plain;
+}
+
+void LiveOdometry::Finish() {
+  impl_->vio.Finish();
 }
 
 const char* Version() {

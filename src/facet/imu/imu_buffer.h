@@ -63,13 +63,20 @@ class ImuBuffer {
   /// Forgets what is older than t, but keeps one sample at or before t.
   void DropBefore(Timestamp t);
 
+  /// One and a half times the median step of the last samples, at most 0.15 s; zero before there
+  /// are two of them.
+  Duration LongestUsualStep() const;
+
+  /// What is believed so far and not dropped, in order of time. The newest one may be taken back
+  /// when the next one comes (ImuScreen).
+  const std::deque<ImuSample>& samples() const { return samples_; }
+
   bool empty() const { return samples_.empty(); }
   std::size_t size() const { return samples_.size(); }
   Timestamp first_stamp() const { return samples_.front().t; }
   Timestamp last_stamp() const { return samples_.back().t; }
 
  private:
-  Duration LongestUsualStep() const;
   void Take(const ImuSample& sample);
   void Wait(const ImuSample& sample);
   void TakeWaiting();

@@ -9,7 +9,6 @@
 
 #include <fcntl.h>
 #include <stdio.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include "facet/io/errors.h"
@@ -47,20 +46,6 @@ bool IsNumber(const std::string& text) {
 constexpr const char* kOld = "-old";
 
 }  // namespace
-
-bool ResultFolder::Lock::Take(const fs::path& folder) {
-  Release();
-  descriptor_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor_ < 0) return false;
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
-  Release();
-  return false;
-}
-
-void ResultFolder::Lock::Release() {
-  if (descriptor_ >= 0) close(descriptor_);
-  descriptor_ = -1;
-}
 
 ResultFolder::ResultFolder(const fs::path& target) {
   std::error_code error;
@@ -105,7 +90,7 @@ void ResultFolder::RemoveLeftOvers() const {
     if (is_old) number.resize(number.size() - std::strlen(kOld));
     if (!IsNumber(number)) continue;
     const fs::path staging = target_.parent_path() / (stem + number);
-    Lock lock;
+    FolderLock lock;
     if (fs::exists(staging, error) && !lock.Take(staging)) continue;
     // Killed between two renames: the old result is still the only one.
     if (is_old && !fs::exists(target_, error)) {

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "facet/io/folder_lock.h"
+
 namespace facet {
 
 /// Files are written into a hidden sibling of the target, which takes the target's place in one
@@ -28,28 +30,13 @@ class ResultFolder {
   void Commit();
 
  private:
-  /// An open folder that is locked until it is closed, or the process ends in whatever way.
-  class Lock {
-   public:
-    Lock() = default;
-    Lock(const Lock&) = delete;
-    Lock& operator=(const Lock&) = delete;
-    ~Lock() { Release(); }
-    /// False if another process has it, or there is no such folder.
-    bool Take(const std::filesystem::path& folder);
-    void Release();
-
-   private:
-    int descriptor_ = -1;
-  };
-
   void RemoveLeftOvers() const;
   void CreateStaging(const std::filesystem::path& named);
   void ExchangeWithTarget();
 
   std::filesystem::path target_;
   std::filesystem::path staging_;
-  Lock lock_;  ///< on the staging folder
+  FolderLock lock_;  ///< on the staging folder
 };
 
 }  // namespace facet

@@ -46,97 +46,17 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
-std::string StatesCsv(const std::vector<FrameRecord>& frames) {
-  std::string text =
-      "timestamp_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz,"
-      "sigma_px,sigma_py,sigma_pz,sigma_rx,sigma_ry,sigma_rz,sigma_vx,sigma_vy,sigma_vz,"
-      "sigma_bgx,sigma_bgy,sigma_bgz,sigma_bax,sigma_bay,sigma_baz,"
-      "status,reason,segment\n";
-  constexpr int kNumValues = 31;
-  for (const FrameRecord& f : frames) {
-    text += std::to_string(f.t.ns);
-    if (f.has_pose) {
-      const Quaterniond& q = f.state.T_WB.q;
-      AppendVector(text, f.state.T_WB.p);
-      for (double component : {q.w(), q.x(), q.y(), q.z()})
-        AppendNumber(text, component);
-      for (const Vector3d& v : {f.state.v_WB,
-                                f.state.bias.b_g,
-                                f.state.bias.b_a,
-                                f.sigma_p,
-                                f.sigma_theta,
-                                f.sigma_v,
-                                f.sigma_b_g,
-                                f.sigma_b_a}) {
-        AppendVector(text, v);
-      }
-    } else {
-      text.append(kNumValues, ',');
-    }
-    AppendText(text, Quoted(f.status));
-    AppendText(text, Quoted(f.reason));
-    AppendText(text, f.has_pose ? std::to_string(f.segment) : "");
-    text += '\n';
-  }
-  return text;
-}
-
 double TotalWithoutDecode(const StageTimes& times) {
   return times.Total() - times[Stage::kDecode];
 }
 
-std::string TimingCsv(const std::vector<FrameRecord>& frames) {
-  std::string text = "timestamp_ns,is_keyframe";
-  for (const char* name : kStageNames)
-    text += std::string(",") + name;
-  text += ",total_without_decode,total,wall_ms,latency_ms,landmarks,planes,constraints\n";
-  for (const FrameRecord& f : frames) {
-    text += std::to_string(f.t.ns) + (f.is_keyframe ? ",1" : ",0");
-    for (double ms : f.times.ms)
-      AppendNumber(text, ms, ",%.4f");
-    for (double ms : {TotalWithoutDecode(f.times), f.times.Total(), f.wall_ms, f.latency_ms}) {
-      AppendNumber(text, ms, ",%.4f");
-    }
-    for (int count : {f.num_landmarks, f.num_planes, f.num_constraints}) {
-      AppendText(text, std::to_string(count));
-    }
-    text += '\n';
-  }
-  return text;
-}
-
-// `outline` holds its corners, "x y z" apart by semicolons; `absorbed` the ids of planes that
-// turned out to be this one, apart by blanks: meshes that were written on the way have them.
-std::string PlanesCsv(const std::vector<PlaneRecord>& planes) {
-  std::string text =
-      "id,nx,ny,nz,d,cx,cy,cz,orientation,label,first_seen_ns,last_seen_ns,landmarks,area_m2,"
-      "sigma_normal_rad,sigma_d_m,outline,absorbed\n";
-  for (const PlaneRecord& plane : planes) {
-    text += std::to_string(plane.id.value);
-    AppendVector(text, plane.plane_W.n);
-    AppendNumber(text, plane.plane_W.d);
-    AppendVector(text, plane.centroid_W);
-    AppendText(text, ToString(plane.orientation));
-    AppendText(text, ToString(plane.label));
-    AppendText(text, std::to_string(plane.first_seen.ns));
-    AppendText(text, std::to_string(plane.last_seen.ns));
-    AppendText(text, std::to_string(plane.num_landmarks));
-    for (double value : {plane.area_m2, plane.sigma_normal_rad, plane.sigma_d_m})
-      AppendNumber(text, value, ",%.6g");
-    text += ',';
-    for (std::size_t k = 0; k < plane.outline_W.size(); ++k) {
-      const Vector3d& p = plane.outline_W[k];
-      char corner[100];
-      std::snprintf(
-          corner, sizeof(corner), "%s%.3f %.3f %.3f", k == 0 ? "" : ";", p.x(), p.y(), p.z());
-      text += corner;
-    }
-    text += ',';
-    for (std::size_t k = 0; k < plane.merged_ids.size(); ++k)
-      text += (k == 0 ? "" : " ") + std::to_string(plane.merged_ids[k].value);
-    text += '\n';
-  }
-  return text;
+template <class AppendLine>
+std::string Table(std::string header,
+                  const std::vector<FrameRecord>& frames,
+                  const AppendLine& append_line) {
+  for (const FrameRecord& frame : frames)
+    append_line(frame, header);
+  return header;
 }
 
 // ------------------------------------------------------------------------------------- summary
@@ -187,6 +107,28 @@ Json StagesSummary(const std::vector<FrameRecord>& frames) {
   return stages;
 }
 
+std::optional<LatencyFigures> FiguresOf(const std::vector<double>& latencies_ms) {
+  if (latencies_ms.empty()) return std::nullopt;
+  return LatencyFigures{Median(latencies_ms),
+                        Percentile(latencies_ms, 0.9),
+                        Percentile(latencies_ms, 0.99),
+                        *std::ranges::max_element(latencies_ms)};
+}
+
+Json LatencySummary(const std::vector<FrameRecord>& frames) {
+  Json json = Json::object();
+  const auto add = [&](const char* name, const std::optional<LatencyFigures>& figures) {
+    if (!figures) return;
+    json[name] = {{"median_ms", figures->median_ms},
+                  {"p90_ms", figures->p90_ms},
+                  {"p99_ms", figures->p99_ms},
+                  {"max_ms", figures->max_ms}};
+  };
+  add("pose", PoseLatency(frames));
+  add("mesh", MeshLatency(frames));
+  return json;
+}
+
 // From when to when each of them has poses.
 Json SegmentsSummary(const std::vector<FrameRecord>& frames) {
   Json segments = Json::array();
@@ -222,7 +164,12 @@ Json Summary(const RunRecord& run) {
   json["cpu_s"] = run.cpu_s;
   if (run.wall_s > 0) json["realtime_factor"] = run.duration_s / run.wall_s;
   json["peak_rss_mb"] = run.peak_rss_mb;
-  json["stages"] = StagesSummary(frames);
+  if (run.is_interrupted) {
+    json["interrupted"] = true;
+  } else {
+    json["stages"] = StagesSummary(frames);
+  }
+  if (run.is_realtime) json["latency"] = LatencySummary(frames);
   if (const auto init_s = run.InitSeconds()) json["init_s"] = *init_s;
   if (!landmarks.empty()) json["landmarks_median"] = Median(landmarks);
   json["planes_total"] = run.planes ? run.planes->size() : 0;
@@ -286,11 +233,122 @@ std::optional<double> RunRecord::InitSeconds() const {
   return ToSeconds(first->t - first_pair);
 }
 
+std::string StatesHeader() {
+  return "timestamp_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz,"
+         "sigma_px,sigma_py,sigma_pz,sigma_rx,sigma_ry,sigma_rz,sigma_vx,sigma_vy,sigma_vz,"
+         "sigma_bgx,sigma_bgy,sigma_bgz,sigma_bax,sigma_bay,sigma_baz,"
+         "status,reason,segment\n";
+}
+
+void AppendStatesLine(const FrameRecord& f, std::string& text) {
+  constexpr int kNumValues = 31;
+  text += std::to_string(f.t.ns);
+  if (f.has_pose) {
+    const Quaterniond& q = f.state.T_WB.q;
+    AppendVector(text, f.state.T_WB.p);
+    for (double component : {q.w(), q.x(), q.y(), q.z()})
+      AppendNumber(text, component);
+    for (const Vector3d& v : {f.state.v_WB,
+                              f.state.bias.b_g,
+                              f.state.bias.b_a,
+                              f.sigma_p,
+                              f.sigma_theta,
+                              f.sigma_v,
+                              f.sigma_b_g,
+                              f.sigma_b_a}) {
+      AppendVector(text, v);
+    }
+  } else {
+    text.append(kNumValues, ',');
+  }
+  AppendText(text, Quoted(f.status));
+  AppendText(text, Quoted(f.reason));
+  AppendText(text, f.has_pose ? std::to_string(f.segment) : "");
+  text += '\n';
+}
+
+std::string TimingHeader() {
+  std::string text = "timestamp_ns,is_keyframe";
+  for (const char* name : kStageNames)
+    text += std::string(",") + name;
+  return text +
+         ",total_without_decode,total,wall_ms,latency_ms,landmarks,planes,constraints,"
+         "pose_latency_ms\n";
+}
+
+void AppendTimingLine(const FrameRecord& f, std::string& text) {
+  text += std::to_string(f.t.ns) + (f.is_keyframe ? ",1" : ",0");
+  for (double ms : f.times.ms)
+    AppendNumber(text, ms, ",%.4f");
+  for (double ms : {TotalWithoutDecode(f.times), f.times.Total(), f.wall_ms, f.latency_ms}) {
+    AppendNumber(text, ms, ",%.4f");
+  }
+  for (int count : {f.num_landmarks, f.num_planes, f.num_constraints}) {
+    AppendText(text, std::to_string(count));
+  }
+  AppendNumber(text, f.pose_latency_ms, ",%.4f");
+  text += '\n';
+}
+
+// `outline` holds its corners, "x y z" apart by semicolons; `absorbed` the ids of planes that
+// turned out to be this one, apart by blanks: meshes that were written on the way have them.
+std::string PlanesCsv(const std::vector<PlaneRecord>& planes) {
+  std::string text =
+      "id,nx,ny,nz,d,cx,cy,cz,orientation,label,first_seen_ns,last_seen_ns,landmarks,area_m2,"
+      "sigma_normal_rad,sigma_d_m,outline,absorbed\n";
+  for (const PlaneRecord& plane : planes) {
+    text += std::to_string(plane.id.value);
+    AppendVector(text, plane.plane_W.n);
+    AppendNumber(text, plane.plane_W.d);
+    AppendVector(text, plane.centroid_W);
+    AppendText(text, ToString(plane.orientation));
+    AppendText(text, ToString(plane.label));
+    AppendText(text, std::to_string(plane.first_seen.ns));
+    AppendText(text, std::to_string(plane.last_seen.ns));
+    AppendText(text, std::to_string(plane.num_landmarks));
+    for (double value : {plane.area_m2, plane.sigma_normal_rad, plane.sigma_d_m})
+      AppendNumber(text, value, ",%.6g");
+    text += ',';
+    for (std::size_t k = 0; k < plane.outline_W.size(); ++k) {
+      const Vector3d& p = plane.outline_W[k];
+      char corner[100];
+      std::snprintf(
+          corner, sizeof(corner), "%s%.3f %.3f %.3f", k == 0 ? "" : ";", p.x(), p.y(), p.z());
+      text += corner;
+    }
+    text += ',';
+    for (std::size_t k = 0; k < plane.merged_ids.size(); ++k)
+      text += (k == 0 ? "" : " ") + std::to_string(plane.merged_ids[k].value);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string SummaryJson(const RunRecord& run) {
+  return JsonText(Summary(run), 2) + "\n";
+}
+
+std::optional<LatencyFigures> PoseLatency(const std::vector<FrameRecord>& frames) {
+  std::vector<double> all;
+  for (const FrameRecord& f : frames) {
+    if (f.has_pose) all.push_back(f.pose_latency_ms);
+  }
+  return FiguresOf(all);
+}
+
+std::optional<LatencyFigures> MeshLatency(const std::vector<FrameRecord>& frames) {
+  std::vector<double> all;
+  for (const FrameRecord& f : frames) {
+    if (f.has_pose && f.is_keyframe) all.push_back(f.latency_ms);
+  }
+  return FiguresOf(all);
+}
+
 void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   WriteTum(folder / "trajectory.tum", run.CausalTrajectory());
   WriteTum(folder / "keyframes.tum", run.keyframes);
-  WriteTextFile(folder / "states.csv", StatesCsv(run.frames));
-  WriteTextFile(folder / "timing.csv", TimingCsv(run.frames));
+  WriteTextFile(folder / "states.csv", Table(StatesHeader(), run.frames, AppendStatesLine));
+  WriteTextFile(folder / "timing.csv", Table(TimingHeader(), run.frames, AppendTimingLine));
   WritePlyPoints(folder / "landmarks.ply", run.landmarks);
   if (run.mesh) WritePlyMesh(folder / "mesh.ply", *run.mesh);
   if (run.map) WritePlyMesh(folder / "map.ply", *run.map);
@@ -304,7 +362,7 @@ void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   if (run.estimated_calibration)
     WriteCalibration(folder / "calibration.yaml", *run.estimated_calibration);
   WriteTextFile(folder / "config.yaml", run.config);
-  WriteTextFile(folder / "summary.json", JsonText(Summary(run), 2) + "\n");
+  WriteTextFile(folder / "summary.json", SummaryJson(run));
 }
 
 }  // namespace facet

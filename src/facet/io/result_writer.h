@@ -33,8 +33,9 @@ struct FrameRecord {
   std::string status;  ///< initialising, ok, degraded, lost
   std::string reason;  ///< why it is not ok
   StageTimes times;
-  double wall_ms = 0;     ///< decoding and processing
-  double latency_ms = 0;  ///< from the arrival of the images to the result
+  double wall_ms = 0;          ///< decoding and processing
+  double latency_ms = 0;       ///< from the arrival of the images to the result, mesh included
+  double pose_latency_ms = 0;  ///< from the arrival of the images to the pose
   int num_landmarks = 0;
   int num_planes = 0;
   int num_constraints = 0;  ///< landmarks that lie on planes, once per plane
@@ -45,6 +46,9 @@ struct RunRecord {
   std::string version, sequence, pipeline;
   std::string calibration;  ///< which files and which convention were read
   int threads = 1;
+  bool is_realtime = false;  ///< at recorded speed: latencies mean something
+  /// The run goes on, or was killed: the summary says so, and has no statistics of the stages.
+  bool is_interrupted = false;
   Timestamp first_pair;  ///< first stereo pair after --start
   int num_frames =
       0;  ///< stereo frames of the chosen part, also those that were dropped or damaged
@@ -80,5 +84,25 @@ struct RunRecord {
 /// an existing folder. Everything but timing.csv and summary.json depends on the estimates alone.
 /// Throws OutputError naming the file that could not be written completely.
 void WriteResult(const std::filesystem::path& folder, const RunRecord& run);
+
+// The same files part by part, for whoever writes them while the run goes on. Lines have their line
+// ends; the headers are the first lines of states.csv and timing.csv.
+std::string StatesHeader();
+std::string TimingHeader();
+void AppendStatesLine(const FrameRecord& frame, std::string& text);
+void AppendTimingLine(const FrameRecord& frame, std::string& text);
+std::string PlanesCsv(const std::vector<PlaneRecord>& planes);
+std::string SummaryJson(const RunRecord& run);
+
+/// Spread of the latencies of a run.
+struct LatencyFigures {
+  double median_ms = 0, p90_ms = 0, p99_ms = 0, max_ms = 0;
+};
+
+/// From the arrival of the images to the pose of each frame; empty without frames.
+std::optional<LatencyFigures> PoseLatency(const std::vector<FrameRecord>& frames);
+
+/// From the arrival of the images of each keyframe to its mesh.
+std::optional<LatencyFigures> MeshLatency(const std::vector<FrameRecord>& frames);
 
 }  // namespace facet

@@ -69,7 +69,7 @@ TEST(ResultWriterTest, WritesEveryFile) {
   EXPECT_THAT(timing[0], testing::StartsWith("timestamp_ns,is_keyframe,decode,track,stereo,"));
   EXPECT_EQ(timing[2],
             "1050000000,0,2.0000,2.0000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,"
-            "2.0000,4.0000,0.0000,0.0000,101,0,0");
+            "2.0000,4.0000,0.0000,0.0000,101,0,0,0.0000");
 
   const std::string ply = ReadText(folder / "landmarks.ply");
   EXPECT_THAT(ply, testing::StartsWith("ply\nformat binary_little_endian 1.0\nelement vertex 2\n"));
@@ -137,6 +137,34 @@ TEST(ResultWriterTest, Summary) {
   EXPECT_FALSE(summary["stages"].contains("mesh"));
   EXPECT_FALSE(summary.contains("mesh_faces"));
   EXPECT_EQ(summary["warnings"].size(), 1u);
+}
+
+TEST(ResultWriterTest, ASummaryWhileTheRunGoesOnSaysSo) {
+  RunRecord run = SmallRun();
+  EXPECT_FALSE(nlohmann::json::parse(SummaryJson(run)).contains("interrupted"));
+  run.is_interrupted = true;
+  const auto summary = nlohmann::json::parse(SummaryJson(run));
+  EXPECT_EQ(summary["interrupted"], true);
+  EXPECT_EQ(summary["frames"], 5);
+  EXPECT_FALSE(summary.contains("stages"));
+  run.frames.clear();
+  EXPECT_EQ(nlohmann::json::parse(SummaryJson(run))["frames_with_pose"], 0);
+}
+
+TEST(ResultWriterTest, LatenciesOfARunAtRecordedSpeed) {
+  RunRecord run = SmallRun();
+  EXPECT_FALSE(nlohmann::json::parse(SummaryJson(run)).contains("latency"));
+  run.is_realtime = true;
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    run.frames[i].has_pose = true;
+    run.frames[i].is_keyframe = i == 1;
+    run.frames[i].pose_latency_ms = static_cast<double>(i + 1);
+    run.frames[i].latency_ms = 20;
+  }
+  const auto latency = nlohmann::json::parse(SummaryJson(run))["latency"];
+  EXPECT_EQ(latency["pose"]["median_ms"], 0.5 * static_cast<double>(run.frames.size() + 1));
+  EXPECT_EQ(latency["pose"]["max_ms"], run.frames.size());
+  EXPECT_EQ(latency["mesh"]["p99_ms"], 20);
 }
 
 TEST(ResultWriterTest, RunWithoutAnyPose) {

@@ -182,9 +182,13 @@ std::string FormatTumLine(const StampedPose& pose) {
   return FormatSeconds(pose.t) + text;
 }
 
+std::string TumHeader() {
+  return "# timestamp[s] tx ty tz qx qy qz qw\n";
+}
+
 void WriteTum(const std::filesystem::path& file, std::span<const StampedPose> poses) {
   std::ofstream stream(file, std::ios::binary);
-  stream << "# timestamp[s] tx ty tz qx qy qz qw\n";
+  stream << TumHeader();
   for (const StampedPose& pose : poses)
     stream << FormatTumLine(pose);
   stream.flush();

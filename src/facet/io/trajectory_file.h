@@ -33,6 +33,9 @@ struct Trajectory {
 /// (within 1 %), stamps that run backwards, and stamps of the wrong unit.
 Trajectory ReadTrajectory(const std::filesystem::path& file);
 
+/// The first line of a TUM file, with its line end.
+std::string TumHeader();
+
 /// TUM text of one pose, with the stamp exact to the nanosecond and a line end.
 std::string FormatTumLine(const StampedPose& pose);
 

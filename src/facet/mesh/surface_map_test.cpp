@@ -11,6 +11,7 @@
 
 #include "facet/base/random.h"
 #include "facet/mesh/hole_filling.h"
+#include "facet/mesh/map_follower.h"
 
 namespace facet {
 namespace {
@@ -86,34 +87,27 @@ TEST(SurfaceMap, AFloorComesBackWhereItWasAndLooksUp) {
 TEST(SurfaceMap, AnotherMapFollowsByWhatHasChangedAndItsPartsAreTheWhole) {
   SurfaceMapOptions options = EndingWithTheFaces();
   options.max_hole_m = 0;
-  SurfaceMap map(options), follower(options);
+  SurfaceMap map(options);
+  MapFollower follower(options);
   Rng rng(1);
-  std::set<CubeIndex> parts;
   for (double z : {0.03, 1.0}) {
     AddFloor(z, 0, rng, map, 8, Vector3d(0, 0, 3));
-    std::vector<SurfaceMap::Block> changed = map.TakeChanged(3);
-    EXPECT_EQ(changed.size(), 3u);
-    for (const SurfaceMap::Block& block : map.TakeChanged(1000000))
-      changed.push_back(block);
-    for (const SurfaceMap::Block& block : changed) {
-      follower.SetBlock(block);
-      for (int i = 0; i < 8; ++i) {
-        parts.insert(PartOf(
-            {block.index.x - (i & 1), block.index.y - (i >> 1 & 1), block.index.z - (i >> 2 & 1)}));
-        parts.insert(PartOf(
-            {block.index.x + (i & 1), block.index.y + (i >> 1 & 1), block.index.z + (i >> 2 & 1)}));
-      }
-    }
+    const std::vector<SurfaceMap::Block> first = map.TakeChanged(3);
+    EXPECT_EQ(first.size(), 3u);
+    follower.Take(first);
+    follower.Take(map.TakeChanged(1000000));
     EXPECT_TRUE(map.TakeChanged(1000000).empty());
   }
   std::size_t num_faces = 0, num_shown = 0;
-  for (const CubeIndex& part : parts) {
-    const TriangleMesh mesh = ExtractPart(follower, part);
+  EXPECT_TRUE(follower.has_changed());
+  while (const auto part = follower.TakePart()) {
+    const TriangleMesh& mesh = part->mesh;
     num_faces += mesh.faces.size();
     num_shown += mesh.faces.empty() ? 0 : 1;
     EXPECT_EQ(mesh.plane_ids.size(), mesh.faces.size());
     EXPECT_EQ(mesh.normals.size(), mesh.vertices.size());
   }
+  EXPECT_FALSE(follower.has_changed());
   EXPECT_GT(num_shown, 3u);
   EXPECT_EQ(num_faces, ExtractSurface(map).faces.size());
 }

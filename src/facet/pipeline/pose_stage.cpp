@@ -52,6 +52,7 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
   out.has_pose = result.has_state;
   out.segment = result.segment;
   out.state = result.state;
+  out.causal = result.causal;
   const Vector<15> sigma = result.covariance.diagonal().cwiseMax(0).cwiseSqrt();
   out.sigma_theta = sigma.segment<3>(0);
   out.sigma_p = sigma.segment<3>(3);

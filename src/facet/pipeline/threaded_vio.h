@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The same stages as VioPipeline on two threads: while the back half of one frame is worked on, the
 // caller's thread tracks features in the next. Same results, bit for bit; only the latency differs.
-// The only file with threads in the library.
 #pragma once
 
 #include <cstdint>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "facet/base/stage_timer.h"
+#include "facet/imu/causal_state.h"
 #include "facet/map/map_snapshot.h"
 #include "facet/map/observation.h"
 #include "facet/map/plane_record.h"
@@ -44,6 +45,7 @@ struct VioOutput {
   Vector3d sigma_v = Vector3d::Zero();      ///< 1-sigma [m/s], in W
   Vector3d sigma_b_g = Vector3d::Zero();    ///< 1-sigma [rad/s]
   Vector3d sigma_b_a = Vector3d::Zero();    ///< 1-sigma [m/s^2]
+  CausalState causal;                       ///< the same for whoever goes on with the IMU
   int num_tracks = 0;                       ///< features tracked in this frame
   int num_landmarks = 0;                    ///< landmarks in the window
   int num_planes = 0;                       ///< in the estimator

@@ -57,11 +57,13 @@ std::string Zstd(const std::string& bytes) {
 
 }  // namespace
 
-McapWriter::McapWriter(const std::filesystem::path& file, Compression compression)
+McapWriter::McapWriter(const std::filesystem::path& file,
+                       Compression compression,
+                       const std::string& profile)
     : file_(file), compression_(compression), stream_(Partial(), std::ios::binary) {
   FACET_CHECK(compression == Compression::kNone || compression == Compression::kZstd)
       << "MCAP files are written with zstd or without compression";
-  Write(Magic() + Record(kOpHeader, Sized("ros2") + Sized("facet")));
+  Write(Magic() + Record(kOpHeader, Sized(profile) + Sized("facet")));
 }
 
 McapWriter::~McapWriter() {
@@ -90,13 +92,20 @@ void McapWriter::Write(const std::string& bytes) {
 std::uint16_t McapWriter::AddChannel(const std::string& topic,
                                      const std::string& type,
                                      const std::string& definition) {
-  const std::uint16_t channel = num_channels_++;
-  const auto schema = static_cast<std::uint16_t>(channel + 1);  // zero means none
   std::string ros2_type = type;
   ros2_type.insert(ros2_type.find('/') + 1, "msg/");
+  return AddChannel({topic, "cdr", ros2_type, "ros2msg", definition});
+}
+
+std::uint16_t McapWriter::AddChannel(const McapChannel& added) {
+  const std::uint16_t channel = num_channels_++;
+  const auto schema = static_cast<std::uint16_t>(channel + 1);  // zero means none
   const std::string records =
-      Record(kOpSchema, Raw(schema) + Sized(ros2_type) + Sized("ros2msg") + Sized(definition)) +
-      Record(kOpChannel, Raw(channel) + Raw(schema) + Sized(topic) + Sized("cdr") + Sized(""));
+      Record(kOpSchema,
+             Raw(schema) + Sized(added.schema) + Sized(added.schema_encoding) +
+                 Sized(added.definition)) +
+      Record(kOpChannel,
+             Raw(channel) + Raw(schema) + Sized(added.topic) + Sized(added.encoding) + Sized(""));
   definitions_ += records;
   chunk_ += records;
   return channel;
@@ -137,6 +146,11 @@ void McapWriter::WriteChunk() {
   chunks_.push_back(open_);
   open_ = {};
   chunk_.clear();
+}
+
+void McapWriter::EndChunk() {
+  WriteChunk();
+  stream_.flush();
 }
 
 void McapWriter::WriteMessageIndices(ChunkIndex& index) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Writes MCAP files (https://mcap.dev/spec) of ROS 2 messages, with index and summary.
+// Writes MCAP files (https://mcap.dev/spec), with index and summary.
 #pragma once
 
 #include <array>
@@ -16,24 +16,42 @@
 
 namespace facet {
 
+/// What an MCAP file says of a channel.
+struct McapChannel {
+  std::string topic;
+  std::string encoding;         ///< of the messages, for example json
+  std::string schema;           ///< name of their type
+  std::string schema_encoding;  ///< for example jsonschema
+  std::string definition;       ///< the schema itself
+};
+
 /// Keeps one chunk in memory, and 60 bytes for each one written. The file has its name when it is
 /// complete; before, it is called FILE.partial. Not thread-safe.
 class McapWriter {
  public:
-  /// `compression` is kNone or kZstd (CHECKed). All functions throw OutputError when the file
-  /// cannot be written.
-  McapWriter(const std::filesystem::path& file, Compression compression);
+  /// `compression` is kNone or kZstd (CHECKed). `profile`: what the header says of the channels,
+  /// empty: nothing. All functions throw OutputError when the file cannot be written.
+  McapWriter(const std::filesystem::path& file,
+             Compression compression,
+             const std::string& profile = "ros2");
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
   ~McapWriter();  ///< removes what is not complete
 
-  /// `type` as ROS 1 writes it, for example sensor_msgs/Image; `definition` as ROS 2 does. Returns
-  /// the number of the channel.
+  /// Returns the number of the channel.
+  std::uint16_t AddChannel(const McapChannel& channel);
+
+  /// The same for ROS 2 messages. `type` as ROS 1 writes it, for example sensor_msgs/Image;
+  /// `definition` as ROS 2 does.
   std::uint16_t AddChannel(const std::string& topic,
                            const std::string& type,
                            const std::string& definition);
 
   void AddMessage(std::uint16_t channel, Timestamp t, std::span<const std::uint8_t> bytes);
+
+  /// What was added is in the file from now on, where whoever recovers files without a summary
+  /// finds it.
+  void EndChunk();
 
   /// Writes the last chunk and the summary, and gives the file its name.
   void Commit();

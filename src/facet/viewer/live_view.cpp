@@ -223,18 +223,8 @@ void LiveView::PostKeyframes(const std::vector<StampedPose>& keyframes) {
 }
 
 void LiveView::TakeScene(const std::vector<std::shared_ptr<const SceneUpdate>>& updates) {
-  for (const auto& update : updates) {
-    for (const SurfaceMap::Block& block : update->map_blocks) {
-      map_.SetBlock(block);
-      // The cells of a block reach into the ones below it, and the other way round.
-      for (int i = 0; i < 8; ++i) {
-        parts_to_post_.insert(PartOf(
-            {block.index.x + (i & 1), block.index.y + (i >> 1 & 1), block.index.z + (i >> 2 & 1)}));
-        parts_to_post_.insert(PartOf(
-            {block.index.x - (i & 1), block.index.y - (i >> 1 & 1), block.index.z - (i >> 2 & 1)}));
-      }
-    }
-  }
+  for (const auto& update : updates)
+    map_.Take(update->map_blocks);
   if (updates.empty()) return;
   planes_ = updates.back()->planes;
   std::vector<EstimatedPlane> planes;
@@ -245,10 +235,8 @@ void LiveView::TakeScene(const std::vector<std::shared_ptr<const SceneUpdate>>& 
 
 void LiveView::PostMapParts() {
   const Timestamp t = snapshot_posted_ ? snapshot_posted_->latest.t : Timestamp{};
-  for (int i = 0; i < kMaxPartsPerUpdate && !parts_to_post_.empty(); ++i) {
-    const CubeIndex part = *parts_to_post_.begin();
-    parts_to_post_.erase(parts_to_post_.begin());
-    TriangleMesh mesh = ExtractPart(map_, part);
+  for (int i = 0; i < kMaxPartsPerUpdate && map_.has_changed(); ++i) {
+    auto [part, mesh] = *map_.TakePart();
     const std::string slot = SlotOf(part);
     if (mesh.faces.empty() && !slots_.contains(slot)) continue;
     UseCurrentPlaneIds(planes_, mesh.plane_ids);

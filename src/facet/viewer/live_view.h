@@ -16,7 +16,7 @@
 
 #include "facet/camera/stereo_rig.h"
 #include "facet/geometry/delaunay.h"
-#include "facet/mesh/surface_map.h"
+#include "facet/mesh/map_follower.h"
 #include "facet/pipeline/vio_output.h"
 #include "facet/viewer/frame_history.h"
 #include "facet/viewer/view_server.h"
@@ -55,6 +55,9 @@ class LiveView {
   void ShowResult(int code, const std::string& message);
 
   const ViewServer& server() const { return *server_; }
+
+  /// What other sessions of the server have may be sent. From any thread.
+  void Announce() { server_->Announce(); }
 
  private:
   struct Image {
@@ -104,9 +107,8 @@ class LiveView {
   std::shared_ptr<const MeshSnapshot> mesh_posted_;
   std::shared_ptr<const MapSnapshot> snapshot_posted_;
   Timestamp image_posted_{};
-  SurfaceMap map_;
+  MapFollower map_;
   std::vector<PlaneRecord> planes_;
-  std::set<CubeIndex> parts_to_post_;
   Delaunay delaunay_;
 
   std::unique_ptr<ViewServer> server_;  // last: its thread uses the others

@@ -37,7 +37,26 @@ std::string_view View(beast::string_view text) {
   return {text.data(), text.size()};
 }
 
-class LiveClient;
+class SocketClient;
+
+/// The page's data: the board's messages one after the other. What the page sends is thrown away.
+class PageSession : public SocketSession {
+ public:
+  explicit PageSession(const ViewBoard& board) : board_(board) {}
+
+  std::optional<Frame> Next() override {
+    const auto next = board_.NextAfter(number_);
+    if (!next) return std::nullopt;
+    number_ = next->number;
+    return Frame{next->message, false};
+  }
+
+  bool Receive(std::string_view /*bytes*/, bool /*is_text*/) override { return true; }
+
+ private:
+  const ViewBoard& board_;
+  std::uint64_t number_ = 0;  // of the newest message that was sent
+};
 
 /// What connections and listener share. Used on the server's thread only, but for the counts.
 struct Service {
@@ -51,8 +70,8 @@ struct Service {
         update_timer(context) {}
 
   void Announce();
-  void AddClient(LiveClient* client);
-  void RemoveClient(LiveClient* client);
+  void AddClient(SocketClient* client);
+  void RemoveClient(SocketClient* client);
   void RunUpdate();
   void ScheduleUpdate();
   /// Whatever goes wrong here is the viewer's business: the run that it shows goes on.
@@ -62,8 +81,8 @@ struct Service {
   const ViewAccess access;
   HttpAnswers answers;
   const std::shared_ptr<ViewBoard> board;
-  std::set<LiveClient*> clients;
-  std::atomic<int> num_clients{0}, num_connections{0};
+  std::set<SocketClient*> clients;
+  std::atomic<int> num_pages{0}, num_sockets{0}, num_connections{0};
   int num_refused = 0;  // whose refusal is under way
   bool is_update_scheduled = false, has_warned = false;
   // Last but for the timer, which uses it: what it destroys refers to the members above.
@@ -85,13 +104,24 @@ class Counted {
   Service* service_;
 };
 
-/// A WebSocket: sends the board's messages one after the other. What it receives is thrown away.
-class LiveClient : public std::enable_shared_from_this<LiveClient> {
+/// A WebSocket: sends what its session has, one frame after the other.
+class SocketClient : public std::enable_shared_from_this<SocketClient> {
  public:
-  LiveClient(Service& service, beast::tcp_stream stream, Counted counted)
-      : service_(service), counted_(std::move(counted)), socket_(std::move(stream)) {}
+  /// `subprotocol`: the one that was chosen; empty for the page.
+  SocketClient(Service& service,
+               beast::tcp_stream stream,
+               Counted counted,
+               std::unique_ptr<SocketSession> session,
+               std::string subprotocol)
+      : service_(service),
+        counted_(std::move(counted)),
+        socket_(std::move(stream)),
+        session_(std::move(session)),
+        subprotocol_(std::move(subprotocol)) {}
 
-  ~LiveClient() { service_.RemoveClient(this); }
+  ~SocketClient() { service_.RemoveClient(this); }
+
+  bool is_page() const { return subprotocol_.empty(); }
 
   void Start(const Request& request) {
     beast::get_lowest_layer(socket_).expires_never();
@@ -100,8 +130,13 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
     timeout.idle_timeout = service_.options.idle_timeout;
     timeout.keep_alive_pings = true;  // a client that no longer reads does not answer them
     socket_.set_option(timeout);
+    if (!is_page()) {
+      socket_.set_option(websocket::stream_base::decorator(
+          [name = subprotocol_](websocket::response_type& response) {
+            response.set(http::field::sec_websocket_protocol, name);
+          }));
+    }
     socket_.read_message_max(service_.options.max_message_bytes);
-    socket_.binary(true);
     const auto self = shared_from_this();
     socket_.async_accept(request, [this, self](Error error) {
       if (error) return;
@@ -111,13 +146,13 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
     });
   }
 
-  /// The next message, unless one is under way.
+  /// The next frame, unless one is under way.
   void Send() {
     if (message_) return;
-    const auto next = service_.board->NextAfter(number_);
+    const auto next = session_->Next();
     if (!next) return;
-    message_ = next->message;
-    number_ = next->number;
+    message_ = next->bytes;
+    socket_.text(next->is_text);
     const auto self = shared_from_this();
     socket_.async_write(asio::buffer(*message_), [this, self](Error error, std::size_t) {
       message_ = nullptr;
@@ -129,9 +164,12 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   void Read() {
     const auto self = shared_from_this();
     socket_.async_read(buffer_, [this, self](Error error, std::size_t) {
+      const std::string received = error ? "" : beast::buffers_to_string(buffer_.data());
       buffer_.consume(buffer_.size());
       // With its reading a connection ends: the last one who holds the client lets go.
-      if (error) return beast::get_lowest_layer(socket_).close();
+      if (error || !session_->Receive(received, socket_.got_text()))
+        return beast::get_lowest_layer(socket_).close();
+      Send();
       Read();
     });
   }
@@ -139,26 +177,29 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   Service& service_;
   Counted counted_;
   websocket::stream<beast::tcp_stream> socket_;
+  const std::unique_ptr<SocketSession> session_;
+  const std::string subprotocol_;
   beast::flat_buffer buffer_;
-  SharedBytes message_;       // under way
-  std::uint64_t number_ = 0;  // of the newest message that was sent or is under way
+  SharedBytes message_;  // under way
 };
 
 void Service::Announce() {
-  for (LiveClient* client : clients)
+  for (SocketClient* client : clients)
     client->Send();
 }
 
-void Service::AddClient(LiveClient* client) {
+void Service::AddClient(SocketClient* client) {
   clients.insert(client);
-  num_clients = static_cast<int>(clients.size());
+  num_sockets = static_cast<int>(clients.size());
+  if (!client->is_page()) return;
+  ++num_pages;
   RunUpdate();
   ScheduleUpdate();
 }
 
-void Service::RemoveClient(LiveClient* client) {
-  clients.erase(client);
-  num_clients = static_cast<int>(clients.size());
+void Service::RemoveClient(SocketClient* client) {
+  if (clients.erase(client) > 0 && client->is_page()) --num_pages;
+  num_sockets = static_cast<int>(clients.size());
 }
 
 void Service::RunUpdate() {
@@ -182,13 +223,30 @@ void Service::ScheduleUpdate() {
   update_timer.expires_after(options.update_period);
   update_timer.async_wait([this](Error error) {
     is_update_scheduled = false;
-    if (error || clients.empty()) return;
+    if (error || num_pages == 0) return;
     RunUpdate();
     ScheduleUpdate();
   });
 }
 
-/// Answers requests until the client has enough, or becomes a LiveClient.
+/// The first of the client's subprotocols that the server speaks; empty: none.
+std::string ChooseSubprotocol(const Request& request, const std::optional<SocketProtocol>& spoken) {
+  if (!spoken) return {};
+  std::string_view offered = View(request[http::field::sec_websocket_protocol]);
+  while (!offered.empty()) {
+    const std::size_t comma = std::min(offered.find(','), offered.size());
+    std::string_view name = offered.substr(0, comma);
+    offered.remove_prefix(std::min(comma + 1, offered.size()));
+    while (name.starts_with(' '))
+      name.remove_prefix(1);
+    while (name.ends_with(' '))
+      name.remove_suffix(1);
+    if (std::ranges::find(spoken->names, name) != spoken->names.end()) return std::string(name);
+  }
+  return {};
+}
+
+/// Answers requests until the client has enough, or becomes a SocketClient.
 class HttpClient : public std::enable_shared_from_this<HttpClient> {
  public:
   HttpClient(Service& service, Tcp::socket socket)
@@ -219,18 +277,35 @@ class HttpClient : public std::enable_shared_from_this<HttpClient> {
     question.takes_gzip =
         request[http::field::accept_encoding].find("gzip") != beast::string_view::npos;
     question.is_get = request.method() == http::verb::get || request.method() == http::verb::head;
-    const bool is_live = websocket::is_upgrade(request) &&
-                         ParseTarget(question.request.target).path == "/live" &&
-                         service_.access.Refusal(question.request) == nullptr;
-    if (is_live && buffer_.size() > 0)
-      return Write({400, "text/plain", "Frames come after the handshake.\n", false, {}}, false);
-    if (is_live) {
-      const auto client =
-          std::make_shared<LiveClient>(service_, std::move(stream_), std::move(counted_));
-      return client->Start(request);
+    if (websocket::is_upgrade(request)) {
+      const std::string subprotocol = ChooseSubprotocol(request, service_.options.protocol);
+      std::unique_ptr<SocketSession> session = MakeSession(question.request, subprotocol);
+      if (session && buffer_.size() > 0)
+        return Write({400, "text/plain", "Frames come after the handshake.\n", false, {}}, false);
+      if (session) {
+        const auto client = std::make_shared<SocketClient>(
+            service_, std::move(stream_), std::move(counted_), std::move(session), subprotocol);
+        return client->Start(request);
+      }
     }
     is_head_ = request.method() == http::verb::head;
     Write(service_.answers.Answer(question), request.keep_alive());
+  }
+
+  /// Null where the client may not have one, or asks for what there is not.
+  std::unique_ptr<SocketSession> MakeSession(ViewRequest request,
+                                             const std::string& subprotocol) const {
+    const std::optional<SocketProtocol>& protocol = service_.options.protocol;
+    if (!subprotocol.empty()) {
+      const auto& origins = protocol->origins;
+      if (request.origin && std::ranges::find(origins, *request.origin) != origins.end())
+        request.origin.reset();
+    } else if (ParseTarget(request.target).path != "/live") {
+      return nullptr;
+    }
+    if (service_.access.Refusal(request) != nullptr) return nullptr;
+    if (!subprotocol.empty()) return protocol->make_session();
+    return std::make_unique<PageSession>(*service_.board);
   }
 
   void Write(HttpAnswer answer, bool keep_alive) {
@@ -436,7 +511,7 @@ ViewServer::~ViewServer() = default;
 
 void ViewServer::Announce() {
   Service& service = impl_->service();
-  if (service.num_clients > 0) asio::post(service.context, [&service] { service.Announce(); });
+  if (service.num_sockets > 0) asio::post(service.context, [&service] { service.Announce(); });
 }
 
 void ViewServer::SetDownloads(std::vector<ViewDownload> downloads) {
@@ -461,7 +536,7 @@ std::string ViewServer::url() const {
 }
 
 int ViewServer::num_clients() const {
-  return impl_->service().num_clients;
+  return impl_->service().num_pages;
 }
 
 int ViewServer::num_connections() const {

@@ -7,9 +7,11 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "facet/viewer/socket_session.h"
 #include "facet/viewer/view_board.h"
 
 namespace facet {
@@ -34,7 +36,8 @@ struct ViewServerOptions {
   std::size_t max_header_bytes = 1 << 13;
   std::chrono::milliseconds request_timeout{10000};  ///< for a request to arrive
   std::chrono::milliseconds idle_timeout{60000};     ///< without a sign of life of a client
-  /// Called on the server's thread, at this period and while there are clients, to bring the board
+  std::optional<SocketProtocol> protocol;            ///< spoken on any path
+  /// Called on the server's thread, at this period and while there are pages, to bring the board
   /// up to date; may be empty.
   std::function<void()> update;
   std::chrono::milliseconds update_period{100};
@@ -56,12 +59,13 @@ class ViewServer {
   /// Replaces the downloads, before postings that are announced after it.
   void SetDownloads(std::vector<ViewDownload> downloads);
 
-  /// Postings since the last call may be sent; to be called after a group of them.
+  /// Postings since the last call may be sent, and so may what other sessions have; to be called
+  /// after a group of them.
   void Announce();
 
   int port() const;
   std::string url() const;      ///< of the page, with the token
-  int num_clients() const;      ///< open WebSockets
+  int num_clients() const;      ///< open WebSockets of pages
   int num_connections() const;  ///< of all kinds
 
  private:
