@@ -21,8 +21,7 @@ struct LoopOptions {
     v.Field("enabled",
             enabled,
             Range{},
-            "recognise places; corrects trajectory_map.tum, never the odometry",
-            Audience::kUsers);
+            "recognise places; corrects trajectory_map.tum, never the odometry");
     v.Field("query_interval_s",
             query_interval_s,
             Range{0.01, 60},
