@@ -34,13 +34,6 @@ WRONG_M, WRONG_DEG = 0.10, 1.0
 KINDS = ("trajectory.tum", "trajectory_map.tum", "trajectory_final.tum")
 
 
-def rotation(q):
-    w, x, y, z = q
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-
-
 def relative_error(pairs, row):
     """How far a closure's relative pose is off: [m], [deg]; None where there is no truth."""
     stamps = np.array(sorted(pairs))
@@ -50,9 +43,9 @@ def relative_error(pairs, row):
     yaw = np.radians(float(row["yaw_deg"]))
     turn = np.array([[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
     p_said = turn @ p_b + np.array([float(row[k]) for k in ("dx", "dy", "dz")])
-    R_a = rotation(pairs[nearest[0]][1])
-    said = R_a.T @ (p_said - p_a), R_a.T @ turn @ rotation(q_b)
-    true = rotation(h_a).T @ (g_b - g_a), rotation(h_a).T @ rotation(h_b)
+    R_a = naive_ate.rotation(pairs[nearest[0]][1])
+    said = R_a.T @ (p_said - p_a), R_a.T @ turn @ naive_ate.rotation(q_b)
+    true = naive_ate.rotation(h_a).T @ (g_b - g_a), naive_ate.rotation(h_a).T @ naive_ate.rotation(h_b)
     cosine = (np.trace(said[1].T @ true[1]) - 1) / 2
     return np.linalg.norm(said[0] - true[0]), np.degrees(np.arccos(np.clip(cosine, -1, 1)))
 

@@ -109,7 +109,7 @@ std::vector<std::string> Run(const std::string& sequence,
     const ProcessState state;
     try {
       RunCommand(a);
-    } catch (...) {
+    } catch (...) {  // thrown again when Python's lock is held
       problem = std::current_exception();
     }
   }

@@ -12,8 +12,8 @@
 namespace facet {
 
 /// Poses of the odometry moved into the map as it was corrected at the end: corrections of the
-/// nodes around a pose are interpolated in time. Poses of a segment without a node keep the nearest
-/// one's correction.
+/// nodes around a pose are interpolated in time; before the first and after the last one they
+/// are those of the nearest.
 std::vector<StampedPose> MoveIntoMap(std::span<const StampedPose> odometry,
                                      std::span<const MapCorrection> corrections);
 

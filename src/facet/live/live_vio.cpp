@@ -222,7 +222,7 @@ class LiveVio::Impl {
       }
       Deliver(vio_.Finish());
     } catch (...) {
-      failure_ = std::current_exception();
+      failure_ = std::current_exception();  // Finish throws it
       queue_.Close(true);
     }
   }

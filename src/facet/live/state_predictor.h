@@ -64,7 +64,7 @@ class StatePredictor {
   StatePredictor(const ImuNoise& noise, const ImuOptions& imu, const PredictionOptions& options);
 
   /// In order of time (IMU clock). Glitches, and what is not finite or not in order, are left out
-  /// as ImuBuffer does. About 5 us.
+  /// as ImuBuffer does.
   void AddImu(const ImuSample& sample);
 
   /// After each stereo frame, also one without a pose: then the state before goes on, with the new
@@ -72,7 +72,7 @@ class StatePredictor {
   void AddFrame(const CausalState& state, bool has_pose, TrackingStatus status, int segment);
 
   /// At t by the IMU's clock; empty before the first pose, for t before the newest frame with a
-  /// pose, and where max_age_s is over. About 10 us.
+  /// pose, and where max_age_s is over.
   std::optional<PredictedState> PredictAt(Timestamp t) const;
 
   /// Stamp of the newest sample that is believed; empty before the first.

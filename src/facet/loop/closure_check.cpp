@@ -15,9 +15,7 @@ namespace facet {
 
 namespace {
 
-// Of 256 bits. Unrelated descriptors differ in 128 +- 8 if their bits were independent; they are
-// not, and in 128 +- 20 or so.
-constexpr int kMostBits = 64;
+constexpr int kMostBits = 64;           // of 256; unrelated descriptors differ in about half
 constexpr double kMaxBitsRatio = 0.85;  // best over second best, elsewhere in the image
 constexpr double kElsewhere_px = 12;
 constexpr double kConsensus_px = 6;
@@ -136,13 +134,12 @@ void ClosureChecker::MatchDescriptors(const PlaceQuery& query,
                                       const ClosurePrediction& prediction) {
   matches_.clear();
   const SE3 T_CW = query.T_WC().Inverse() * prediction.T_WplaceWquery.Inverse().ToSE3();
-  const double min_cosine = std::cos(std::min(prediction.max_angle_rad, 3.14));
-  const bool is_anywhere = prediction.max_angle_rad >= 3.14;
+  const double min_cosine = std::cos(std::min(prediction.max_angle_rad, std::numbers::pi));
   for (std::size_t i = 0; i < num_own_; ++i) {
     const Vector3d expected = (T_CW * points_[i].p_W).normalized();
     int best = -1, best_bits = kMostBits + 1, second_bits = 256;
     for (std::size_t c = 0; c < query.corners.size(); ++c) {
-      if (!is_anywhere && bearings_[c].dot(expected) < min_cosine) continue;
+      if (bearings_[c].dot(expected) < min_cosine) continue;
       const int bits = BestBits(*points_[i].record, query.corners[c].descriptor);
       if (bits >= second_bits) continue;
       const bool is_same_place =

@@ -3,6 +3,7 @@
 // upright poses, guided matching by projection, and a fit of the pose with its covariance.
 #pragma once
 
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,7 +45,7 @@ struct ClosureCheck {
 /// its points may lie from where that predicts them.
 struct ClosurePrediction {
   UprightPose T_WplaceWquery;
-  double max_angle_rad = 3.2;  ///< 3.2 or more: anywhere
+  double max_angle_rad = std::numbers::pi;  ///< half a turn or more: anywhere
 };
 
 /// Keeps its buffers; not thread-safe. Deterministic.

@@ -97,9 +97,9 @@ void MapGraph::Optimize() {
   }
 }
 
-double MapGraph::Step() {
+void MapGraph::Step() {
   const int n = 4 * (num_nodes() - 1) + 1;
-  if (n <= 1) return 0;
+  if (n <= 1) return;
   std::vector<Eigen::Triplet<double>> entries;
   VectorXd g = VectorXd::Zero(n);
   const auto add = [&](int row_node, int column_node, const Matrix4d& block) {
@@ -157,9 +157,9 @@ double MapGraph::Step() {
   Eigen::SparseMatrix<double> H(n, n);
   H.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(H);
-  if (ldlt.info() != Eigen::Success) return 0;
+  if (ldlt.info() != Eigen::Success) return;
   const VectorXd x = -ldlt.solve(g);
-  if (!x.allFinite()) return 0;
+  if (!x.allFinite()) return;
   disparity_error_px_ += x(common);
   for (int i = 1; i < num_nodes(); ++i) {
     Node& node = nodes_[i];
@@ -168,7 +168,6 @@ double MapGraph::Step() {
     node.T_MW.p.setZero();
     node.T_MW.p = p_M - node.T_MW * node.p_W;
   }
-  return x.cwiseAbs().maxCoeff();
 }
 
 }  // namespace facet

@@ -58,8 +58,8 @@ class MapGraph {
   Vector3d BetweenBodies(const GraphEdge& edge) const;  // in the map
   Vector<4> Error(const GraphEdge& edge) const;
   double Chi2(const GraphEdge& edge) const;
-  /// One Gauss-Newton step; returns its largest component.
-  double Step();
+  /// One Gauss-Newton step; none if the equations have no solution.
+  void Step();
 
   std::vector<Node> nodes_;
   std::vector<GraphEdge> edges_;

@@ -17,7 +17,6 @@ constexpr double kMinSeenShare = 0.3;
 constexpr double kKeepInterval_s = 1;
 constexpr double kAgreeWithin_s = 12;  // closures that confirm each other
 constexpr std::size_t kMinAgreeing = 3;
-// A node of the graph has a position for every keyframe that was looked for, kept or not.
 
 // What two fits may differ in besides their covariances: the calibration, and tilts.
 constexpr double kCommonError_m = 0.01, kCommonError_rad = 2e-3;
@@ -45,6 +44,10 @@ Matrix4d Drift(const KeyframeView& from, const KeyframeView& to) {
   variance.tail<3>() =
       (to.sigma_p.cwiseAbs2() - from.sigma_p.cwiseAbs2()).cwiseMax(least_m * least_m);
   return variance.asDiagonal();
+}
+
+Vector3d UpInCamera(const KeyframeView& view) {
+  return (view.T_WB * view.T_BC).q.conjugate() * Vector3d::UnitZ();
 }
 
 RecordPatch CutPatch(const ImageLevel& image, const Eigen::Vector2f& at) {
@@ -78,16 +81,15 @@ bool PlaceMap::IsWanted(Timestamp t) const {
 void PlaceMap::Add(const KeyframeView& view) {
   if (!IsWanted(view.t) || view.left.empty()) return;
   last_query_ = view.t;
-  const Vector3d up_C = (view.T_WB * view.T_BC).q.conjugate() * Vector3d::UnitZ();
   is_known_well_ = false;
+  pyramid_.Build(view.left, 2);
   const std::vector<int> candidates = Candidates(view);
   if (!candidates.empty()) {
-    pyramid_.Build(view.left, 2);
     query_ = {view.camera,
               view.T_WB,
               view.T_BC,
               SigmaTilt(view),
-              corners_.Detect(view.left, up_C),
+              corners_.Detect(view.left, UpInCamera(view)),
               &pyramid_};
     for (const int place : candidates) {
       const auto places = WithNeighbours(place);
@@ -97,6 +99,7 @@ void PlaceMap::Add(const KeyframeView& view) {
   }
   if (!nodes_.empty()) T_MW_ = graph_.T_MW(graph_.num_nodes() - 1);
   Keep(view);
+  pyramid_.Clear();  // it refers to the image
 }
 
 // Places that the keyframe should see, if the map is right about where both are: best first.
@@ -165,7 +168,7 @@ int PlaceMap::NodeOf(const KeyframeView& view) {
   if (!nodes_.empty() && nodes_.back().frame == view.frame) return graph_.num_nodes() - 1;
   const int node = graph_.AddNode(
       view.T_WB.p, nodes_.empty() ? Matrix4d::Identity() : Drift(last_node_view_, view));
-  nodes_.push_back({view.frame, view.t, view.segment});
+  nodes_.push_back({view.frame, view.t});
   last_node_view_ = view;
   last_node_view_.left = cv::Mat();
   last_node_view_.points.clear();
@@ -244,7 +247,7 @@ void PlaceMap::BelieveWhatAgrees() {
     if (keyframes.size() < kMinAgreeing) continue;
     record.edge = static_cast<int>(graph_.edges().size());
     record.verdict = kClosureAccepted;
-    // They share errors: together they are worth one, wherever these come from.
+    // They share errors, so that together they are not worth what they would be each for itself.
     GraphEdge edge;
     edge.first = one.place_node;
     edge.second = one.query_node;
@@ -272,17 +275,22 @@ void PlaceMap::Keep(const KeyframeView& view) {
   place.T_WB = view.T_WB;
   place.T_BC = view.T_BC;
   place.sigma_tilt_rad = SigmaTilt(view);
+  KeepPoints(view, place);
+  places_.push_back(std::move(place));
+}
+
+// Those that have a descriptor on every level.
+void PlaceMap::KeepPoints(const KeyframeView& view, PlaceRecord& place) {
   std::vector<Vector2d> pixels;
   for (const PlacePoint& point : view.points)
     pixels.push_back(point.px);
-  const Vector3d up_C = (view.T_WB * view.T_BC).q.conjugate() * Vector3d::UnitZ();
-  pyramid_.Build(view.left, 2);
   std::vector<int> levels(view.points.size(), 0);
   std::vector<RecordPoint> points(view.points.size());
-  for (const UprightCorner& corner : corners_.Describe(view.left, up_C, pixels)) {
+  for (const UprightCorner& corner : corners_.Describe(view.left, UpInCamera(view), pixels)) {
     ++levels[corner.source];
     points[corner.source].descriptors[corner.level] = corner.descriptor;
   }
+  std::vector<double> distances_m;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (levels[i] != kNumCornerLevels) continue;
     points[i].px = view.points[i].px.cast<float>();
@@ -292,13 +300,9 @@ void PlaceMap::Keep(const KeyframeView& view) {
     points[i].sigma_depth_m = static_cast<float>(view.points[i].sigma_depth_m);
     place.points.push_back(points[i]);
     place.landmarks.push_back(view.points[i].landmark);
+    distances_m.push_back(points[i].p_C.norm());
   }
-  pyramid_.Clear();
-  std::vector<double> distances_m;
-  for (const RecordPoint& point : place.points)
-    distances_m.push_back(point.p_C.norm());
   place.median_distance_m = Median(distances_m).value_or(1);
-  places_.push_back(std::move(place));
 }
 
 void PlaceMap::Refine(const MapSnapshot& snapshot) {
@@ -335,7 +339,7 @@ void PlaceMap::Smooth(FrameId frame, const SE3& T_WB) {
 std::vector<MapCorrection> PlaceMap::Corrections() const {
   std::vector<MapCorrection> corrections;
   for (std::size_t i = 0; i < nodes_.size(); ++i)
-    corrections.push_back({nodes_[i].t, nodes_[i].segment, graph_.T_MW(static_cast<int>(i))});
+    corrections.push_back({nodes_[i].t, graph_.T_MW(static_cast<int>(i))});
   return corrections;
 }
 

@@ -34,7 +34,6 @@ struct ClosureRecord {
 /// From the odometry's world to the map, at the time of a node.
 struct MapCorrection {
   Timestamp t;
-  int segment = 0;
   UprightPose T_MW;
 };
 
@@ -73,7 +72,6 @@ class PlaceMap {
   struct NodeRecord {
     FrameId frame;
     Timestamp t;
-    int segment = 0;
   };
   struct Pending {
     std::size_t closure = 0;  // index into closures_
@@ -95,6 +93,7 @@ class PlaceMap {
   bool Agree(const Pending& a, const Pending& b) const;
   void BelieveWhatAgrees();
   void Keep(const KeyframeView& view);
+  void KeepPoints(const KeyframeView& view, PlaceRecord& place);
 
   CameraModel camera_;
   double focal_baseline_;  // [px m]
@@ -110,7 +109,7 @@ class PlaceMap {
   std::optional<Timestamp> last_query_, last_kept_;
   KeyframeView last_node_view_;  // without image and points
   PlaceQuery query_;
-  ImagePyramid pyramid_;
+  ImagePyramid pyramid_;        // of the keyframe at hand
   bool is_known_well_ = false;  // the newest keyframe sees a place from nearly the same pose
 };
 

@@ -52,7 +52,7 @@ struct RecordPoint {
   std::array<BinaryDescriptor, kNumCornerLevels> descriptors{};
 };
 
-/// About 400 bytes per point.
+/// About 480 bytes per point.
 struct PlaceRecord {
   int node = -1;  ///< of the pose graph
   Timestamp t;

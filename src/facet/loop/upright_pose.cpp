@@ -50,14 +50,6 @@ SE3 UprightPose::ToSE3() const {
   return {ExpSO3(Vector3d(0, 0, yaw_rad)), p};
 }
 
-UprightPose NearestUpright(const SE3& T_AB, const Vector3d& at_B) {
-  UprightPose upright;
-  upright.yaw_rad = 2 * std::atan2(T_AB.q.z(), T_AB.q.w());
-  upright.yaw_rad = std::remainder(upright.yaw_rad, 2 * std::numbers::pi);
-  upright.p = T_AB * at_B - upright * at_B;
-  return upright;
-}
-
 // Each point gives two equations, one for each direction across its bearing: across . (Rz p + t) =
 // 0. The combination of the four that does not hold t is one equation in the heading alone.
 std::vector<UprightPose> UprightPosesFromTwo(const SeenPoint& first, const SeenPoint& second) {

@@ -23,10 +23,6 @@ struct UprightPose {
   SE3 ToSE3() const;
 };
 
-/// The rotation about the vertical that is nearest to the transform's, and its translation at
-/// `at_B`, a point that is to be mapped exactly.
-UprightPose NearestUpright(const SE3& T_AB, const Vector3d& at_B);
-
 /// A point in an upright frame A and the direction in which it is seen from the origin of another
 /// upright frame B, in B.
 struct SeenPoint {

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
-#include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {
@@ -32,16 +31,6 @@ TEST(UprightPoseTest, IsAGroup) {
     EXPECT_LT((a.Inverse() * (a * x) - x).norm(), 1e-12);
     EXPECT_LT((a.ToSE3() * x - a * x).norm(), 1e-12);
   }
-}
-
-TEST(UprightPoseTest, NearestUprightMapsItsPointExactly) {
-  Rng random(2);
-  const UprightPose upright = RandomPose(random);
-  const SE3 T(ExpSO3(0.01 * Vector3d(1, -2, 0)) * upright.ToSE3().q, upright.p);
-  const Vector3d at(3, 4, 5);
-  const UprightPose nearest = NearestUpright(T, at);
-  EXPECT_LT((nearest * at - T * at).norm(), 1e-12);
-  EXPECT_NEAR(std::remainder(nearest.yaw_rad - upright.yaw_rad, 2 * std::numbers::pi), 0, 1e-3);
 }
 
 TEST(UprightPoseTest, TwoPointsGiveThePoseAmongAtMostTwo) {

@@ -31,10 +31,11 @@ void LoopStage::Add(const cv::Mat& left, const TrackedFrame& frame, const VioOut
   const double start_ms = ThreadCpuMs();
   for (const KeyframePose& keyframe : out.finished_keyframes)
     map_->Smooth(keyframe.id, keyframe.T_WB);
-  if (out.snapshot && map_->IsWanted(out.t)) {
+  if (out.snapshot && frame.frontend.image_ok && map_->IsWanted(out.t)) {
     map_->Refine(*out.snapshot);
     FillView(left, frame, out);
     map_->Add(view_);
+    view_.left.release();  // whoever owns the pixels may use them again
     due_.push_back({FrameId{out.frame.value + kLag}, map_->T_MW().ToSE3()});
   }
   cpu_ms_ += ThreadCpuMs() - start_ms;

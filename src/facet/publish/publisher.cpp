@@ -103,7 +103,7 @@ void Publisher::Run() {
       Publish(item);
     }
   } catch (...) {
-    failure_ = std::current_exception();
+    failure_ = std::current_exception();  // Finish throws it
     const std::lock_guard lock(mutex_);
     is_over_ = true;
     items_.clear();
