@@ -19,6 +19,9 @@ constexpr std::size_t kNumToConfirm = 5;
 constexpr double kGyroSpike = 0.6;  // rad/s
 constexpr double kAccelSpike = 9;   // m/s^2
 constexpr double kSpikeInUsualChanges = 15;
+// Propellers may shake every other sample to the other side. Such a vibration swells, so that the
+// change before the sample is nearly as large; before a glitch it is not.
+constexpr double kSpikeInLastChanges = 2;
 
 // Of noisy samples four in a row are not equal by chance where they would also have to be the
 // largest ones.
@@ -185,7 +188,7 @@ bool ImuScreen::StandsStill(const ImuSample& believed, const ImuSample& sample) 
 }
 
 void ImuScreen::Accept(const ImuSample& sample, std::deque<ImuSample>& samples) {
-  if (samples.size() >= 2 && IsSpike(samples[samples.size() - 2], samples.back(), sample)) {
+  if (samples.size() >= 3 && IsSpike(samples, sample)) {
     samples.pop_back();
     ++counts_.num_cut;
   }
@@ -215,16 +218,20 @@ bool ImuScreen::IsJump(const ImuSample& from, const ImuSample& to, double dt_s) 
              std::max(kAccelJump * dt, kJumpInUsualChanges * accel_change_.value());
 }
 
-bool ImuScreen::IsSpike(const ImuSample& before,
-                        const ImuSample& sample,
-                        const ImuSample& after) const {
-  const auto excess = [](const Vector3d& a, const Vector3d& x, const Vector3d& b) {
-    return (x - 0.5 * (a + b)).norm() - (b - a).norm();
+bool ImuScreen::IsSpike(const std::deque<ImuSample>& samples, const ImuSample& after) const {
+  const std::size_t newest = samples.size() - 1;
+  const ImuSample& sample = samples[newest];
+  const ImuSample& before = samples[newest - 1];
+  const ImuSample& long_before = samples[newest - 2];
+  const auto is_spike = [&](Vector3d ImuSample::*sensor, double least, double usual_change) {
+    const Vector3d &a = before.*sensor, &x = sample.*sensor, &b = after.*sensor;
+    const double last_change = (a - long_before.*sensor).norm();
+    return (x - 0.5 * (a + b)).norm() - (b - a).norm() >
+           std::max(
+               {least, kSpikeInUsualChanges * usual_change, kSpikeInLastChanges * last_change});
   };
-  return excess(before.gyro, sample.gyro, after.gyro) >
-             std::max(kGyroSpike, kSpikeInUsualChanges * gyro_change_.value()) ||
-         excess(before.accel, sample.accel, after.accel) >
-             std::max(kAccelSpike, kSpikeInUsualChanges * accel_change_.value());
+  return is_spike(&ImuSample::gyro, kGyroSpike, gyro_change_.value()) ||
+         is_spike(&ImuSample::accel, kAccelSpike, accel_change_.value());
 }
 
 }  // namespace facet

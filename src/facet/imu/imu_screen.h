@@ -80,7 +80,8 @@ class ImuScreen {
   double TimeToNext(const ImuSample& accepted, const ImuSample& sample) const;
   bool IsGyroJump(const ImuSample& from, const ImuSample& to, double dt_s) const;
   bool IsJump(const ImuSample& from, const ImuSample& to, double dt_s) const;
-  bool IsSpike(const ImuSample& before, const ImuSample& sample, const ImuSample& after) const;
+  /// The last of `samples`, of which there are three or more.
+  bool IsSpike(const std::deque<ImuSample>& samples, const ImuSample& after) const;
   /// Where it has jumped away from what was believed, it repeats the sample held back before it.
   bool StandsStill(const ImuSample& believed, const ImuSample& sample) const;
 

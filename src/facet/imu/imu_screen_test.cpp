@@ -249,6 +249,21 @@ TEST(ImuScreenTest, RestWithoutNoiseIsNoFault) {
   EXPECT_EQ(screened.counts.num_saturated, 0);
 }
 
+// Propellers at half the rate of the samples: every other sample is on the other side, from the
+// first one on or swelling after rest. The size is that of EuRoC's V1_01 at the take-off.
+TEST(ImuScreenTest, AVibrationAtHalfTheRateIsMotion) {
+  for (const int begin : {0, 15, 400}) {
+    std::vector<ImuSample> motion = Motion(1000);
+    for (int i = begin; i < 1000; ++i) {
+      const double swell = begin == 0 ? 1 : std::min(1.0, 0.1 * (i - begin));
+      motion[static_cast<std::size_t>(i)].accel.x() += (i % 2 == 0 ? 5 : -5) * swell;
+    }
+    const Screened screened = Screen(motion);
+    EXPECT_EQ(screened.counts.num_cut, 0) << begin;
+    EXPECT_EQ(screened.samples.size(), motion.size()) << begin;
+  }
+}
+
 TEST(ImuScreenTest, SlowAndFastSensorsPass) {
   for (const int keep_every : {2, 5, 10}) {  // 100, 40 and 20 Hz
     std::vector<ImuSample> slow;
