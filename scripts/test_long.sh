@@ -21,12 +21,12 @@ commit=$(git describe --always --dirty 2>/dev/null || echo unknown)
 failures=0
 
 part() {
-  name=$1
+  part=$1
   shift
-  echo "== $name (log: $out/$name.log)"
+  echo "== $part (log: $out/$part.log)"
   start=$(date +%s)
-  if "$@" >"$out/$name.log" 2>&1; then result=passed; else result=FAILED; failures=$((failures + 1)); fi
-  line="$name $result, $(($(date +%s) - start)) s, $commit, $(date -u +%Y-%m-%d): $(tail -n 1 "$out/$name.log")"
+  if "$@" >"$out/$part.log" 2>&1; then result=passed; else result=FAILED; failures=$((failures + 1)); fi
+  line="$part $result, $(($(date +%s) - start)) s, $commit, $(date -u +%Y-%m-%d): $(tail -n 1 "$out/$part.log")"
   echo "$line"
   echo "$line" >>"$out/results.txt"
 }

@@ -55,8 +55,9 @@ std::optional<Timestamp> ParseTime(const std::string& text) {
   const auto ns =
       ParseScaledDecimal(Trim(std::string_view(text).substr(static_cast<std::size_t>(end))), 9);
   constexpr std::int64_t kMinute = 60000000000;
-  if (!date.ok() || hour < 0 || hour > 23 || minute < 0 || minute > 59 || !ns || *ns < 0 ||
-      *ns > kMinute) {
+  constexpr int kFirstYear = 1970, kLastYear = 2261;  // of which all nanoseconds fit into 64 bits
+  if (!date.ok() || year < kFirstYear || year > kLastYear || hour < 0 || hour > 23 || minute < 0 ||
+      minute > 59 || !ns || *ns < 0 || *ns > kMinute) {
     return std::nullopt;
   }
   const auto days = std::chrono::sys_days(date).time_since_epoch().count();

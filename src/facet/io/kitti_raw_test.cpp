@@ -167,6 +167,8 @@ TEST_F(KittiRawTest, MissingSamplesAndStampsThatDoNotRiseAreCounted) {
 TEST_F(KittiRawTest, SaysWhatCannotBeRead) {
   WriteText(Drive() / "image_01/timestamps.txt", "2011-09-26 13:02:25.9\n2011-19-26 13:02:25.9\n");
   EXPECT_THAT(Complaint(), HasSubstr("image_01/timestamps.txt:2: a time such as"));
+  WriteText(Drive() / "image_01/timestamps.txt", "2011-09-26 13:02:25.9\n2480-09-26 13:02:25.9\n");
+  EXPECT_THAT(Complaint(), HasSubstr("image_01/timestamps.txt:2: a time such as"));
   WriteText(Drive() / "oxts/data/0000000003.txt", "1 2 3 x");
   EXPECT_THAT(Complaint(), HasSubstr("0000000003.txt: 30 numbers of an OXTS unit are expected"));
   WriteOxts(10000000, 40);
