@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "align_stereo.h"
 
-#include <cstdio>
 #include <optional>
 #include <variant>
 #include <vector>
 
-#include "facet/geometry/angles.h"
 #include "facet/io/errors.h"
-#include "facet/plausibility/stereo_turn.h"
+#include "facet/plausibility/wide_stereo_match.h"
 #include "facet/recording/frame_decoder.h"
 
 namespace facet {
@@ -85,20 +83,8 @@ AlignedRig AlignStereo(Recording& recording, double start_s) {
   const StereoTurn turn = EstimateStereoTurn(rig, matches.rays);
   if (!turn.IsClear()) return aligned;
   aligned.rig = TurnedRig(rig, turn.omega);
-  const Vector3d degrees = turn.omega / kDegree;
-  char text[320];
-  std::snprintf(text,
-                sizeof(text),
-                "the right camera is turned by %.2f, %.2f, %.2f deg about its x, y, z axes against "
-                "its calibration: matches were %.1f px beside their epipolar lines (median of %d) "
-                "and are %.1f px with this correction, which the run begins with; calibrate again",
-                degrees.x(),
-                degrees.y(),
-                degrees.z(),
-                turn.before_px,
-                turn.num_matches,
-                turn.after_px);
-  aligned.warning = text;
+  aligned.warning =
+      "the right camera is " + InWords(turn) + ", which the run begins with; calibrate again";
   return aligned;
 }
 

@@ -164,6 +164,15 @@ TEST_P(GrosslyWrongCalibrationTest, ATurnedRightCameraIsMeasuredBeforeTheRun) {
   }
 }
 
+TEST_P(GrosslyWrongCalibrationTest, ARightCameraThatIsKnockedIsFollowed) {
+  const auto recording = testing::DataDir(GetParam());
+  if (!recording) GTEST_SKIP() << testing::MissingData(GetParam());
+  const ProgramRun run = Run(*recording, "knocked:at=4,deg=0.3");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("the right camera is turned by 0.3"));
+  EXPECT_THAT(run.err, Not(HasSubstr("of the corners were found")));
+}
+
 TEST_P(GrosslyWrongCalibrationTest, CarefulCalibrationsAreLeftAlone) {
   const auto recording = testing::DataDir(GetParam());
   if (!recording) GTEST_SKIP() << testing::MissingData(GetParam());

@@ -5,7 +5,7 @@
 
 #include "facet/check/detectors.h"
 #include "facet/geometry/angles.h"
-#include "facet/plausibility/stereo_turn.h"
+#include "facet/plausibility/wide_stereo_match.h"
 
 namespace facet {
 namespace {

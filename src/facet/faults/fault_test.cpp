@@ -6,8 +6,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
+#include "facet/faults/image_edits.h"
 #include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/io/errors.h"
 #include "facet/io/image_reader.h"
@@ -281,6 +284,36 @@ TEST_F(FaultTest, ImagesAreAsDarkBrightAndDottedAsSaid) {
   EXPECT_LT(sigma[0], 0.8 * sigma_clean[0]);
   const cv::Mat changed = pixels_of("dots" + all + "grey=40,dots=100") != clean;
   EXPECT_NEAR(cv::countNonZero(changed), 400, 40);
+}
+
+TEST_F(FaultTest, AKnockedCameraSeesItsPointsElsewhere) {
+  const CameraModel& camera = recording_.rig.cameras[1];
+  const Vector3d ray(0.1, -0.2, 1);
+  const Matrix3d R = ExpSO3(Vector3d(0.01, -0.02, 0.03)).toRotationMatrix();
+  const auto draw = [&](const Vector2d& px) {
+    cv::Mat image(camera.height(), camera.width(), CV_8UC1, cv::Scalar(0));
+    cv::circle(image,
+               {cvRound(px.x() * 16), cvRound(px.y() * 16)},
+               4 * 16,
+               255,
+               cv::FILLED,
+               cv::LINE_AA,
+               4);
+    return image;
+  };
+  cv::Mat turned = draw(*camera.Project(ray));
+  Turned(camera, R)(turned);
+  const cv::Mat expected = draw(*camera.Project(R.transpose() * ray));
+  const cv::Moments m = cv::moments(turned), n = cv::moments(expected);
+  EXPECT_NEAR(m.m10 / m.m00, n.m10 / n.m00, 0.1);
+  EXPECT_NEAR(m.m01 / m.m00, n.m01 / n.m00, 0.1);
+
+  AslDataset damaged = Written("knocked:at=0.25,camera=1,deg=1");
+  cv::Mat left, right, left_before, right_before;
+  AslDataset(source_ / "sequence").ReadPair(9, left_before, right_before);
+  EXPECT_EQ(damaged.ReadPair(9, left, right), "");
+  EXPECT_EQ(cv::norm(left, left_before, cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(right, right_before, cv::NORM_INF), 0);
 }
 
 TEST_F(FaultTest, NothingMovesForAShareOfTheTime) {

@@ -120,4 +120,22 @@ ImageEdit WithBoard(
   };
 }
 
+ImageEdit Turned(const CameraModel& camera, const Matrix3d& R) {
+  cv::Mat from(camera.height(), camera.width(), CV_32FC2);
+  for (int y = 0; y < from.rows; ++y) {
+    for (int x = 0; x < from.cols; ++x) {
+      const auto ray = camera.Unproject(Vector2d(x, y));
+      const auto px = ray ? camera.Project(R * *ray) : std::nullopt;
+      from.at<cv::Vec2f>(y, x) =
+          px ? cv::Vec2f(static_cast<float>(px->x()), static_cast<float>(px->y()))
+             : cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
+    }
+  }
+  return [from](cv::Mat& image) {
+    cv::Mat turned;
+    cv::remap(image, turned, from, cv::noArray(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+    image = turned;
+  };
+}
+
 }  // namespace facet

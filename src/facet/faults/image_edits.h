@@ -40,4 +40,8 @@ ImageEdit Dotted(double grey, int num_dots, std::uint64_t seed);
 ImageEdit WithBoard(
     const StereoRig& rig, std::size_t camera, double share, double depth_m, double phase);
 
+/// What the camera sees once it is turned by `R` (from its new axes to its old ones) where it
+/// stands; repeats the border where it did not see before.
+ImageEdit Turned(const CameraModel& camera, const Matrix3d& R);
+
 }  // namespace facet

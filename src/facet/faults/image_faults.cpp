@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Of the cameras: images that are missing, repeated, badly exposed, or show what they should not.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -9,6 +10,8 @@
 #include "facet/base/random.h"
 #include "facet/faults/fault_kind.h"
 #include "facet/faults/image_edits.h"
+#include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 
@@ -163,6 +166,17 @@ void ProjectDots(const FaultValues& value, RecordingCopy& recording) {
   });
 }
 
+// A collision turns a camera in its mount, for good.
+void KnockCamera(const FaultValues& value, RecordingCopy& recording) {
+  Vector3d turn = Vector3d::Zero();
+  turn[static_cast<Eigen::Index>(value.at("axis"))] = value.at("deg") * kDegree;
+  std::array<ImageEdit, 2> edits;
+  for (const std::size_t camera : CamerasOf(value))
+    edits[camera] = Turned(recording.exact_rig.cameras[camera], ExpSO3(turn).toRotationMatrix());
+  EditImages(
+      value, recording, [&](const RecordedImage&, std::size_t camera) { return edits[camera]; });
+}
+
 // The first image again and again, with noise of its own, and an IMU that feels gravity alone.
 void StandStill(const FaultValues& value, RecordingCopy& recording) {
   const Timestamp begin = recording.images[0].front().t;
@@ -251,6 +265,10 @@ std::vector<FaultKind> ImageFaults() {
        {{"at", 0}, {"length", 1e6}, {"camera", 2}, {"grey", 40}, {"dots", 3000}},
        "dots that stay where they are in the image, as of an IR projector",
        ProjectDots},
+      {"knocked",
+       {{"at", 5}, {"length", 1e6}, {"camera", 1}, {"axis", 0}, {"deg", 0.2}},
+       "a camera is turned in its mount from then on",
+       KnockCamera},
       {"still", {{"share", 1}}, "nothing moves for this share of the time", StandStill},
   };
 }

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "facet/frontend/depth_query.h"
+#include "facet/frontend/right_camera_watch.h"
 #include "facet/frontend/stereo_matcher.h"
 
 namespace facet {
@@ -21,8 +22,12 @@ class KeyframeStereo {
   /// Forgets the right image: the newest frame has none, or none yet.
   void Clear();
 
-  /// Seeks every live track in the right image; found ones take their depth from it.
-  void MatchTracks(const ImagePyramid& left, const cv::Mat& right, std::span<Track> tracks);
+  /// Seeks every live track in the right image; found ones take their depth from it. Returns how
+  /// far the right camera has been turned since it was calibrated or corrected last, if this
+  /// keyframe makes that clear; it is corrected from this keyframe on.
+  std::optional<StereoTurn> MatchTracks(const ImagePyramid& left,
+                                        const cv::Mat& right,
+                                        std::span<Track> tracks);
 
   /// The match of the track in this slot; empty where there is none.
   const std::optional<StereoMatch>& match(std::size_t slot) const { return matches_[slot]; }
@@ -35,9 +40,14 @@ class KeyframeStereo {
                    std::vector<SupportPoint>& found);
 
  private:
-  CameraModel left_camera_;
+  bool IsSuspicious(std::span<const Track> tracks);
+  void MatchAll(const ImagePyramid& left, std::span<Track> tracks);
+  std::vector<StereoRays> MatchWidely(const ImagePyramid& left, std::span<const Track> tracks);
+
+  StereoRig rig_;  // with the turns that were found
   FrontendOptions options_;
   StereoMatcher matcher_;
+  RightCameraWatch watch_;
   ImagePyramid right_;
   bool has_right_ = false;
   std::vector<std::optional<StereoMatch>> matches_;  // of the newest frame, by slot

@@ -187,7 +187,7 @@ void StereoFrontend::Impl::DetectNew(const cv::Mat& left, FrontendResult& result
 
 void StereoFrontend::Impl::MatchStereo(const cv::Mat& right, FrontendResult& result) {
   if (!IsUsable(right, rig.cameras[1]) || repetitions.is_right_repeated) return;
-  stereo.MatchTracks(images.now, right, tracks.slots());
+  result.right_turn = stereo.MatchTracks(images.now, right, tracks.slots());
   result.right_ok = true;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -175,6 +176,39 @@ TEST_F(FrontendTest, OnlyKeyframesBeginTracksAndHaveRightPixels) {
     }
     EXPECT_EQ(result.num_stereo, 0);
     EXPECT_EQ(result.num_new, 0);
+  }
+}
+
+// From then on pixels are those that the camera would see if it were still as it was calibrated.
+TEST_F(FrontendTest, ATurnOfTheRightCameraIsNoticedAndCorrected) {
+  constexpr int kFrames = 50, kKnock = 10;
+  for (const Vector3d& omega : {Vector3d(0.01, 0, 0), Vector3d(-0.006, 0, 0.012)}) {
+    StereoFrontend frontend(rig_, Options());
+    StageTimes times;
+    StereoRig knocked = rig_;
+    std::optional<StereoTurn> turn;
+    int num_checked = 0;
+    for (int i = 0; i < kFrames; ++i) {
+      StereoFrame frame = FrameAt(i);
+      if (i == kKnock) knocked = TurnedRig(rig_, omega);
+      if (i >= kKnock) frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * knocked.T_BC[1], 0.85);
+      const FrontendResult result = frontend.Process(frame, HintAt(i), times);
+      if (result.right_turn) {
+        EXPECT_GE(i, kKnock);
+        EXPECT_FALSE(turn) << "once";
+        turn = result.right_turn;
+      }
+      if (!turn || !result.observations.is_keyframe) continue;
+      EXPECT_GT(result.num_stereo, 40) << i;
+      for (const FeatureObservation& f : result.observations.features) {
+        if (!f.px_right) continue;
+        EXPECT_LT((*f.px_right - Truth(i, f.px_left, i, 1)).norm(), 1.0) << i;
+        ++num_checked;
+      }
+    }
+    ASSERT_TRUE(turn);
+    EXPECT_LT((turn->omega - omega).norm(), 5e-4) << turn->omega.transpose();
+    EXPECT_GT(num_checked, 100);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "facet/camera/stereo_triangulation.h"
 #include "facet/frontend/warp_prediction.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {
@@ -47,6 +48,19 @@ StereoMatcher::StereoMatcher(const StereoRig& rig, const FrontendOptions& option
       tracker_(options.klt, kParameters),
       near_tracker_(options.klt, kNearParameters, kNearMinUpdate_px) {}
 
+void StereoMatcher::TurnRight(const Vector3d& omega) {
+  const Quaterniond turn = ExpSO3(omega);
+  turn_ = (turn_.value_or(Quaterniond::Identity()) * turn).normalized();
+  T_C1C0_ = SE3(turn.conjugate(), Vector3d::Zero()) * T_C1C0_;
+}
+
+std::optional<Vector2d> StereoMatcher::AsCalibrated(const Vector2d& px_right) const {
+  if (!turn_) return px_right;
+  const std::optional<Vector3d> bearing = right_camera_.Unproject(px_right);
+  if (!bearing) return std::nullopt;
+  return right_camera_.Project(*turn_ * *bearing);
+}
+
 bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
                                 const Vector2d& px_right,
                                 StereoMatch& match) const {
@@ -59,6 +73,7 @@ bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
   if (rho * depth->px_per_inverse_depth < -options_.max_epipolar_px) return false;
   match.inverse_depth = std::max(0.0, rho);
   match.px_per_inverse_depth = depth->px_per_inverse_depth;
+  match.off_line_px = depth->off_line_px;
   return true;
 }
 
@@ -89,6 +104,9 @@ std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
   if (!tracker.Align(back_, left, finest, back).ok) return std::nullopt;
   const float distance = std::hypot(back.x - x, back.y - y);
   if (distance > static_cast<float>(options_.max_left_right_px)) return std::nullopt;
+  const std::optional<Vector2d> as_calibrated = AsCalibrated(match.px);
+  if (!as_calibrated) return std::nullopt;
+  match.px = *as_calibrated;
   return match;
 }
 

@@ -13,9 +13,10 @@
 namespace facet {
 
 struct StereoMatch {
-  Vector2d px = Vector2d::Zero();   ///< in the right image
+  Vector2d px = Vector2d::Zero();   ///< where the right camera, as it was calibrated, sees it
   double inverse_depth = 0;         ///< [1/m] along z of the left camera, at least 0
   double px_per_inverse_depth = 0;  ///< how far px moves when the inverse depth grows [px m]
+  double off_line_px = 0;           ///< from the epipolar line
   float sigma_px = 0;               ///< from the residuals of the alignment, per axis
   int level = 0;                    ///< finest level of the alignment
 };
@@ -24,6 +25,10 @@ struct StereoMatch {
 class StereoMatcher {
  public:
   StereoMatcher(const StereoRig& rig, const FrontendOptions& options);
+
+  /// From now on the right camera is turned by omega [rad] further than before, in its own frame;
+  /// the pixels of matches stay those of the rig that was calibrated.
+  void TurnRight(const Vector3d& omega);
 
   /// Match of the track's place in the newest left image; empty when none can be trusted. Starts at
   /// the track's inverse depth where there is one, otherwise (or without success there) searches
@@ -61,9 +66,12 @@ class StereoMatcher {
   void Search(const Track& track, const ImagePyramid& left, const ImagePyramid& right);
   /// Inverse depth whose projection is nearest to the pixel, and the distance that is left.
   bool Triangulate(const UndistortedPoint& ray, const Vector2d& px_right, StereoMatch& match) const;
+  /// Where the right camera would see it if it had not been turned.
+  std::optional<Vector2d> AsCalibrated(const Vector2d& px_right) const;
 
   CameraModel right_camera_;
   SE3 T_C1C0_;
+  std::optional<Quaterniond> turn_;  // of the right camera: from its axes to the calibrated ones
   double baseline_focal_px_;
   StereoMatcherOptions options_;
   PatchTracker tracker_, near_tracker_;

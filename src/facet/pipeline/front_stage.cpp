@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "facet/camera/camera_model.h"
+#include "facet/geometry/so3.h"
 #include "facet/imu/preintegration.h"
 #include "facet/pipeline/refusal.h"
 
@@ -65,6 +66,7 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   previous_t_ = frame.t + rig_.time_offset;
   has_previous_ = true;
   tracked.warning = WatchAxes(tracked.imu);
+  if (tracked.frontend.right_turn) tracked.warning = FollowTurn(*tracked.frontend.right_turn);
   tracked.refusal = CheckSensors(frame, tracked);
   ForgetOldImu();
   return tracked;
@@ -77,6 +79,12 @@ std::string FrontStage::WatchAxes(const ImuInterval& imu) {
       warning = InWords(dead_axes_.found().back()) + ": " + kDeadAxisAdvice;
   }
   return warning;
+}
+
+std::string FrontStage::FollowTurn(const StereoTurn& turn) {
+  right_turn_ = (right_turn_.value_or(Quaterniond::Identity()) * ExpSO3(turn.omega)).normalized();
+  return "the right camera is " + InWords(turn) +
+         ", which is made from here on; fasten it and calibrate again";
 }
 
 std::string FrontStage::CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <string>
 #include <unordered_map>
 
@@ -41,6 +42,10 @@ class FrontStage {
   /// left to right. After Predict for the same frame.
   TrackedFrame Track(const StereoFrame& frame, MotionPrediction prediction);
 
+  /// How far the right camera is turned against its calibration, in its own frame; empty: it is not
+  /// known to be.
+  const std::optional<Quaterniond>& right_turn() const { return right_turn_; }
+
   std::size_t num_imu_samples() const { return imu_.size(); }
 
  private:
@@ -48,6 +53,7 @@ class FrontStage {
   FrontendHint MakeHint(const ImuInterval& now);
   void TakeFeedback();
   std::string WatchAxes(const ImuInterval& imu);
+  std::string FollowTurn(const StereoTurn& turn);
   std::string CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked);
   void ForgetOldImu();
 
@@ -55,6 +61,7 @@ class FrontStage {
   double max_gap_s_, gravity_;
   StereoFrontend frontend_;
   bool check_calibration_;
+  std::optional<Quaterniond> right_turn_;
   DeadImuCheck dead_imu_;
   DeadAxisCheck dead_axes_;
   CalibrationCheck calibration_;

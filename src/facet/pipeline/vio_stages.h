@@ -26,6 +26,11 @@ struct VioStages {
     result.planes = scene.Planes();
     result.loops = loops.Result();
     result.calibration = pose.Calibration();
+    // The estimator knows the right camera as it would see without the turn.
+    if (result.calibration && front.right_turn()) {
+      Quaterniond& q = result.calibration->T_BC[1].q;
+      q = (q * *front.right_turn()).normalized();
+    }
     result.num_refused_imu = front.num_refused_imu();
     result.num_stray_imu = front.num_stray_imu();
     result.imu_screen = front.imu_screen_counts();

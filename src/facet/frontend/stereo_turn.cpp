@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/plausibility/stereo_turn.h"
+#include "facet/frontend/stereo_turn.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
-#include "facet/frontend/feature_detector.h"
-#include "facet/frontend/frontend_options.h"
-#include "facet/frontend/image_pyramid.h"
-#include "facet/frontend/stereo_matcher.h"
-#include "facet/frontend/temporal_tracker.h"
 #include "facet/geometry/angles.h"
 #include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {
 
-constexpr double kPriorSigma = 0.5 * kDegree;
+// A turn about y moves points along their epipolar lines, nearly as depth does: what the matches
+// say of it is a hundredth of a degree of chance, and each is a tenth of a pixel of disparity.
+const Vector3d kPriorSigma = Vector3d(0.5, 0.005, 0.5) * kDegree;
 // Of a distance from the epipolar line.
 constexpr double kSigma_px = 0.3;
 // In units of sigma: wide at first, so that all good matches take part, then narrow.
@@ -26,8 +26,6 @@ constexpr int kNumSteps = 5;
 // Careful calibrations drawn at random leave up to 0.5 px, usually 0.2 px.
 constexpr double kLeastBefore_px = 0.55, kLargestShareAfter = 0.5;
 constexpr int kMinMatches = 60;
-// Cameras are swapped: so many matches of all pairs the other way round, and so much more often.
-constexpr std::size_t kManySwapped = 80, kTimesMore = 5;
 
 // Signed distance of the right ray from the epipolar line of the left one, on the plane z = 1.
 double OffLine(const StereoRays& rays, const SE3& T_C1C0) {
@@ -53,35 +51,6 @@ bool StereoTurn::IsClear() const {
          after_px < kLargestShareAfter * before_px;
 }
 
-bool AreSwapped(std::size_t num_matches, std::size_t num_exchanged) {
-  return num_exchanged >= std::max(kManySwapped, kTimesMore * num_matches);
-}
-
-std::vector<StereoRays> MatchWidely(const StereoRig& rig,
-                                    const cv::Mat& left,
-                                    const cv::Mat& right,
-                                    double gate_px) {
-  FrontendOptions options;
-  options.stereo.max_epipolar_px = gate_px;
-  ImagePyramid left_pyramid, right_pyramid;
-  left_pyramid.Build(left, options.klt.num_levels);
-  right_pyramid.Build(right, options.klt.num_levels);
-  const TemporalTracker tracker(rig.cameras[0], options);
-  StereoMatcher matcher(rig, options);
-  FeatureDetector detector(options.detector, options.klt);
-  std::vector<StereoRays> matches;
-  for (const Vector2d& px :
-       detector.Detect(left, left_pyramid.level(0), {}, options.max_features)) {
-    Track track;
-    if (!tracker.Begin(left_pyramid, px, track)) continue;
-    const auto match = matcher.Match(track, left_pyramid, right_pyramid);
-    if (!match) continue;
-    const auto ray = rig.cameras[1].Undistort(match->px);
-    if (ray) matches.push_back({track.ray.xy, ray->xy});
-  }
-  return matches;
-}
-
 StereoRig TurnedRig(const StereoRig& rig, const Vector3d& omega) {
   StereoRig turned = rig;
   turned.T_BC[1].q = (rig.T_BC[1].q * ExpSO3(omega)).normalized();
@@ -101,8 +70,9 @@ StereoTurn EstimateStereoTurn(const StereoRig& rig, std::span<const StereoRays> 
       for (int k = 0; k < 3; ++k)
         moved[static_cast<std::size_t>(k)] =
             TurnedRig(rig, turn.omega + kStep * Vector3d::Unit(k)).T_C1C0();
-      Matrix3d H = Matrix3d::Identity() / (kPriorSigma * kPriorSigma);
-      Vector3d b = -turn.omega / (kPriorSigma * kPriorSigma);
+      const Vector3d weights = kPriorSigma.cwiseAbs2().cwiseInverse();
+      Matrix3d H = weights.asDiagonal();
+      Vector3d b = -weights.cwiseProduct(turn.omega);
       for (const StereoRays& rays : matches) {
         const double e = OffLine(rays, T_C1C0);
         Vector3d J;
@@ -118,6 +88,23 @@ StereoTurn EstimateStereoTurn(const StereoRig& rig, std::span<const StereoRays> 
   }
   turn.after_px = MedianOffLine(TurnedRig(rig, turn.omega), matches);
   return turn;
+}
+
+std::string InWords(const StereoTurn& turn) {
+  const Vector3d degrees = turn.omega / kDegree;
+  char text[200];
+  std::snprintf(text,
+                sizeof(text),
+                "turned by %.2f, %.2f, %.2f deg about its x, y, z axes against its calibration: "
+                "matches were %.1f px beside their epipolar lines (median of %d) and are %.1f px "
+                "with this correction",
+                degrees.x(),
+                degrees.y(),
+                degrees.z(),
+                turn.before_px,
+                turn.num_matches,
+                turn.after_px);
+  return text;
 }
 
 }  // namespace facet

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/frontend/right_camera_watch.h"
+
+namespace facet {
+namespace {
+
+// Too few corners say nothing about the rest of the image.
+constexpr int kLeastTracks = 40;
+constexpr double kSuspiciousShare = 0.5;  // of the usual one
+constexpr double kAdaptation = 0.1;       // of the usual share, per keyframe
+// What stands too near or moves in one keyframe may be gone in the next.
+constexpr int kNumInRow = 3;
+// A covered lens looks suspicious for as long as it is covered; every look costs milliseconds.
+constexpr int kPassAfterVain = 12;
+
+}  // namespace
+
+bool RightCameraWatch::IsSuspicious(int num_tracks, int num_near) {
+  if (num_tracks < kLeastTracks) return false;
+  const double share = static_cast<double>(num_near) / num_tracks;
+  if (share >= kSuspiciousShare * usual_share_) {
+    usual_share_ += kAdaptation * (share - usual_share_);
+    num_in_row_ = num_to_pass_ = 0;
+    matches_.clear();
+    return false;
+  }
+  if (num_to_pass_ == 0) return true;
+  --num_to_pass_;
+  return false;
+}
+
+std::optional<StereoTurn> RightCameraWatch::Add(const StereoRig& rig,
+                                                std::span<const StereoRays> matches) {
+  matches_.insert(matches_.end(), matches.begin(), matches.end());
+  if (++num_in_row_ < kNumInRow) return std::nullopt;
+  const StereoTurn turn = EstimateStereoTurn(rig, matches_);
+  num_in_row_ = 0;
+  matches_.clear();
+  if (turn.IsClear()) return turn;
+  num_to_pass_ = kPassAfterVain;
+  return std::nullopt;
+}
+
+}  // namespace facet
