@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "facet/base/median.h"
+
 namespace facet {
 
 namespace {
@@ -14,12 +16,18 @@ constexpr double kNearShareOfGate = 0.5;
 // To learn how far the right camera is turned: 0.6 deg with EuRoC's lens.
 constexpr double kWideGate_px = 5;
 
+// Of the right camera: turned about it, points move along the baseline.
+Vector3d AxisAcross(const StereoRig& rig) {
+  return rig.T_C1C0().p.cross(Vector3d::UnitZ()).normalized();
+}
+
 }  // namespace
 
 KeyframeStereo::KeyframeStereo(const StereoRig& rig, const FrontendOptions& options)
     : rig_(rig),
       options_(options),
       matcher_(rig, options),
+      disparities_(rig.cameras[1].mean_focal_px()),
       matches_(static_cast<std::size_t>(options.max_features)) {}
 
 void KeyframeStereo::Clear() {
@@ -27,19 +35,88 @@ void KeyframeStereo::Clear() {
   has_right_ = false;
 }
 
-std::optional<StereoTurn> KeyframeStereo::MatchTracks(const ImagePyramid& left,
-                                                      const cv::Mat& right,
-                                                      std::span<Track> tracks) {
+RightImageFindings KeyframeStereo::MatchTracks(Timestamp t,
+                                               const ImagePyramid& left,
+                                               const cv::Mat& right,
+                                               bool are_depths_known,
+                                               std::span<Track> tracks) {
   right_.Build(right, options_.klt.num_levels);
   has_right_ = true;
+  KeepDepths(tracks);
   MatchAll(left, tracks);
-  if (!IsSuspicious(tracks)) return std::nullopt;
-  const std::optional<StereoTurn> turn = watch_.Add(rig_, MatchWidely(left, tracks));
-  if (!turn) return std::nullopt;
-  rig_ = TurnedRig(rig_, turn->omega);
-  matcher_.TurnRight(turn->omega);
+  RightImageFindings findings;
+  findings.turn = SeekTurn(t, left, tracks);
+  if (findings.turn) Turn(findings.turn->omega, left, tracks);
+  if (!are_depths_known || !watch_.IsTrustedAt(t)) return findings;
+
+  const DisparityShift shift = ShiftOf(tracks);
+  const double shift_px = rig_.cameras[1].mean_focal_px() * shift.angle;
+  switch (disparities_.Add(t, shift)) {
+    case DisparityWatch::Verdict::kAgrees:
+      break;
+    case DisparityWatch::Verdict::kContradicts:
+      Clear();
+      RestoreDepths(tracks);
+      findings.contradiction_px = shift_px;
+      break;
+    case DisparityWatch::Verdict::kTurned:
+      findings.turn = StereoTurn();
+      findings.turn->omega = disparities_.turn() * AxisAcross(rig_);
+      findings.turn->along_px = shift_px;
+      findings.turn->num_matches = shift.num;
+      Turn(findings.turn->omega, left, tracks);
+      break;
+  }
+  return findings;
+}
+
+void KeyframeStereo::KeepDepths(std::span<const Track> tracks) {
+  depths_before_.clear();
+  for (const Track& track : tracks)
+    depths_before_.push_back(track.id.IsValid() ? track.inverse_depth : std::nullopt);
+}
+
+void KeyframeStereo::RestoreDepths(std::span<Track> tracks) const {
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    if (tracks[i].id.IsValid()) tracks[i].inverse_depth = depths_before_[i];
+  }
+}
+
+void KeyframeStereo::Turn(const Vector3d& omega,
+                          const ImagePyramid& left,
+                          std::span<Track> tracks) {
+  rig_ = TurnedRig(rig_, omega);
+  matcher_.TurnRight(omega);
+  RestoreDepths(tracks);
   MatchAll(left, tracks);
-  return turn;
+}
+
+std::optional<StereoTurn> KeyframeStereo::SeekTurn(Timestamp t,
+                                                   const ImagePyramid& left,
+                                                   std::span<const Track> tracks) {
+  if (!IsSuspicious(t, tracks)) return std::nullopt;
+  return watch_.Add(t, rig_, MatchWidely(left, tracks));
+}
+
+// To first order, and as if the baseline were across the view.
+DisparityShift KeyframeStereo::ShiftOf(std::span<const Track> tracks) {
+  const Vector2d along = rig_.T_C1C0().p.head<2>().normalized();
+  angles_.clear();
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    if (!matches_[i] || !depths_before_[i]) continue;
+    const auto ray = rig_.cameras[1].Undistort(matches_[i]->px);
+    if (!ray) continue;
+    const double x = ray->xy.dot(along);
+    const double change = matches_[i]->inverse_depth - *depths_before_[i];
+    angles_.push_back(change * rig_.baseline_m() / (1 + x * x));
+  }
+  DisparityShift shift;
+  shift.num = static_cast<int>(angles_.size());
+  shift.angle = Median(angles_).value_or(0);
+  for (double& angle : angles_)
+    angle = std::abs(angle - shift.angle);
+  shift.spread = Median(angles_).value_or(0);
+  return shift;
 }
 
 void KeyframeStereo::MatchAll(const ImagePyramid& left, std::span<Track> tracks) {
@@ -51,14 +128,14 @@ void KeyframeStereo::MatchAll(const ImagePyramid& left, std::span<Track> tracks)
   }
 }
 
-bool KeyframeStereo::IsSuspicious(std::span<const Track> tracks) {
+bool KeyframeStereo::IsSuspicious(Timestamp t, std::span<const Track> tracks) {
   const double near_px = kNearShareOfGate * options_.stereo.max_epipolar_px;
   int num_tracks = 0, num_near = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     num_tracks += tracks[i].id.IsValid() ? 1 : 0;
     num_near += matches_[i] && matches_[i]->off_line_px < near_px ? 1 : 0;
   }
-  return watch_.IsSuspicious(num_tracks, num_near);
+  return watch_.IsSuspicious(t, num_tracks, num_near);
 }
 
 std::vector<StereoRays> KeyframeStereo::MatchWidely(const ImagePyramid& left,

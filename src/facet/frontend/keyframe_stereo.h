@@ -9,7 +9,9 @@
 #include <opencv2/core.hpp>
 
 #include "facet/frontend/depth_query.h"
+#include "facet/frontend/disparity_watch.h"
 #include "facet/frontend/right_camera_watch.h"
+#include "facet/frontend/right_image_findings.h"
 #include "facet/frontend/stereo_matcher.h"
 
 namespace facet {
@@ -22,12 +24,13 @@ class KeyframeStereo {
   /// Forgets the right image: the newest frame has none, or none yet.
   void Clear();
 
-  /// Seeks every live track in the right image; found ones take their depth from it. Returns how
-  /// far the right camera has been turned since it was calibrated or corrected last, if this
-  /// keyframe makes that clear; it is corrected from this keyframe on.
-  std::optional<StereoTurn> MatchTracks(const ImagePyramid& left,
-                                        const cv::Mat& right,
-                                        std::span<Track> tracks);
+  /// Seeks every live track in the right image; found ones take their depth from it.
+  /// `are_depths_known`: those that tracks have are not from the last right image alone.
+  RightImageFindings MatchTracks(Timestamp t,
+                                 const ImagePyramid& left,
+                                 const cv::Mat& right,
+                                 bool are_depths_known,
+                                 std::span<Track> tracks);
 
   /// The match of the track in this slot; empty where there is none.
   const std::optional<StereoMatch>& match(std::size_t slot) const { return matches_[slot]; }
@@ -40,14 +43,26 @@ class KeyframeStereo {
                    std::vector<SupportPoint>& found);
 
  private:
-  bool IsSuspicious(std::span<const Track> tracks);
   void MatchAll(const ImagePyramid& left, std::span<Track> tracks);
+  /// Corrects the turn and matches again.
+  void Turn(const Vector3d& omega, const ImagePyramid& left, std::span<Track> tracks);
+  void KeepDepths(std::span<const Track> tracks);
+  void RestoreDepths(std::span<Track> tracks) const;
+
+  std::optional<StereoTurn> SeekTurn(Timestamp t,
+                                     const ImagePyramid& left,
+                                     std::span<const Track> tracks);
+  bool IsSuspicious(Timestamp t, std::span<const Track> tracks);
   std::vector<StereoRays> MatchWidely(const ImagePyramid& left, std::span<const Track> tracks);
+  DisparityShift ShiftOf(std::span<const Track> tracks);
 
   StereoRig rig_;  // with the turns that were found
   FrontendOptions options_;
   StereoMatcher matcher_;
   RightCameraWatch watch_;
+  DisparityWatch disparities_;
+  std::vector<std::optional<double>> depths_before_;  // inverse ones, by slot
+  std::vector<double> angles_;                        // of ShiftOf
   ImagePyramid right_;
   bool has_right_ = false;
   std::vector<std::optional<StereoMatch>> matches_;  // of the newest frame, by slot

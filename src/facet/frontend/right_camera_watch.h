@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "facet/base/types.h"
 #include "facet/frontend/stereo_turn.h"
 
 namespace facet {
@@ -16,16 +17,23 @@ class RightCameraWatch {
  public:
   /// What a keyframe has found, `num_near` of them well within the gate. True: that is suspiciously
   /// little, and Add wants the matches of a wide gate.
-  bool IsSuspicious(int num_tracks, int num_near);
+  bool IsSuspicious(Timestamp t, int num_tracks, int num_near);
 
-  /// The wide matches of a suspicious keyframe. The turn, once some keyframes in a row show one and
-  /// it is clear; the caller corrects it, and `rig` contains it from then on.
-  std::optional<StereoTurn> Add(const StereoRig& rig, std::span<const StereoRays> matches);
+  /// The wide matches of a suspicious keyframe. The turn, once all keyframes of a second show one
+  /// and it is clear; the caller corrects it, and `rig` contains it from then on.
+  std::optional<StereoTurn> Add(Timestamp t,
+                                const StereoRig& rig,
+                                std::span<const StereoRays> matches);
+
+  /// Nothing was suspicious for some seconds, or since the last turn that was found.
+  bool IsTrustedAt(Timestamp t) const;
 
  private:
+  std::optional<Timestamp> last_suspicious_;
   // Of the tracks, near their epipolar lines. Good recordings have more from the first keyframe on.
   double usual_share_ = 0.4;
-  int num_in_row_ = 0;
+  Timestamp begin_;      // of the keyframes in a row
+  int num_in_row_ = 0;   // suspicious ones
   int num_to_pass_ = 0;  // keyframes, after a look in vain
   std::vector<StereoRays> matches_;
 };

@@ -65,8 +65,11 @@ struct StereoFrontend::Impl {
                   double interval_s);
   void FollowTracks(const cv::Mat& left, bool is_motion_known, FrontendResult& result);
   void DetectNew(const cv::Mat& left, FrontendResult& result);
-  void MatchStereo(const cv::Mat& right, FrontendResult& result);
-  void StartKeyframe(const StereoFrame& frame, FrontendResult& result, StageTimes& times);
+  void MatchStereo(const cv::Mat& right, bool is_motion_known, FrontendResult& result);
+  void StartKeyframe(const StereoFrame& frame,
+                     bool is_motion_known,
+                     FrontendResult& result,
+                     StageTimes& times);
   void FillObservations(FrontendResult& result);
   void FillDepths(const cv::Mat& left, FrontendResult& result, StageTimes& times);
 
@@ -185,13 +188,16 @@ void StereoFrontend::Impl::DetectNew(const cv::Mat& left, FrontendResult& result
   }
 }
 
-void StereoFrontend::Impl::MatchStereo(const cv::Mat& right, FrontendResult& result) {
+void StereoFrontend::Impl::MatchStereo(const cv::Mat& right,
+                                       bool is_motion_known,
+                                       FrontendResult& result) {
   if (!IsUsable(right, rig.cameras[1]) || repetitions.is_right_repeated) return;
-  result.right_turn = stereo.MatchTracks(images.now, right, tracks.slots());
-  result.right_ok = true;
+  result.right = stereo.MatchTracks(*newest_t, images.now, right, is_motion_known, tracks.slots());
+  result.right_ok = stereo.has_right();
 }
 
 void StereoFrontend::Impl::StartKeyframe(const StereoFrame& frame,
+                                         bool is_motion_known,
                                          FrontendResult& result,
                                          StageTimes& times) {
   {
@@ -199,7 +205,7 @@ void StereoFrontend::Impl::StartKeyframe(const StereoFrame& frame,
     DetectNew(frame.left, result);
   }
   const ScopedStage stage(times, Stage::kStereo);
-  MatchStereo(frame.right, result);
+  MatchStereo(frame.right, is_motion_known, result);
   keyframe_policy.SetKeyframeSize(tracks.StartKeyframe());
   motion.R_C_kf_prev = Quaterniond::Identity();
 }
@@ -275,7 +281,7 @@ FrontendResult StereoFrontend::Impl::Process(const StereoFrame& frame,
     result.keyframe_reason = keyframe_policy.Decide(frame.t, tracks.CountShared());
   }
   result.observations.is_keyframe = result.keyframe_reason != KeyframeReason::kNone;
-  if (result.observations.is_keyframe) StartKeyframe(frame, result, times);
+  if (result.observations.is_keyframe) StartKeyframe(frame, hint.is_motion_known, result, times);
   FillObservations(result);
   if (result.observations.is_keyframe) FillDepths(frame.left, result, times);
   return result;

@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -17,7 +16,7 @@
 #include "facet/frontend/depth_query.h"
 #include "facet/frontend/frontend_options.h"
 #include "facet/frontend/keyframe_policy.h"
-#include "facet/frontend/stereo_turn.h"
+#include "facet/frontend/right_image_findings.h"
 #include "facet/frontend/tracking_summary.h"
 #include "facet/map/observation.h"
 
@@ -64,10 +63,9 @@ struct FrontendResult {
   int num_outliers = 0;      ///< points removed because they contradict the motion of the others
   int num_new = 0;           ///< points that begin in this frame
   int num_stereo = 0;        ///< observations with a right pixel
-  /// The right camera was found to be turned by so much further; it is corrected from now on.
-  std::optional<StereoTurn> right_turn;
-  bool right_ok = false;  ///< keyframes: there was a right image that could be used
-  bool image_ok = true;   ///< false: no left image, or one of the wrong size or type
+  RightImageFindings right;  ///< on keyframes
+  bool right_ok = false;     ///< keyframes: there was a right image that could be used
+  bool image_ok = true;      ///< false: no left image, or one of the wrong size or type
   /// The left image is one of the last hundred although the camera has moved: it was not used.
   bool is_repeated = false;
   /// The left image has one grey value everywhere (lens covered, no light, exposure). Such a one is

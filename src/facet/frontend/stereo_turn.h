@@ -22,6 +22,8 @@ struct StereoTurn {
   /// Medians of the distances from the epipolar lines, in pixels of the mean focal length.
   double before_px = 0, after_px = 0;
   int num_matches = 0;
+  /// If it was found along the epipolar lines, by known depths: the shift there [px]; otherwise 0.
+  double along_px = 0;
 
   /// It explains distances that no careful calibration leaves.
   bool IsClear() const;

@@ -2,6 +2,7 @@
 #include "facet/pipeline/front_stage.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <optional>
 
 #include "facet/camera/camera_model.h"
@@ -66,7 +67,8 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   previous_t_ = frame.t + rig_.time_offset;
   has_previous_ = true;
   tracked.warning = WatchAxes(tracked.imu);
-  if (tracked.frontend.right_turn) tracked.warning = FollowTurn(*tracked.frontend.right_turn);
+  const std::string of_right_image = JudgeRightImage(frame.t, tracked.frontend.right);
+  if (!of_right_image.empty()) tracked.warning = of_right_image;
   tracked.refusal = CheckSensors(frame, tracked);
   ForgetOldImu();
   return tracked;
@@ -79,6 +81,18 @@ std::string FrontStage::WatchAxes(const ImuInterval& imu) {
       warning = InWords(dead_axes_.found().back()) + ": " + kDeadAxisAdvice;
   }
   return warning;
+}
+
+std::string FrontStage::JudgeRightImage(Timestamp t, const RightImageFindings& found) {
+  if (found.turn) return FollowTurn(*found.turn);
+  if (!right_contradicts_.Begins(t, found.contradiction_px.has_value())) return {};
+  char text[240];
+  std::snprintf(text,
+                sizeof(text),
+                "the right image contradicts the depths of known landmarks by %.1f px and is not "
+                "used: is it of another moment than the left one, or was a camera knocked?",
+                *found.contradiction_px);
+  return text;
 }
 
 std::string FrontStage::FollowTurn(const StereoTurn& turn) {

@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "facet/imu/imu_buffer.h"
+#include "facet/pipeline/episodes.h"
 #include "facet/pipeline/tracked_frame.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/plausibility/calibration_check.h"
@@ -53,6 +54,7 @@ class FrontStage {
   FrontendHint MakeHint(const ImuInterval& now);
   void TakeFeedback();
   std::string WatchAxes(const ImuInterval& imu);
+  std::string JudgeRightImage(Timestamp t, const RightImageFindings& found);
   std::string FollowTurn(const StereoTurn& turn);
   std::string CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked);
   void ForgetOldImu();
@@ -62,6 +64,7 @@ class FrontStage {
   StereoFrontend frontend_;
   bool check_calibration_;
   std::optional<Quaterniond> right_turn_;
+  Episodes right_contradicts_{Duration{10'000'000'000}};
   DeadImuCheck dead_imu_;
   DeadAxisCheck dead_axes_;
   CalibrationCheck calibration_;

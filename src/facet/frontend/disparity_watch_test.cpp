@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "facet/frontend/disparity_watch.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace facet {
+namespace {
+
+using Verdict = DisparityWatch::Verdict;
+
+constexpr double kFocal_px = 460;
+
+DisparityShift Shift(double px, int num = 100, double spread_px = 0.1) {
+  return {num, px / kFocal_px, spread_px / kFocal_px};
+}
+
+/// Keyframes every 0.3 s.
+class Keyframes {
+ public:
+  Verdict Add(const DisparityShift& shift) {
+    t_ = t_ + FromSeconds(0.3);
+    return watch_.Add(t_, shift);
+  }
+  double turn() const { return watch_.turn(); }
+
+ private:
+  DisparityWatch watch_{kFocal_px};
+  Timestamp t_;
+};
+
+TEST(DisparityWatchTest, WhatIsUsualAgrees) {
+  Keyframes watch;
+  for (int i = 0; i < 50; ++i)
+    EXPECT_EQ(watch.Add(Shift(0.4 + 0.2 * (i % 2))), Verdict::kAgrees) << i;
+  // A calibration that is half a pixel wrong has got used to that.
+  EXPECT_EQ(watch.Add(Shift(1.0)), Verdict::kAgrees);
+  EXPECT_EQ(watch.Add(Shift(-0.4)), Verdict::kContradicts);
+}
+
+TEST(DisparityWatchTest, OneImageOfAnotherMomentIsNotUsed) {
+  Keyframes watch;
+  EXPECT_EQ(watch.Add(Shift(0)), Verdict::kAgrees);
+  EXPECT_EQ(watch.Add(Shift(3)), Verdict::kContradicts);
+  EXPECT_EQ(watch.Add(Shift(0)), Verdict::kAgrees);
+  EXPECT_EQ(watch.Add(Shift(3)), Verdict::kContradicts);
+  EXPECT_EQ(watch.Add(Shift(3)), Verdict::kContradicts);
+  EXPECT_EQ(watch.Add(Shift(0)), Verdict::kAgrees);
+}
+
+TEST(DisparityWatchTest, ASecondThatAgreesIsATurn) {
+  Keyframes watch;
+  for (int i = 0; i < 50; ++i)
+    EXPECT_EQ(watch.Add(Shift(0.3)), Verdict::kAgrees);
+  EXPECT_EQ(watch.Add(Shift(-2.6)), Verdict::kContradicts);
+  EXPECT_EQ(watch.Add(Shift(-2.8)), Verdict::kContradicts);
+  EXPECT_EQ(watch.Add(Shift(-2.6)), Verdict::kContradicts);
+  EXPECT_EQ(watch.Add(Shift(-2.8)), Verdict::kContradicts);
+  EXPECT_EQ(watch.Add(Shift(-2.7)), Verdict::kTurned);
+  EXPECT_NEAR(watch.turn(), -3.0 / kFocal_px, 0.02 / kFocal_px);
+  EXPECT_EQ(watch.Add(Shift(0.3)), Verdict::kAgrees) << "corrected";
+}
+
+// Then the depths may be what is wrong, and only right images mend them.
+TEST(DisparityWatchTest, WhatDoesNotAgreeIsNotKeptOutForLong) {
+  Keyframes watch;
+  int num_kept_out = 0;
+  for (int i = 0; i < 100; ++i)
+    num_kept_out += watch.Add(Shift(2 + i % 3)) != Verdict::kAgrees ? 1 : 0;
+  EXPECT_GT(num_kept_out, 2);
+  EXPECT_LT(num_kept_out, 20);
+}
+
+TEST(DisparityWatchTest, FewOrScatteredDisparitiesProveNothing) {
+  Keyframes watch;
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(watch.Add(Shift(5, 10)), Verdict::kAgrees);
+    EXPECT_EQ(watch.Add(Shift(5, 100, 3)), Verdict::kAgrees);
+  }
+}
+
+}  // namespace
+}  // namespace facet
