@@ -221,10 +221,14 @@ class LiveOdometry {
     std::int64_t imu = 0, dropped_imu = 0;
     /// From AddStereo until PredictAt knows of the pair: of the newest one, and the largest so far.
     double latency_s = 0, max_latency_s = 0;
+    /// The odometry has thrown, or `on_pose` has: nothing is worked on any more, what comes is
+    /// dropped, and Finish throws it.
+    bool has_failed = false;
   };
 
   /// `on_pose` is called on a thread of this object as soon as a pose is known; may be empty, and
-  /// must not call Finish. Throws Error where calibration or options are wrong.
+  /// must not call Finish, nor throw, which ends the odometry (see Counts). Throws Error where
+  /// calibration or options are wrong.
   explicit LiveOdometry(const Calibration& calibration,
                         std::function<void(const State&)> on_pose = nullptr);
   LiveOdometry(const Calibration& calibration,

@@ -202,6 +202,9 @@ TEST(FacadeErrorTest, SaysWhatIsWrongWithLiveOptions) {
   options.T_BF.q = {0, 0, 0, 0};
   EXPECT_THAT(ErrorOfLive(options), HasSubstr("T_BF: the quaternion"));
   options = {};
+  options.T_BF.p[1] = std::nan("");
+  EXPECT_THAT(ErrorOfLive(options), HasSubstr("T_BF: the position"));
+  options = {};
   options.overrides = {"frontend.max_feature=7"};
   EXPECT_THAT(ErrorOfLive(options), HasSubstr("unknown key"));
 }

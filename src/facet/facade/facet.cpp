@@ -46,10 +46,11 @@ SE3 Internal(const Pose& pose, const std::string& name) {
   const Quaterniond q(w, x, y, z);
   if (!(std::abs(q.norm() - 1) < 1e-3))
     throw Error(name + ": the quaternion is not of unit length");
+  const Vector3d p(pose.p[0], pose.p[1], pose.p[2]);
+  if (!p.allFinite()) throw Error(name + ": the position is not finite");
   // One that is of unit length but for rounding stays as it is, bit by bit.
   constexpr double kRounding = 1e-15;
-  return {std::abs(q.squaredNorm() - 1) < kRounding ? q : q.normalized(),
-          Vector3d(pose.p[0], pose.p[1], pose.p[2])};
+  return {std::abs(q.squaredNorm() - 1) < kRounding ? q : q.normalized(), p};
 }
 
 Camera Plain(const CameraModel& camera, const SE3& T_BC) {
@@ -153,6 +154,8 @@ class OwnedImage {
     if (image.pixels == nullptr || image.width <= 0 || image.height <= 0) return;
     const std::size_t stride =
         image.stride_bytes == 0 ? static_cast<std::size_t>(image.width) : image.stride_bytes;
+    if (stride < static_cast<std::size_t>(image.width))
+      throw Error("an image's stride_bytes is less than its width");
     const cv::Mat view(image.height,
                        image.width,
                        CV_8UC1,
@@ -428,6 +431,7 @@ LiveOdometry::Counts LiveOdometry::counts() const {
   plain.dropped_imu = counts.dropped_imu;
   plain.latency_s = counts.latency_s;
   plain.max_latency_s = counts.max_latency_s;
+  plain.has_failed = counts.has_failed;
   return plain;
 }
 

@@ -75,6 +75,8 @@ class ImuBuffer {
   std::size_t size() const { return samples_.size(); }
   Timestamp first_stamp() const { return samples_.front().t; }
   Timestamp last_stamp() const { return samples_.back().t; }
+  /// The same with the samples that wait for confirmation.
+  Timestamp newest_stamp() const { return waiting_.empty() ? last_stamp() : waiting_.back().t; }
 
  private:
   void Take(const ImuSample& sample);

@@ -106,6 +106,12 @@ class LiveQueue {
     changed_.notify_all();
   }
 
+  void Fail() {
+    Close(true);
+    const std::lock_guard lock(mutex_);
+    counts_.has_failed = true;
+  }
+
   LiveCounts counts() const {
     const std::lock_guard lock(mutex_);
     return counts_;
@@ -223,7 +229,7 @@ class LiveVio::Impl {
       Deliver(vio_.Finish());
     } catch (...) {
       failure_ = std::current_exception();  // Finish throws it
-      queue_.Close(true);
+      queue_.Fail();
     }
   }
 

@@ -45,6 +45,8 @@ struct LiveCounts {
   /// From AddStereo to the moment when PredictAt knows of the frame [s]: of the newest frame, and
   /// the largest so far.
   double latency_s = 0, max_latency_s = 0;
+  /// The estimator has thrown, or a callback has: what comes is dropped, and Finish throws it.
+  bool has_failed = false;
 };
 
 /// Thread-safe. Images may come from one thread and IMU samples from another; each of them in order
@@ -54,7 +56,7 @@ class LiveVio {
  public:
   /// `on_pose` and `on_output` are called on threads of this object, for each frame in order: as
   /// soon as its pose is known, and with its mesh when everything is. They may be empty, and must
-  /// not wait for this object.
+  /// not wait for this object, nor throw, which ends it.
   LiveVio(const StereoRig& rig,
           const ImuNoise& noise,
           const VioOptions& options,
@@ -79,8 +81,7 @@ class LiveVio {
   LiveCounts counts() const;
 
   /// Waits until every frame that has come is done or dropped, and ends: what comes later is
-  /// dropped. Throws what the estimator threw, which ends it, too: no memory, or a programmer's
-  /// error.
+  /// dropped. Throws what the estimator or a callback threw, which ends it, too. From one thread.
   RunResult Finish();
 
  private:

@@ -3,6 +3,7 @@
 #include "facet/live/live_vio.h"
 
 #include <atomic>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -98,6 +99,36 @@ TEST_F(LiveVioTest, GivesTheBytesOfThePipelineFromTwoThreads) {
     ASSERT_TRUE(result.map);
     EXPECT_EQ(result.map->vertices, pipeline.Result().map->vertices);
   }
+}
+
+TEST_F(LiveVioTest, TellsThatACallbackHasThrown) {
+  LiveVio live(recording_->rig, ImuNoise{}, VioOptions{}, NothingIsDropped(), [](const VioOutput&) {
+    throw std::runtime_error("the controller's");
+  });
+  EXPECT_FALSE(live.counts().has_failed);
+  FeedTo(live);
+  EXPECT_THROW(live.Finish(), std::runtime_error);
+  EXPECT_TRUE(live.counts().has_failed);
+}
+
+// One damaged stamp of a camera costs one frame.
+TEST_F(LiveVioTest, AStampFarInTheFutureDoesNotEndIt) {
+  LiveOptions options = NothingIsDropped();
+  options.max_imu_wait_s = 0.05;
+  int num_poses = 0;
+  LiveVio live(recording_->rig, ImuNoise{}, VioOptions{}, options, [&](const VioOutput& output) {
+    num_poses += output.has_pose ? 1 : 0;
+  });
+  int number = 0;
+  testing::Feed(
+      *recording_,
+      [&](const ImuSample& sample) { live.AddImu(sample); },
+      [&](StereoFrame frame) {
+        if (++number == 20) frame.t = frame.t + FromSeconds(1000);
+        live.AddStereo(frame);
+      });
+  live.Finish();
+  EXPECT_GT(num_poses, 30);
 }
 
 TEST_F(LiveVioTest, PredictsFromTheNewestFrame) {

@@ -16,6 +16,10 @@ namespace {
 
 // The newest image may come this much before the IMU sample that follows it.
 constexpr double kMaxExtrapolation_s = 0.03;
+// A stamp that is further ahead of the last frame and of the whole IMU is a damaged one, until so
+// many in a row agree on it.
+constexpr Duration kStrayDistance{1'000'000'000};
+constexpr int kStraysToConfirm = 3;
 
 // The samples as they would be on Earth, which is what the checks know.
 ImuInterval OnEarth(ImuInterval imu, double gravity) {
@@ -49,6 +53,8 @@ void FrontStage::AddImu(const ImuSample& sample) {
 MotionPrediction FrontStage::Predict(Timestamp t) {
   MotionPrediction prediction;
   const ScopedStage stage(prediction.times, Stage::kImu);
+  prediction.is_stray = IsStray(t + rig_.time_offset);
+  if (prediction.is_stray) return prediction;
   TakeFeedback();
   imu_.TimeIsAt(t + rig_.time_offset);
   prediction.imu = IntervalTo(t + rig_.time_offset);
@@ -58,6 +64,11 @@ MotionPrediction FrontStage::Predict(Timestamp t) {
 
 TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction prediction) {
   TrackedFrame tracked;
+  tracked.is_stray = prediction.is_stray;
+  if (tracked.is_stray) {
+    tracked.frontend.observations.t = frame.t;
+    return tracked;
+  }
   tracked.imu = std::move(prediction.imu);
   tracked.times = prediction.times;
   tracked.used_feedback = prediction.hint.inverse_depth != nullptr;
@@ -72,6 +83,20 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   tracked.refusal = CheckSensors(frame, tracked);
   ForgetOldImu();
   return tracked;
+}
+
+bool FrontStage::IsStray(Timestamp t_imu) {
+  const bool is_far = !imu_.empty() && t_imu - imu_.newest_stamp() > kStrayDistance &&
+                      (!has_previous_ || t_imu - previous_t_ > kStrayDistance);
+  if (!is_far) {
+    num_strays_ = 0;
+    return false;
+  }
+  const bool agrees =
+      t_imu - newest_stray_ <= kStrayDistance && newest_stray_ - t_imu <= kStrayDistance;
+  num_strays_ = num_strays_ > 0 && agrees ? num_strays_ + 1 : 1;
+  newest_stray_ = t_imu;
+  return num_strays_ < kStraysToConfirm;
 }
 
 std::string FrontStage::WatchAxes(const ImuInterval& imu) {

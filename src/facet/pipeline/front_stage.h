@@ -50,6 +50,7 @@ class FrontStage {
   std::size_t num_imu_samples() const { return imu_.size(); }
 
  private:
+  bool IsStray(Timestamp t_imu);
   ImuInterval IntervalTo(Timestamp t_imu) const;
   FrontendHint MakeHint(const ImuInterval& now);
   void TakeFeedback();
@@ -75,6 +76,8 @@ class FrontStage {
   std::int64_t next_frame_ = 0;
   bool has_previous_ = false;
   Timestamp previous_t_;          ///< IMU clock
+  int num_strays_ = 0;            ///< in a row, near each other
+  Timestamp newest_stray_;        ///< IMU clock
   std::deque<Timestamp> recent_;  ///< of the last kLag frames, IMU clock
   std::unordered_map<LandmarkId, double> inverse_depth_;
 };

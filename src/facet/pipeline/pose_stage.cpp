@@ -17,6 +17,13 @@ PoseStage::PoseStage(const StereoRig& rig, const ImuNoise& noise, const VioOptio
 VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   VioOutput out;
   out.times = frame.times;
+  if (frame.is_stray) {
+    out.t = frame.frontend.observations.t;
+    out.status =
+        estimator_.is_initialised() ? TrackingStatus::kDegraded : TrackingStatus::kInitialising;
+    out.reason = "stamp is far ahead of all others";
+    return out;
+  }
   EstimatorResult result = estimator_.AddFrame(frame.frontend.observations, frame.imu, out.times);
   const ScopedStage stage(out.times, Stage::kOutput);
   if (result.bias_drift && !result.bias_drift->is_gyro) scale_.DistrustAccelerometer();

@@ -130,6 +130,40 @@ TEST_F(FrontStageTest, AFrameOutOfOrderLeavesNoTrace) {
   }
 }
 
+// One damaged stamp would otherwise make everything behind it too late, for good.
+TEST_F(FrontStageTest, AFrameFarAheadOfEverythingIsNotUsed) {
+  for (int i = 0; i < 5; ++i)
+    Next();
+  StereoFrame stray = frame_;
+  stray.t = frame_.t + FromSeconds(1000);
+  EXPECT_TRUE(front_->Track(stray, front_->Predict(stray.t)).is_stray);
+  const TrackedFrame next = Next();
+  EXPECT_FALSE(next.is_stray);
+  EXPECT_TRUE(next.frontend.in_order);
+  ASSERT_EQ(next.imu.samples.size(), 11u) << "the interval begins at the newest frame";
+}
+
+// The IMU may have ended, and the clocks go on.
+TEST_F(FrontStageTest, ThreeFramesThatAgreeAreNoStrays) {
+  for (int i = 0; i < 5; ++i)
+    Next();
+  StereoFrame ahead = frame_;
+  for (int i = 0; i < 5; ++i) {
+    ahead.t = frame_.t + FromSeconds(1000 + 0.05 * i);
+    EXPECT_EQ(front_->Track(ahead, front_->Predict(ahead.t)).is_stray, i < 2) << i;
+  }
+}
+
+// A pause of everything, and one of the cameras alone, are no reason.
+TEST_F(FrontStageTest, AfterAPauseFramesAreUsedAtOnce) {
+  for (int i = 0; i < 5; ++i)
+    Next();
+  frame_.t = frame_.t + FromSeconds(3);
+  EXPECT_FALSE(Next().is_stray);
+  frame_.t = t_imu_ = frame_.t + FromSeconds(3);
+  EXPECT_FALSE(Next().is_stray);
+}
+
 TEST_F(FrontStageTest, ForgetsWhatWasKnownBeforeAReset) {
   front_->AddFeedback(FeedbackOf(Next()));
   Next();
@@ -197,6 +231,17 @@ TEST(PoseStageTest, TellsTheFrontStageOfAReset) {
   }
   EXPECT_GE(num_resets, 1);
   EXPECT_GT(num_feedbacks, num_resets);
+}
+
+TEST(PoseStageTest, SaysWhyAStrayFrameHasNoPose) {
+  PoseStage stage(EurocRig(), ImuNoise{}, WithoutMesh());
+  TrackedFrame frame;
+  frame.is_stray = true;
+  frame.frontend.observations.t = kBegin + FromSeconds(1000);
+  const VioOutput out = stage.Estimate(frame);
+  EXPECT_FALSE(out.has_pose);
+  EXPECT_EQ(out.t, frame.frontend.observations.t);
+  EXPECT_EQ(out.reason, "stamp is far ahead of all others");
 }
 
 TEST(PoseStageTest, KeyframesHaveNoPosesBeforeTheStart) {

@@ -16,6 +16,8 @@ namespace facet {
 struct MotionPrediction {
   ImuInterval imu;    ///< from the previous frame to this one
   FrontendHint hint;  ///< valid until the front stage predicts again
+  /// The stamp is far ahead of all others: a damaged one, which would make what follows too late.
+  bool is_stray = false;
   StageTimes times;
 };
 
@@ -23,6 +25,7 @@ struct MotionPrediction {
 struct TrackedFrame {
   FrontendResult frontend;
   ImuInterval imu;             ///< from the previous frame to this one
+  bool is_stray = false;       ///< see MotionPrediction; nothing was done
   bool used_feedback = false;  ///< the tracks were predicted with more than the gyroscope
   std::string refusal;         ///< see VioOutput
   std::string warning;         ///< the same
