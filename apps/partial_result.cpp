@@ -37,13 +37,14 @@ PartialResult::PartialResult(const std::filesystem::path& target,
                              const RunRecord& about,
                              const SurfaceMapOptions& map)
     : folder_(target),
-      states_(folder_.path() / "states.csv", StatesHeader()),
-      timing_(folder_.path() / "timing.csv", TimingHeader()),
-      trajectory_(folder_.path() / "trajectory.tum", TumHeader()),
+      states_(folder_.path() / PartialFolder::kStates, StatesHeader()),
+      timing_(folder_.path() / PartialFolder::kTiming, TimingHeader()),
+      trajectory_(folder_.path() / PartialFolder::kTrajectory, TumHeader()),
       record_(about),
       map_(map) {
   record_.is_interrupted = record_.is_realtime = true;
-  folder_.Replace("config.yaml", [&](const auto& file) { WriteTextFile(file, about.config); });
+  folder_.Replace(PartialFolder::kConfig,
+                  [&](const auto& file) { WriteTextFile(file, about.config); });
   WriteSummary();
   thread_ = std::thread([this] { Run(); });
 }
@@ -68,6 +69,7 @@ void PartialResult::Remove() {
 
 void PartialResult::Add(const RunProgress& progress, const VioOutput& output) {
   const std::lock_guard lock(mutex_);
+  if (has_failed_) return;
   inbox_.frames.push_back(*progress.newest);
   inbox_.progress = progress;
   inbox_.progress.newest = nullptr;
@@ -83,6 +85,10 @@ void PartialResult::Add(const RunProgress& progress, const VioOutput& output) {
 bool PartialResult::WantsSceneUpdate() {
   const auto now = Clock::now();
   if (now - last_request_ < kRequestPeriod) return false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (has_failed_) return false;
+  }
   last_request_ = now;
   return true;
 }
@@ -103,6 +109,9 @@ void PartialResult::Run() {
                  "facet: warning: %s; what a kill would leave in %s ends here\n",
                  error.what(),
                  folder_.path().c_str());
+    const std::lock_guard lock(mutex_);
+    has_failed_ = true;  // nobody takes what would still come
+    inbox_ = {};
   }
 }
 
@@ -162,12 +171,13 @@ void PartialResult::WriteRest() {
   WriteSummary();
 }
 
-// Those that have left the window are final; those in it are as the newest keyframe says.
+// Those that have left the window, which need not be the oldest ones first, are final; those in it
+// are as the newest keyframe says.
 void PartialResult::WriteKeyframes() {
   std::vector<StampedPose> poses = record_.keyframes;
-  for (const KeyframePose& keyframe : snapshot_->keyframes) {
-    if (poses.empty() || keyframe.t > poses.back().t) poses.push_back({keyframe.t, keyframe.T_WB});
-  }
+  for (const KeyframePose& keyframe : snapshot_->keyframes)
+    poses.push_back({keyframe.t, keyframe.T_WB});
+  SortByTime(poses);
   folder_.Replace("keyframes.tum", [&](const auto& file) { WriteTum(file, poses); });
   std::vector<Vector3d> landmarks;
   for (const LandmarkEstimate& landmark : snapshot_->landmarks)
@@ -193,7 +203,7 @@ void PartialResult::WriteSummary() {
   record_.wall_s = std::chrono::duration<double>(Clock::now() - start_).count();
   record_.cpu_s = ProcessCpuSeconds();
   record_.peak_rss_mb = PeakRssMb();
-  folder_.Replace("summary.json",
+  folder_.Replace(PartialFolder::kSummary,
                   [&](const auto& file) { WriteTextFile(file, SummaryJson(record_)); });
 }
 

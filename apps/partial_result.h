@@ -75,10 +75,11 @@ class PartialResult {
   LineFile states_, timing_, trajectory_;
   const Clock::time_point start_ = Clock::now();
 
-  std::mutex mutex_;  // of the inbox and of is_over_
+  std::mutex mutex_;  // of the inbox and the two flags
   std::condition_variable changed_;
   Inbox inbox_;
   bool is_over_ = false;
+  bool has_failed_ = false;
   Clock::time_point last_request_{};  // run's thread only
 
   // The thread's own from here on.

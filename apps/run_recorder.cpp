@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "run_recorder.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "facet/regularities/report/plane_ids.h"
@@ -66,10 +65,7 @@ void RunRecorder::AddMesh(const std::shared_ptr<const MeshSnapshot>& snapshot) {
 void RunRecorder::Finish(const std::vector<KeyframePose>& window) {
   for (const KeyframePose& k : window)
     keyframes_.push_back({k.t, k.T_WB});
-  const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.t < b.t; };
-  const auto same = [](const StampedPose& a, const StampedPose& b) { return a.t == b.t; };
-  std::stable_sort(keyframes_.begin(), keyframes_.end(), earlier);
-  keyframes_.erase(std::unique(keyframes_.begin(), keyframes_.end(), same), keyframes_.end());
+  SortByTime(keyframes_);
 }
 
 void RunRecorder::MoveInto(RunRecord& record) {

@@ -68,9 +68,9 @@ class SequenceRunner {
         range_(range),
         steps_(recording, range),
         decoder_(recording.calibration()->rig),
-        turner_(recording.calibration()->rig.cameras[1]),
-        start_(Clock::now()) {
+        turner_(recording.calibration()->rig.cameras[1]) {
     if (!steps_.FindFirst(step_)) steps_.ThrowNoPair();
+    start_ = Clock::now();  // finding where to start is not what the run takes
     if (range.num_decoders > 0 && !range.realtime) {
       decode_ahead_.emplace(recording.calibration()->rig, range.num_decoders);
       decode_ahead_->Add(step_.frame);
@@ -405,7 +405,7 @@ class SequenceRunner {
   std::deque<RunStep> steps_ahead_;  // those whose frames are decoded, but the newest taken one
   ImageTurner turner_;
   std::deque<ImuSample> recent_imu_;  // of the last moments before the frame in work, and one more
-  const Clock::time_point start_;
+  Clock::time_point start_;
   SequenceRun run_;
   RunRecorder recorder_;
   StartTrouble start_trouble_;

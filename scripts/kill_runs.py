@@ -111,6 +111,7 @@ def inspect(folder, killed):
     newest = int(states[-1]["timestamp_ns"])
     due = [int(row["timestamp_ns"]) for row, state in zip(timing, states)
            if row["is_keyframe"] == "1" and state["px"] and newest - int(row["timestamp_ns"]) > 1e9 * (ALLOWED_S - behind)]
+    check(keyframes == sorted(set(keyframes)), "keyframes.tum: not in order of time")
     check(not due or (keyframes and keyframes[-1] >= due[-1]), "keyframes.tum: keyframes are missing")
     check_fresh(folder / "summary.json", killed)
     if due:

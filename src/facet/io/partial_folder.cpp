@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/io/partial_folder.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <string_view>
@@ -16,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kSummary = "summary.json";
 // Of files that have not taken their place yet; hidden.
 constexpr const char* kNew = ".new-";
 
@@ -54,6 +54,17 @@ void Repair(const fs::path& folder) {
   }
 }
 
+bool HasJustBegun(const fs::path& folder) {
+  using Partial = PartialFolder;
+  std::error_code error;
+  return std::ranges::all_of(
+      fs::directory_iterator(folder, error), [](const fs::directory_entry& entry) {
+        const std::string name = entry.path().filename().string();
+        return name.starts_with(kNew) || name == Partial::kStates || name == Partial::kTiming ||
+               name == Partial::kTrajectory || name == Partial::kConfig;
+      });
+}
+
 [[noreturn]] void Fail(const fs::path& file) {
   throw OutputError(file.string() + ": cannot be written (disk full, permissions?)");
 }
@@ -66,11 +77,10 @@ fs::path KeepInterrupted(const fs::path& target) {
   if (!fs::is_directory(partial, error)) return {};
   FolderLock lock;
   if (!lock.Take(partial)) return {};
-  if (fs::is_empty(partial, error)) {
-    fs::remove(partial, error);
+  if (!fs::exists(partial / PartialFolder::kSummary, error)) {
+    if (HasJustBegun(partial)) fs::remove_all(partial, error);
     return {};
   }
-  if (!fs::exists(partial / kSummary, error)) return {};
   Repair(partial);
   const fs::path kept = WithSuffix(target, ".interrupted");
   fs::path free = kept;

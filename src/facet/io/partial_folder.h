@@ -11,9 +11,10 @@
 namespace facet {
 
 /// What a run with this target that was killed has left, TARGET.partial, becomes TARGET.interrupted
-/// (-2, -3 ... where there are some): nothing is ever deleted. Whatever was cut off within a line
-/// goes. Does nothing where there is none, where a live process writes it, or where it is no
-/// result. Returns the new name, or an empty path.
+/// (-2, -3 ... where there are some). Whatever was cut off within a line goes. One that has no
+/// summary yet holds nothing (the process ended while it began, or the disk was full) and is
+/// removed. Does nothing where there is none, where a live process writes it, or where it holds
+/// other files than a run begins with. Returns the new name, or an empty path.
 std::filesystem::path KeepInterrupted(const std::filesystem::path& target);
 
 /// TARGET.partial while a run goes on. Not thread-safe.
@@ -28,6 +29,13 @@ class PartialFolder {
   PartialFolder& operator=(const PartialFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
+
+  /// With these a run begins; summary.json is the last of them.
+  static constexpr const char* kStates = "states.csv";
+  static constexpr const char* kTiming = "timing.csv";
+  static constexpr const char* kTrajectory = "trajectory.tum";
+  static constexpr const char* kConfig = "config.yaml";
+  static constexpr const char* kSummary = "summary.json";
 
   /// `write` writes a file of the name that it is told; then it takes the place of `name` in one
   /// step, or none does. Throws what `write` throws, and OutputError.

@@ -93,6 +93,18 @@ TEST_F(PartialFolderTest, OtherPeoplesFoldersAreLeftAlone) {
   EXPECT_EQ(ReadText(Partial() / "thesis.tex"), "years");
 }
 
+// The disk was full, or the process was killed while it began: the next run must not be in its way.
+TEST_F(PartialFolderTest, OneWithoutASummaryHoldsNothing) {
+  {
+    PartialFolder folder(Target());
+    for (const char* file : {"states.csv", "timing.csv", ".new-config.yaml"})
+      WriteTextFile(Partial() / file, "");
+  }
+  EXPECT_EQ(KeepInterrupted(Target()), fs::path());
+  EXPECT_FALSE(fs::exists(Partial()));
+  PartialFolder again(Target());
+}
+
 TEST_F(PartialFolderTest, AnEmptyLeftOverIsNoResult) {
   fs::create_directories(Partial());
   EXPECT_EQ(KeepInterrupted(Target()), fs::path());

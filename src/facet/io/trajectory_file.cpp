@@ -165,6 +165,12 @@ std::string FormatSeconds(Timestamp t) {
   return text;
 }
 
+void SortByTime(std::vector<StampedPose>& poses) {
+  std::ranges::stable_sort(poses, {}, &StampedPose::t);
+  const auto same = std::ranges::unique(poses, {}, &StampedPose::t);
+  poses.erase(same.begin(), same.end());
+}
+
 std::string FormatTumLine(const StampedPose& pose) {
   const Vector3d& p = pose.T_WB.p;
   const Quaterniond& q = pose.T_WB.q;

@@ -17,6 +17,9 @@ struct StampedPose {
   SE3 T_WB;
 };
 
+/// In order of time; of poses with the same stamp the first one stays.
+void SortByTime(std::vector<StampedPose>& poses);
+
 enum class TrajectoryFormat { kTum, kEurocCsv };
 
 struct Trajectory {
