@@ -324,6 +324,17 @@ std::unique_ptr<LiveView> OpenLiveView(const RunArguments& arguments,
   return live;
 }
 
+/// What could not be published or recorded ends a run that is complete otherwise with an error; a
+/// run that is not has a reason of its own.
+void FinishPublishing(RunPublishing& publishing, bool is_complete, const RunArguments& arguments) {
+  try {
+    publishing.Finish();
+  } catch (const OutputError& error) {
+    if (is_complete) throw;
+    Tell(arguments, "warning", error.what());
+  }
+}
+
 /// Until Ctrl-C, unless that has ended the run or nobody wants to look.
 void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRun& run) {
   if (live == nullptr || arguments.view.empty() || run.end == RunEnd::kStopped) return;
@@ -415,8 +426,6 @@ void RunCommand(const RunArguments& arguments) {
   if (partial) MoveMeshes(mesh_files.folder(), folder.staging() / "meshes");
   folder.Commit();
   if (partial) partial->Remove();
-  publishing.Finish();
-
   for (const std::string& warning : run.record.warnings) {
     if (warning != run.message) Tell(arguments, "warning", warning);
   }
@@ -426,6 +435,7 @@ void RunCommand(const RunArguments& arguments) {
     PrintLatency("pose", PoseLatency(run.record.frames));
     PrintLatency("mesh, on keyframes", MeshLatency(run.record.frames));
   }
+  FinishPublishing(publishing, is_complete, arguments);
   KeepShowing(live.get(), arguments, run);
   if (!is_complete) throw RunEndedError(ExitCode(run.end), run.message);
 }

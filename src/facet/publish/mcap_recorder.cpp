@@ -5,6 +5,7 @@ namespace facet {
 
 McapRecorder::McapRecorder(const std::filesystem::path& file)
     : writer_(file, Compression::kZstd, "") {
+  writer_.KeepPartial();
   for (std::size_t i = 0; i < kChannels.size(); ++i) {
     const auto& [topic, schema] = kChannels[i];
     channels_[i] = writer_.AddChannel({std::string(topic),

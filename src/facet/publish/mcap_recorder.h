@@ -10,8 +10,8 @@
 
 namespace facet {
 
-/// Not thread-safe. The file has its name when it is complete, as McapWriter's; before, at most a
-/// second of the run is missing in it.
+/// Not thread-safe. The file has its name when it is complete, as McapWriter's; before, and where
+/// the disk is full, at most a second of the run is missing in FILE.partial.
 class McapRecorder {
  public:
   /// Throws OutputError, as all functions do, when the file cannot be written.

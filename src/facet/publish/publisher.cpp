@@ -103,7 +103,7 @@ void Publisher::Run() {
       Publish(item);
     }
   } catch (...) {
-    failure_ = std::current_exception();  // Finish throws it
+    if (!failure_) failure_ = std::current_exception();
     const std::lock_guard lock(mutex_);
     is_over_ = true;
     items_.clear();
@@ -163,8 +163,15 @@ void Publisher::PublishScene(const VioOutput& output) {
 
 void Publisher::Send(Channel channel, std::string slot, Timestamp t, std::string json) {
   const PublishedMessage message{channel, std::move(slot), t, std::move(json)};
-  for (const MessageSink& sink : sinks_)
-    sink(message);
+  std::erase_if(sinks_, [&](const MessageSink& sink) {
+    try {
+      sink(message);
+      return false;
+    } catch (...) {
+      if (!failure_) failure_ = std::current_exception();  // Finish throws it
+      return true;
+    }
+  });
 }
 
 }  // namespace facet

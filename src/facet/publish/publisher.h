@@ -57,8 +57,8 @@ class Publisher {
   /// Whether the pipeline should be asked for a scene update (VioPipeline::RequestSceneUpdate).
   bool WantsSceneUpdate(Timestamp now);
 
-  /// Waits until everything is published, and ends. Throws what a sink threw, since when nothing
-  /// was published.
+  /// Waits until everything is published, and ends. Throws what a sink threw first: since then it
+  /// has got nothing, the others everything.
   void Finish();
 
   /// Outputs that were left out.
@@ -82,7 +82,7 @@ class Publisher {
   void Send(Channel channel, std::string slot, Timestamp t, std::string json);
 
   const StereoRig rig_;
-  const std::vector<MessageSink> sinks_;
+  std::vector<MessageSink> sinks_;  // the thread's only; without those that have thrown
 
   std::deque<Image> images_;    // caller's thread only
   Timestamp next_image_{};      // the same

@@ -115,21 +115,31 @@ TEST_F(PublisherTest, AsksForTheSceneOnceInASecond) {
   EXPECT_EQ(num_asked, 3);
 }
 
-TEST_F(PublisherTest, WhatASinkThrowsIsToldAtTheEnd) {
-  Publisher publisher(
-      EurocRig(), {}, {[](const PublishedMessage&) { throw OutputError("disk full"); }});
-  publisher.Add(OutputOf(3));
+TEST_F(PublisherTest, WhatASinkThrowsIsToldAtTheEndAndStopsNobodyElse) {
+  int num_tried = 0;
+  Publisher publisher(EurocRig(),
+                      {},
+                      {[&](const PublishedMessage&) {
+                         ++num_tried;
+                         throw OutputError("disk full");
+                       },
+                       [this](const PublishedMessage& m) { got_.push_back(m); }});
+  for (int i = 0; i < 5; ++i)
+    publisher.Add(OutputOf(i));
   EXPECT_THROW(publisher.Finish(), OutputError);
+  EXPECT_EQ(num_tried, 1);
+  EXPECT_EQ(Of(Channel::kState).size(), 5u);
 }
 
-TEST_F(PublisherTest, ARecordingThatEndsEarlyLeavesNoFile) {
+TEST_F(PublisherTest, ARecordingThatEndsEarlyKeepsWhatItHas) {
   TempFolder folder;
   {
     McapRecorder recorder(folder / "run.mcap");
     recorder.Add({Channel::kPose, "", At(0), "{}"});
     EXPECT_TRUE(std::filesystem::exists(folder / "run.mcap.partial"));
   }
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  EXPECT_TRUE(std::filesystem::exists(folder / "run.mcap.partial"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "run.mcap"));
   McapRecorder recorder(folder / "run.mcap");
   for (int i = 0; i < 100; ++i) {
     recorder.Add({Channel::kPose, "", At(i), "{}"});

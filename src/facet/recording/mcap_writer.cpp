@@ -69,6 +69,7 @@ McapWriter::McapWriter(const std::filesystem::path& file,
 McapWriter::~McapWriter() {
   if (is_complete_) return;
   stream_.close();
+  if (keeps_partial_) return;
   std::error_code error;
   std::filesystem::remove(Partial(), error);
 }

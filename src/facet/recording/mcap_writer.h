@@ -36,7 +36,10 @@ class McapWriter {
              const std::string& profile = "ros2");
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
-  ~McapWriter();  ///< removes what is not complete
+  ~McapWriter();  ///< removes what is not complete, unless KeepPartial
+
+  /// A recording that cannot be completed stays as FILE.partial, with all chunks that were written.
+  void KeepPartial() { keeps_partial_ = true; }
 
   /// Returns the number of the channel.
   std::uint16_t AddChannel(const McapChannel& channel);
@@ -82,7 +85,7 @@ class McapWriter {
   std::map<std::uint16_t, std::string> message_indices_;  ///< of the open chunk, by channel
   std::vector<ChunkIndex> chunks_;
   std::map<std::uint16_t, std::uint64_t> counts_;
-  bool is_complete_ = false;
+  bool is_complete_ = false, keeps_partial_ = false;
 };
 
 }  // namespace facet
