@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
+#include <map>
 #include <numbers>
 
 namespace facet {
@@ -23,26 +25,28 @@ UprightPose Interpolate(const MapCorrection& a,
   return T_MW;
 }
 
+// `corrections`: of one segment, at least one.
+SE3 CorrectionOf(const StampedPose& pose, std::span<const MapCorrection> corrections) {
+  const auto after = std::ranges::lower_bound(corrections, pose.t, {}, &MapCorrection::t);
+  if (after == corrections.begin()) return after->T_MW.ToSE3();
+  const MapCorrection& before = *std::prev(after);
+  if (after == corrections.end()) return before.T_MW.ToSE3();
+  const double share = ToSeconds(pose.t - before.t) / ToSeconds(after->t - before.t);
+  return Interpolate(before, *after, share, pose.T_WB).ToSE3();
+}
+
 }  // namespace
 
-std::vector<StampedPose> MoveIntoMap(std::span<const StampedPose> odometry,
+std::vector<StampedPose> MoveIntoMap(std::span<const OdometryPose> odometry,
                                      std::span<const MapCorrection> corrections) {
-  std::vector<StampedPose> moved(odometry.begin(), odometry.end());
-  if (corrections.empty()) return moved;
-  for (StampedPose& pose : moved) {
-    const auto after = std::lower_bound(
-        corrections.begin(), corrections.end(), pose.t, [](const MapCorrection& c, Timestamp t) {
-          return c.t < t;
-        });
-    if (after == corrections.begin()) {
-      pose.T_WB = after->T_MW.ToSE3() * pose.T_WB;
-    } else if (after == corrections.end()) {
-      pose.T_WB = std::prev(after)->T_MW.ToSE3() * pose.T_WB;
-    } else {
-      const MapCorrection& before = *std::prev(after);
-      const double share = ToSeconds(pose.t - before.t) / ToSeconds(after->t - before.t);
-      pose.T_WB = Interpolate(before, *after, share, pose.T_WB).ToSE3() * pose.T_WB;
-    }
+  std::map<int, std::vector<MapCorrection>> by_segment;
+  for (const MapCorrection& correction : corrections)
+    by_segment[correction.segment].push_back(correction);
+  std::vector<StampedPose> moved;
+  for (const auto& [pose, segment] : odometry) {
+    moved.push_back(pose);
+    const auto own = by_segment.find(segment);
+    if (own != by_segment.end()) moved.back().T_WB = CorrectionOf(pose, own->second) * pose.T_WB;
   }
   return moved;
 }

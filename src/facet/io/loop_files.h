@@ -11,10 +11,16 @@
 
 namespace facet {
 
+struct OdometryPose {
+  StampedPose pose;
+  int segment = 0;
+};
+
 /// Poses of the odometry moved into the map as it was corrected at the end: corrections of the
-/// nodes around a pose are interpolated in time; before the first and after the last one they
-/// are those of the nearest.
-std::vector<StampedPose> MoveIntoMap(std::span<const StampedPose> odometry,
+/// nodes around a pose are interpolated in time. Beside the first and the last one of a segment
+/// they are those of the nearest in it, for worlds before and after a loss may be far from each
+/// other; a segment without nodes stays where it is.
+std::vector<StampedPose> MoveIntoMap(std::span<const OdometryPose> odometry,
                                      std::span<const MapCorrection> corrections);
 
 /// closures.csv: a line for each comparison of a keyframe with a place.

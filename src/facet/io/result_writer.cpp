@@ -344,6 +344,14 @@ std::optional<LatencyFigures> MeshLatency(const std::vector<FrameRecord>& frames
   return FiguresOf(all);
 }
 
+std::vector<OdometryPose> OdometryOf(const RunRecord& run) {
+  std::vector<OdometryPose> poses;
+  for (const FrameRecord& f : run.frames) {
+    if (f.has_pose) poses.push_back({{f.t, f.state.T_WB}, f.segment});
+  }
+  return poses;
+}
+
 void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   WriteTum(folder / "trajectory.tum", run.CausalTrajectory());
   WriteTum(folder / "keyframes.tum", run.keyframes);
@@ -355,8 +363,7 @@ void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   if (run.planes) WriteTextFile(folder / "planes.csv", PlanesCsv(*run.planes));
   if (run.loops) {
     WriteTum(folder / "trajectory_map.tum", run.CausalMapTrajectory());
-    WriteTum(folder / "trajectory_final.tum",
-             MoveIntoMap(run.CausalTrajectory(), run.loops->corrections));
+    WriteTum(folder / "trajectory_final.tum", MoveIntoMap(OdometryOf(run), run.loops->corrections));
     WriteTextFile(folder / "closures.csv", ClosuresCsv(run.loops->closures));
   }
   if (run.estimated_calibration)

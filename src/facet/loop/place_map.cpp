@@ -168,7 +168,7 @@ int PlaceMap::NodeOf(const KeyframeView& view) {
   if (!nodes_.empty() && nodes_.back().frame == view.frame) return graph_.num_nodes() - 1;
   const int node = graph_.AddNode(
       view.T_WB.p, nodes_.empty() ? Matrix4d::Identity() : Drift(last_node_view_, view));
-  nodes_.push_back({view.frame, view.t});
+  nodes_.push_back({view.frame, view.t, view.segment});
   last_node_view_ = view;
   last_node_view_.left = cv::Mat();
   last_node_view_.points.clear();
@@ -306,8 +306,13 @@ void PlaceMap::KeepPoints(const KeyframeView& view, PlaceRecord& place) {
 }
 
 void PlaceMap::Refine(const MapSnapshot& snapshot) {
-  for (auto place = places_.rbegin(); place != places_.rend() && !place->landmarks.empty();
-       ++place) {
+  if (snapshot.keyframes.empty()) return;
+  // Keyframes need not leave the window oldest first.
+  const auto is_done = [&](const PlaceRecord& place) {
+    return place.landmarks.empty() && place.t < snapshot.keyframes.front().t;
+  };
+  for (auto place = places_.rbegin(); place != places_.rend() && !is_done(*place); ++place) {
+    if (place->landmarks.empty()) continue;
     const auto keyframe = std::find_if(snapshot.keyframes.begin(),
                                        snapshot.keyframes.end(),
                                        [&](const KeyframePose& k) { return k.id == place->frame; });
@@ -339,7 +344,7 @@ void PlaceMap::Smooth(FrameId frame, const SE3& T_WB) {
 std::vector<MapCorrection> PlaceMap::Corrections() const {
   std::vector<MapCorrection> corrections;
   for (std::size_t i = 0; i < nodes_.size(); ++i)
-    corrections.push_back({nodes_[i].t, graph_.T_MW(static_cast<int>(i))});
+    corrections.push_back({nodes_[i].t, nodes_[i].segment, graph_.T_MW(static_cast<int>(i))});
   return corrections;
 }
 

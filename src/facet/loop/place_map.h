@@ -34,6 +34,7 @@ struct ClosureRecord {
 /// From the odometry's world to the map, at the time of a node.
 struct MapCorrection {
   Timestamp t;
+  int segment = 0;
   UprightPose T_MW;
 };
 
@@ -72,6 +73,7 @@ class PlaceMap {
   struct NodeRecord {
     FrameId frame;
     Timestamp t;
+    int segment = 0;
   };
   struct Pending {
     std::size_t closure = 0;  // index into closures_

@@ -122,17 +122,35 @@ TEST(PlaceMapTest, SmoothedPosesOfUnknownFramesAreIgnored) {
   EXPECT_EQ(flight.map.Corrections().size(), 2U) << "one keyframe a second";
 }
 
-TEST(PlaceMapTest, WhatTheEstimatorLearnsMovesTheNewestPlaces) {
+// Also those that are older than one that has left the window already.
+TEST(PlaceMapTest, WhatTheEstimatorLearnsMovesThePlacesInItsWindow) {
+  constexpr double kUp_m = 0.5;
   const PaintedRoom room(1);
   Flight flight;
-  const KeyframeView view = room.View(0, SmallCamera(), LooksAhead(), TruePose(0), TruePose(0));
-  flight.map.Add(view);
   MapSnapshot snapshot;
-  snapshot.keyframes = {{view.frame, view.t, SE3(TruePose(0).q, Vector3d(9, 9, 9))}};
+  for (int i = 0; i < kPerLap; ++i) {
+    const KeyframeView view = room.View(i, SmallCamera(), LooksAhead(), TruePose(i), TruePose(i));
+    flight.map.Add(view);
+    SE3 learnt = TruePose(i);
+    learnt.p.z() += kUp_m;
+    snapshot.keyframes.push_back({view.frame, view.t, learnt});
+  }
+  snapshot.keyframes.pop_back();
+  snapshot.keyframes.pop_back();
   flight.map.Refine(snapshot);
-  snapshot.keyframes.clear();
-  flight.map.Refine(snapshot);  // it has left the window
-  EXPECT_EQ(flight.map.num_places(), 1);
+  snapshot.keyframes.erase(snapshot.keyframes.begin() + kPerLap / 2);
+  flight.map.Refine(snapshot);
+  for (int i = kPerLap; i < 2 * kPerLap; ++i)
+    flight.map.Add(room.View(i, SmallCamera(), LooksAhead(), TruePose(i), TruePose(i)));
+  int num_moved = 0;
+  for (const ClosureRecord& closure : flight.map.Closures()) {
+    const auto place = static_cast<int>(closure.t_place.ns / 500'000'000);
+    const bool is_of_second_lap = closure.t.ns >= kPerLap * 500'000'000LL;
+    if (!is_of_second_lap || closure.verdict != kClosureAccepted || place > kPerLap - 4) continue;
+    EXPECT_NEAR(closure.T_WplaceWquery.p.z(), kUp_m, 0.02) << place;
+    ++num_moved;
+  }
+  EXPECT_GT(num_moved, 5);
 }
 
 TEST(PlaceMapTest, KeyframesWithoutAnImageOrPointsAreNotKept) {
