@@ -30,9 +30,12 @@ class Vio {
   const std::vector<std::string>& Notices() const { return odometry_.Notices(); }
 
   void OnPose(const py::object& observer) {
-    observer_ = observer;
     const bool is_wanted = !observer.is_none();
     Alone([&] {
+      {
+        const py::gil_scoped_acquire acquire;
+        observer_ = observer;
+      }
       if (!is_wanted) return odometry_.OnPose(nullptr);
       odometry_.OnPose([this](const api::State& state) { Tell(state); });
     });
@@ -51,16 +54,18 @@ class Vio {
     });
   }
 
-  api::State AddStereo(std::int64_t t_ns,
+  api::State AddStereo(const py::object& stamp,
                        const py::object& left,
                        const py::object& right,
                        bool copy) {
+    const auto t_ns = Stamps(stamp, "t_ns");
+    if (t_ns.ndim() > 0) throw py::value_error("t_ns: one stamp");
     const api::Image l = images_.Keep(left, left_.width, left_.height, copy, "left");
     const api::Image r = images_.Keep(right, right_.width, right_.height, copy, "right");
     api::State state;
     std::exception_ptr problem;
     Alone([&] {
-      state = odometry_.AddStereo(t_ns, l, r);
+      state = odometry_.AddStereo(*t_ns.data(), l, r);
       problem = std::exchange(problem_, nullptr);
     });
     images_.Drop();
@@ -89,6 +94,20 @@ class Vio {
   double seconds_inside() const { return seconds_inside_.load(); }
 
  private:
+  /// Also where what is done throws.
+  class Busy {
+   public:
+    explicit Busy(std::atomic<std::thread::id>& thread) : thread_(thread) {
+      thread_ = std::this_thread::get_id();
+    }
+    Busy(const Busy&) = delete;
+    Busy& operator=(const Busy&) = delete;
+    ~Busy() { thread_ = std::thread::id(); }
+
+   private:
+    std::atomic<std::thread::id>& thread_;
+  };
+
   /// Calls `work` without the interpreter's lock, and alone.
   template <class Work>
   void Alone(const Work& work) {
@@ -96,11 +115,10 @@ class Vio {
       throw api::Error("on_pose may not call the Vio that calls it; keep what you need for later");
     const py::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
-    busy_thread_ = std::this_thread::get_id();
+    const Busy busy(busy_thread_);
     const Clock::time_point start = Clock::now();
     work();
     seconds_inside_ = seconds_inside_ + std::chrono::duration<double>(Clock::now() - start).count();
-    busy_thread_ = std::thread::id();
   }
 
   /// What the observer raises is kept until the interpreter can raise it.
