@@ -22,6 +22,10 @@ void CatchInterrupts() {
   if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
 
+void Interrupt() {
+  interrupted = 1;
+}
+
 bool WasInterrupted() {
   return interrupted != 0;
 }

@@ -8,6 +8,9 @@ namespace facet {
 /// the program. A SIGHUP that was ignored (nohup) stays so.
 void CatchInterrupts();
 
+/// As if one of the signals had come.
+void Interrupt();
+
 /// Whether one came since then.
 bool WasInterrupted();
 

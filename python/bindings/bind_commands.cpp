@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Commands of the program `facet` within the interpreter's process.
+#include <array>
+#include <atomic>
 #include <csignal>
 #include <exception>
 
 #include "bindings.h"
+#include "interrupts.h"
 #include "load_options.h"
 #include "run.h"
 #include <opencv2/core.hpp>
@@ -23,10 +26,12 @@ namespace facet::python {
 namespace {
 
 /// What a command changes for the whole process is as before afterwards: it catches Ctrl-C to end
-/// in good order, and computes on one thread.
+/// in good order, and computes on one thread. There is one of them at a time.
 class ProcessState {
  public:
   ProcessState() {
+    if (is_in_use.exchange(true))
+      throw ConfigError("one command at a time: another thread runs one (use processes)");
     for (std::size_t i = 0; i < kSignals.size(); ++i)
       sigaction(kSignals[i], nullptr, &actions_[i]);
     cv::setNumThreads(1);
@@ -37,9 +42,11 @@ class ProcessState {
     cv::setNumThreads(num_threads_);
     for (std::size_t i = 0; i < kSignals.size(); ++i)
       sigaction(kSignals[i], &actions_[i], nullptr);
+    is_in_use = false;
   }
 
  private:
+  static inline std::atomic<bool> is_in_use = false;
   static constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
   std::array<struct sigaction, 3> actions_{};
   int num_threads_ = cv::getNumThreads();
@@ -58,7 +65,7 @@ class ProgressCall {
       function_(done, total);
     } catch (...) {
       problem_ = std::current_exception();
-      std::raise(SIGINT);  // the command ends as it does for Ctrl-C
+      Interrupt();  // the command ends as it does for Ctrl-C
     }
   }
   void RethrowProblem() const {

@@ -41,6 +41,17 @@ def test_progress_is_told_and_may_stop(sequence, tmp_path, frames):
     assert facet.Result(tmp_path / "part").summary["frames"] == 20
 
 
+def test_one_command_at_a_time(sequence, tmp_path):
+    def run_another(done, total):
+        facet.run(sequence, tmp_path / "inner", pipeline="S")
+
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(facet.Error, match="one command at a time"):
+        facet.run(sequence, tmp_path / "outer", pipeline="S", progress=run_another)
+    assert signal.getsignal(signal.SIGINT) is before
+    facet.run(sequence, tmp_path / "after", mesh={"enabled": False}, pipeline="S")
+
+
 def test_control_c_ends_in_good_order(sequence, tmp_path):
     handler = signal.getsignal(signal.SIGINT)
 

@@ -211,7 +211,14 @@ def test_what_an_observer_raises_is_raised(vio, frames):
     vio.on_pose(lambda state: vio.mesh())
     with pytest.raises(facet.Error, match="on_pose may not call"):
         vio.add_stereo(frames[1].t_ns, frames[1].left, frames[1].right)
+    vio.on_pose(lambda state: vio.on_pose(None))
+    for _ in range(2):  # what was refused has changed nothing
+        with pytest.raises(facet.Error, match="on_pose may not call"):
+            vio.add_stereo(frames[1].t_ns, frames[1].left, frames[1].right)
     vio.on_pose(None)
+    for stamp in (1.5, np.float32(2), np.array([2.7])):
+        with pytest.raises(TypeError, match="stamps are integers"):
+            vio.add_stereo(stamp, None, None)
     assert vio.add_stereo(frames[2].t_ns, None, None).t_ns == frames[2].t_ns
 
 

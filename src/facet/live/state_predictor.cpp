@@ -149,26 +149,34 @@ void StatePredictor::AddFrame(const CausalState& state,
   next_.Begin(state, recent_samples_, model);
   const std::lock_guard lock(mutex_);
   next_.Follow(imu_.samples());
-  correction_ = {next_.newest().sample.t, OffsetAfter(next_, segment)};
+  KeepCorrection(next_, segment);
   segment_ = segment;
   frame_t_ = state.x.t;
   std::swap(trail_, next_);
 }
 
-// The share of the correction that is still to come falls evenly to zero.
+// The share of each correction that is still to come falls evenly to zero. Corrections are small,
+// so that their sum is the one after the other.
 Vector<9> StatePredictor::OffsetAt(Timestamp t) const {
-  if (!(options_.smoothing_s > 0)) return Vector<9>::Zero();
-  const double left = 1 - ToSeconds(t - correction_.t) / options_.smoothing_s;
-  return std::clamp(left, 0.0, 1.0) * correction_.offset;
+  Vector<9> offset = Vector<9>::Zero();
+  for (const Correction& correction : corrections_) {
+    const double left = 1 - ToSeconds(t - correction.t) / options_.smoothing_s;
+    offset += std::clamp(left, 0.0, 1.0) * correction.offset;
+  }
+  return offset;
 }
 
-// Where the output was until now, as seen from the new states.
-Vector<9> StatePredictor::OffsetAfter(const ImuTrail& next, int segment) const {
-  if (!(options_.smoothing_s > 0) || trail_.empty() || segment != segment_)
-    return Vector<9>::Zero();
-  const ImuTrail::Entry& old = trail_.newest();
-  if (old.sample.t != next.newest().sample.t) return Vector<9>::Zero();
-  return Difference(Moved(old.state.x, OffsetAt(old.sample.t)), next.newest().state.x);
+void StatePredictor::KeepCorrection(const ImuTrail& next, int segment) {
+  if (segment != segment_) corrections_.clear();
+  if (!(options_.smoothing_s > 0) || trail_.empty() || segment != segment_) return;
+  const ImuTrail::Entry& now = next.newest();
+  const Duration fade = FromSeconds(options_.smoothing_s);
+  std::erase_if(corrections_, [&](const Correction& c) { return now.sample.t - c.t >= fade; });
+  // The frame may be newer than the newest sample.
+  ImuTrail::Entry old = trail_.newest();
+  if (old.sample.t > now.sample.t) return;
+  Advance(old.sample, Between(old.sample, old.sample, now.sample.t), trail_.model(), old.state);
+  corrections_.push_back({now.sample.t, Difference(old.state.x, now.state.x)});
 }
 
 std::optional<PredictedState> StatePredictor::PredictAt(Timestamp t) const {

@@ -79,14 +79,16 @@ class StatePredictor {
   std::optional<Timestamp> newest_imu() const;
 
  private:
-  /// How far the output is from the estimate, and since when.
+  /// What a frame has changed, and when.
   struct Correction {
     Timestamp t;
-    Vector<9> offset = Vector<9>::Zero();  ///< output (-) estimate: theta p v
+    Vector<9> offset;  ///< estimate before (-) estimate since: theta p v
   };
 
+  /// What is held back of all corrections: output (-) estimate.
   Vector<9> OffsetAt(Timestamp t) const;
-  Vector<9> OffsetAfter(const ImuTrail& next, int segment) const;
+  /// `next` takes the place of the trail.
+  void KeepCorrection(const ImuTrail& next, int segment);
 
   const ImuParameters parameters_;
   const BiasWalk walk_;
@@ -101,8 +103,8 @@ class StatePredictor {
   mutable std::mutex mutex_;  ///< of all that follows
   ImuBuffer imu_;
   ImuTrail trail_;
-  Timestamp frame_t_;  ///< of the state in use
-  Correction correction_;
+  Timestamp frame_t_;                    ///< of the state in use
+  std::vector<Correction> corrections_;  ///< that are not through yet, oldest first
   TrackingStatus status_ = TrackingStatus::kInitialising;
   int segment_ = 0;
 };

@@ -182,6 +182,39 @@ TEST_F(StatePredictorTest, SmoothingSpreadsTheCorrectionAndTellsWhatIsLeft) {
   }
 }
 
+// Each correction has its own time, however many frames come meanwhile.
+TEST_F(StatePredictorTest, FramesInBetweenDoNotHoldACorrectionBack) {
+  PredictionOptions options;
+  options.smoothing_s = 0.1;
+  Reset(options);
+  AddImuUntil(At(0.3));
+  AddFrame(At(0.2), Vector3d(0.1, 0, 0));
+  AddFrame(At(0.25));
+  for (const double since : {0.02, 0.04, 0.06, 0.08, 0.1, 0.12}) {
+    const Timestamp t = At(0.3 + since);
+    AddImuUntil(t);
+    AddFrame(At(0.25 + since));
+    const auto state = predictor_->PredictAt(t);
+    ASSERT_TRUE(state);
+    const double left_m = 0.1 * std::max(0.0, 1 - since / options.smoothing_s);
+    EXPECT_NEAR(state->held_back[3], -left_m, 2e-4) << since;
+  }
+}
+
+TEST_F(StatePredictorTest, AFrameThatIsNewerThanTheImuDoesNotJumpEither) {
+  PredictionOptions options;
+  options.smoothing_s = 0.1;
+  Reset(options);
+  AddImuUntil(At(0.3));
+  AddFrame(At(0.2), Vector3d(0.1, 0, 0));
+  const auto before = predictor_->PredictAt(At(0.31));
+  AddFrame(At(0.31));
+  const auto after = predictor_->PredictAt(At(0.31));
+  ASSERT_TRUE(before && after);
+  EXPECT_LT((before->T_WF.p - after->T_WF.p).norm(), 1e-9);
+  EXPECT_NEAR(after->held_back[3], -0.1, 1e-3);
+}
+
 TEST_F(StatePredictorTest, ABreakIsNotSmoothed) {
   PredictionOptions options;
   options.smoothing_s = 0.1;
