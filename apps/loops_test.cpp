@@ -47,6 +47,8 @@ TEST_F(LoopsTest, PlacesAreRecognisedAndTheOdometryStaysTheSame) {
     EXPECT_FALSE(text.empty()) << file;
     EXPECT_TRUE(text == Read(std::string("threads") + file)) << file;
   }
+  EXPECT_FALSE(Read("with/trajectory_map.tum") == Read("with/trajectory.tum")) << "nothing moved";
+  EXPECT_FALSE(Read("with/trajectory_final.tum") == Read("with/trajectory_map.tum"));
   const auto summary = nlohmann::json::parse(Read("with/summary.json"));
   EXPECT_GT(summary["loops"]["places"], 5);
   EXPECT_GT(summary["loops"]["closures"], 3) << Read("with/closures.csv");
