@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/window/frame_observations.h"
 
-#include <cmath>
 #include <optional>
 
 #include <Eigen/LU>
@@ -10,8 +9,10 @@ namespace facet {
 
 namespace {
 
+// Beyond these a weight times its sigma is not a number any more, long before that it is no weight.
 bool IsUsable(double sigma_px) {
-  return sigma_px > 0 && std::isfinite(sigma_px);
+  constexpr double kLeast_px = 1e-6, kLargest_px = 1e6;
+  return sigma_px >= kLeast_px && sigma_px <= kLargest_px;
 }
 
 void SetCamera(int camera,

@@ -52,7 +52,11 @@ TEST(FrameObservationsTest, WhatHasNoUsablePixelOrSigmaIsPassedOver) {
   FeatureObservation no_sigma = Feature(1, 400, 200), not_a_sigma = no_sigma;
   no_sigma.sigma_left_px = 0;
   not_a_sigma.sigma_left_px = kNan;
-  EXPECT_TRUE(Prepare({no_sigma, not_a_sigma, Feature(2, kNan, 100)}).empty());
+  FeatureObservation absurd = no_sigma, next_to_zero = no_sigma;
+  absurd.sigma_left_px = 1e306;
+  next_to_zero.sigma_left_px = 1e-310;
+  EXPECT_TRUE(
+      Prepare({no_sigma, not_a_sigma, absurd, next_to_zero, Feature(2, kNan, 100)}).empty());
   FeatureObservation left_only = Feature(3, 400, 200);
   left_only.px_right = Vector2d(380, 201);
   left_only.sigma_right_px = -1;
