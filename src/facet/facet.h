@@ -256,8 +256,12 @@ class LiveOdometry {
 
   Counts counts() const;
 
-  /// Waits for the pairs that have come, and ends.
+  /// Waits for the pairs that have come, and ends. Throws what `on_pose` threw.
   void Finish();
+
+  /// As Odometry::Map and Odometry::Planes, of the whole run; empty before Finish.
+  Mesh Map() const;
+  std::vector<Plane> Planes() const;
 
  private:
   struct Impl;

@@ -138,7 +138,6 @@ TEST_F(FacadeTest, TheWallIsAMeshAndThePoseComesFirst) {
 
 TEST_F(FacadeTest, LiveOdometryPredictsBetweenPairs) {
   api::LiveOdometry::Options options;
-  options.overrides = {"mesh.map.enabled=false"};
   options.max_waiting_pairs = 100;
   options.T_BF.p = {0.5, 0, 0};
   options.world = api::LiveOdometry::World::kNed;
@@ -154,7 +153,10 @@ TEST_F(FacadeTest, LiveOdometryPredictsBetweenPairs) {
     odometry.AddStereo(t_ns, {left.data(), kWidth, kHeight}, {right.data(), kWidth, kHeight});
     std::fill(left.begin(), left.end(), std::uint8_t{0});
   }
+  EXPECT_TRUE(odometry.Map().faces.empty()) << "not before the end";
   odometry.Finish();
+  odometry.Finish();
+  EXPECT_GT(odometry.Map().faces.size(), 20u);
   EXPECT_GT(num_poses, 20);
   EXPECT_EQ(odometry.counts().done_pairs, 40);
   EXPECT_EQ(odometry.counts().dropped_pairs + odometry.counts().dropped_imu, 0);

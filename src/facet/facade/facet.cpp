@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "facet/calibration/calibration_vector.h"
@@ -325,17 +326,28 @@ Mesh Odometry::HorizonMesh() const {
   return impl_->mesh ? Plain(impl_->mesh->mesh) : Mesh();
 }
 
-Mesh Odometry::Map() const {
-  const RunResult result = impl_->pipeline.Result();
+namespace {
+
+Mesh MapOf(const RunResult& result) {
   return result.map ? Plain(*result.map) : Mesh();
 }
 
-std::vector<Plane> Odometry::Planes() const {
+std::vector<Plane> PlanesOf(const RunResult& result) {
   std::vector<Plane> planes;
-  const RunResult result = impl_->pipeline.Result();
-  for (const PlaneRecord& record : result.planes.value_or(std::vector<PlaneRecord>()))
+  if (!result.planes) return planes;
+  for (const PlaneRecord& record : *result.planes)
     planes.push_back(Plain(record));
   return planes;
+}
+
+}  // namespace
+
+Mesh Odometry::Map() const {
+  return MapOf(impl_->pipeline.Result());
+}
+
+std::vector<Plane> Odometry::Planes() const {
+  return PlanesOf(impl_->pipeline.Result());
 }
 
 struct LiveOdometry::Impl {
@@ -375,7 +387,9 @@ struct LiveOdometry::Impl {
   std::vector<std::string> notices;
   mutable std::mutex mesh_mutex;
   std::shared_ptr<const MeshSnapshot> mesh;
-  LiveVio vio;  // last: its threads use the others
+  mutable std::mutex finish_mutex;
+  std::optional<RunResult> result;  // of Finish
+  LiveVio vio;                      // last: its threads use the others
 };
 
 LiveOdometry::LiveOdometry(const Calibration& calibration,
@@ -436,7 +450,18 @@ LiveOdometry::Counts LiveOdometry::counts() const {
 }
 
 void LiveOdometry::Finish() {
-  impl_->vio.Finish();
+  const std::lock_guard lock(impl_->finish_mutex);
+  if (!impl_->result) impl_->result = impl_->vio.Finish();
+}
+
+Mesh LiveOdometry::Map() const {
+  const std::lock_guard lock(impl_->finish_mutex);
+  return impl_->result ? MapOf(*impl_->result) : Mesh();
+}
+
+std::vector<Plane> LiveOdometry::Planes() const {
+  const std::lock_guard lock(impl_->finish_mutex);
+  return impl_->result ? PlanesOf(*impl_->result) : std::vector<Plane>();
 }
 
 const char* Version() {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "facet/base/median.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 
@@ -78,9 +79,22 @@ bool PlaceMap::IsWanted(Timestamp t) const {
   return !last_query_ || ToSeconds(t - *last_query_) >= options_.query_interval_s - 1e-3;
 }
 
+// Where the last keyframe was recognised from nearly the same pose everything has been said.
+bool PlaceMap::Hovers(const KeyframeView& view) const {
+  constexpr double kMoved_m = 0.1, kTurned_rad = 0.05, kLongest_s = 5;
+  if (!is_known_well_ || view.segment != last_query_segment_) return false;
+  if (closures_.empty() || closures_.back().t != *last_query_) return false;
+  if (closures_.back().verdict != kClosureAccepted) return false;
+  if (ToSeconds(view.t - *last_query_) > kLongest_s) return false;
+  const SE3 moved = last_query_T_WB_.Inverse() * view.T_WB;
+  return moved.p.norm() < kMoved_m && LogSO3(moved.q).norm() < kTurned_rad;
+}
+
 void PlaceMap::Add(const KeyframeView& view) {
-  if (!IsWanted(view.t) || view.left.empty()) return;
+  if (!IsWanted(view.t) || view.left.empty() || Hovers(view)) return;
   last_query_ = view.t;
+  last_query_T_WB_ = view.T_WB;
+  last_query_segment_ = view.segment;
   is_known_well_ = false;
   pyramid_.Build(view.left, 2);
   const std::vector<int> candidates = Candidates(view);
@@ -362,7 +376,8 @@ std::size_t PlaceMap::memory_bytes() const {
   std::size_t bytes = 0;
   for (const PlaceRecord& place : places_)
     bytes += sizeof(PlaceRecord) + place.points.capacity() * sizeof(RecordPoint);
-  return bytes;
+  bytes += nodes_.capacity() * sizeof(NodeRecord) + closures_.capacity() * sizeof(ClosureRecord);
+  return bytes + graph_.edges().capacity() * sizeof(GraphEdge);
 }
 
 }  // namespace facet

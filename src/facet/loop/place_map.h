@@ -86,6 +86,7 @@ class PlaceMap {
     Timestamp t;
   };
 
+  bool Hovers(const KeyframeView& view) const;
   std::vector<int> Candidates(const KeyframeView& view) const;
   double SeenShare(const PlaceRecord& place, const SE3& T_CW_place, const SE3& T_WC) const;
   ClosurePrediction Predict(const PlaceRecord& place, const KeyframeView& view) const;
@@ -109,6 +110,8 @@ class PlaceMap {
   std::vector<ClosureRecord> closures_;
   UprightPose T_MW_;
   std::optional<Timestamp> last_query_, last_kept_;
+  SE3 last_query_T_WB_;
+  int last_query_segment_ = 0;
   KeyframeView last_node_view_;  // without image and points
   PlaceQuery query_;
   ImagePyramid pyramid_;        // of the keyframe at hand

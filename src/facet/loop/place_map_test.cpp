@@ -153,6 +153,24 @@ TEST(PlaceMapTest, WhatTheEstimatorLearnsMovesThePlacesInItsWindow) {
   EXPECT_GT(num_moved, 5);
 }
 
+// An hour over a known place is not an hour of closures.
+TEST(PlaceMapTest, HoveringOverAKnownPlaceCostsLittle) {
+  const PaintedRoom room(1);
+  Flight flight;
+  flight.Fly(room, 0, kPerLap + 6);
+  const std::size_t before = flight.map.Closures().size();
+  for (int i = 0; i < 120; ++i) {  // a minute
+    flight.map.Add(room.View(kPerLap + 6 + i,
+                             SmallCamera(),
+                             LooksAhead(),
+                             TruePose(6),
+                             Drift(kPerLap + 6).ToSE3() * TruePose(6)));
+  }
+  const std::size_t num_more = flight.map.Closures().size() - before;
+  EXPECT_LE(num_more, 60U);
+  EXPECT_GE(num_more, 10U) << "it is still looked at";
+}
+
 TEST(PlaceMapTest, KeyframesWithoutAnImageOrPointsAreNotKept) {
   Flight flight;
   KeyframeView view = PaintedRoom(1).View(0, SmallCamera(), LooksAhead(), SE3(), SE3());
