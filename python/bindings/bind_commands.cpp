@@ -77,22 +77,24 @@ class ProgressCall {
   std::exception_ptr problem_;
 };
 
-std::vector<std::string> Run(const std::string& sequence,
-                             const std::string& out,
-                             const std::string& config,
-                             const std::vector<std::string>& overrides,
-                             const std::string& calibration,
-                             const std::string& imu_calibration,
-                             const std::vector<std::string>& topics,
-                             double start_s,
-                             double duration_s,
-                             double imu_history_s,
-                             int threads,
-                             int mesh_every,
-                             const std::string& mesh_format,
-                             const py::object& progress) {
+/// Notes and warnings are appended to `messages`, also where it throws.
+void Run(const std::string& sequence,
+         const std::string& out,
+         const std::string& config,
+         const std::vector<std::string>& overrides,
+         const std::string& calibration,
+         const std::string& imu_calibration,
+         const std::vector<std::string>& topics,
+         double start_s,
+         double duration_s,
+         double imu_history_s,
+         int threads,
+         int mesh_every,
+         const std::string& mesh_format,
+         const py::object& progress,
+         py::list messages) {
   ProgressCall progress_call(progress);
-  std::vector<std::string> messages;
+  std::vector<std::string> texts;
   RunArguments a;
   a.sequence = sequence;
   a.out = out;
@@ -108,7 +110,7 @@ std::vector<std::string> Run(const std::string& sequence,
   a.mesh_every = mesh_every;
   a.mesh_format = mesh_format;
   a.quiet = true;
-  a.on_message = [&](const std::string& text) { messages.push_back(text); };
+  a.on_message = [&](const std::string& text) { texts.push_back(text); };
   if (progress_call.is_wanted()) a.on_frame = std::ref(progress_call);
   std::exception_ptr problem;
   {
@@ -120,9 +122,10 @@ std::vector<std::string> Run(const std::string& sequence,
       problem = std::current_exception();
     }
   }
+  for (const std::string& text : texts)
+    messages.append(text);
   progress_call.RethrowProblem();
   if (problem) std::rethrow_exception(problem);
-  return messages;
 }
 
 #ifdef FACET_HAS_SIMULATOR
@@ -221,7 +224,8 @@ void BindCommands(py::module_& module) {
              py::arg("threads"),
              py::arg("mesh_every"),
              py::arg("mesh_format"),
-             py::arg("progress"));
+             py::arg("progress"),
+             py::arg("messages"));
   module.def("config_text", &ConfigText, py::arg("config"), py::arg("overrides"), py::arg("all"));
   BindSimulate(module);
 }

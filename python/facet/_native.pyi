@@ -220,7 +220,8 @@ def run(
     mesh_every: int,
     mesh_format: str,
     progress: Optional[Callable[[int, int], Any]],
-) -> list[str]: ...
+    messages: list[str],
+) -> None: ...
 def config_text(config: str, overrides: Sequence[str], all: bool) -> str: ...
 def simulate(
     out: str,

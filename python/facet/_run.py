@@ -148,15 +148,17 @@ def run(
         raise ValueError(f"mesh_every: at least 0 is expected, not {mesh_every}")
     if mesh_format not in ("ply", "glb"):
         raise ValueError(f"mesh_format: ply or glb is expected, not {mesh_format}")
+    messages = []
     try:
-        messages = _native.run(path_text(recording), path_text(out), path_text(config), overrides(parameters),
-                               path_text(calibration), path_text(imu_calibration), topic_texts(topics), start_s,
-                               duration_s, imu_history_s, threads, mesh_every, mesh_format, progress)
+        _native.run(path_text(recording), path_text(out), path_text(config), overrides(parameters),
+                    path_text(calibration), path_text(imu_calibration), topic_texts(topics), start_s,
+                    duration_s, imu_history_s, threads, mesh_every, mesh_format, progress, messages)
     except _native.RunEnded as ended:
         if ended.exit_code == INTERRUPTED:
             raise KeyboardInterrupt(str(ended)) from ended
         ended.result = Result(out)
         raise
-    for message in messages:
-        warnings.warn(message, stacklevel=2)
+    finally:  # they are wanted most where a run ends early
+        for message in messages:
+            warnings.warn(message, stacklevel=2)
     return Result(out)
