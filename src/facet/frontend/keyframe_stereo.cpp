@@ -10,8 +10,8 @@ namespace facet {
 
 namespace {
 
-// A right camera that is turned about its axis of view keeps some matches inside the gate: those of
-// the middle of the image, and most of them near its edges.
+// A right camera that is turned about its axis of view keeps matches inside the gate: those of the
+// middle of the image, and many of them near the gate's edges.
 constexpr double kNearShareOfGate = 0.5;
 // To learn how far the right camera is turned: 0.6 deg with EuRoC's lens.
 constexpr double kWideGate_px = 5;
