@@ -10,8 +10,8 @@ namespace {
 
 // Medians of fewer tracks are those of one thing.
 constexpr int kLeastTracks = 25;
-// In ten recordings and simulated flights, fast ones and ones with drawn calibrations among them,
-// the shift of a keyframe is at most 0.25 px away from what is usual, and its spread 0.45 px.
+// Beyond what keyframes of recordings, fast flights and drawn calibrations have; a knock of a tenth
+// of a degree is more (docs/notebook/faults.md).
 constexpr double kLargestChange_px = 0.7;
 constexpr double kLargestSpread_px = 0.6;
 constexpr double kAdaptation = 0.1;  // of the usual shift, per keyframe

@@ -26,7 +26,7 @@ constexpr int kNumSteps = 5;
 // Careful calibrations drawn at random leave up to 0.5 px, usually 0.2 px.
 constexpr double kLeastBefore_px = 0.55, kLargestShareAfter = 0.5;
 // A turn leaves what the calibration had before it; right images of another moment, which some turn
-// explains in part, leave 0.9 px.
+// explains in part, leave more.
 constexpr double kLargestAfter_px = 0.5;
 constexpr int kMinMatches = 60;
 

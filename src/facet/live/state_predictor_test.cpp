@@ -42,10 +42,20 @@ struct Motion {
   }
 };
 
+constexpr double kSmoothing_s = 0.1;
+
 class StatePredictorTest : public ::testing::Test {
  protected:
   StatePredictorTest() { Reset({}); }
 
+  /// Samples until 0.3 s, and a frame of 0.2 s that is off.
+  void BeginSmoothed(const Vector3d& off_m) {
+    PredictionOptions options;
+    options.smoothing_s = kSmoothing_s;
+    Reset(options);
+    AddImuUntil(At(0.3));
+    AddFrame(At(0.2), off_m);
+  }
   void Reset(const PredictionOptions& options) {
     predictor_.emplace(ImuNoise{}, ImuOptions{}, options);
     next_imu_ = kBegin;
@@ -159,11 +169,7 @@ TEST_F(StatePredictorTest, WithoutSmoothingAFrameCorrectsAtOnce) {
 }
 
 TEST_F(StatePredictorTest, SmoothingSpreadsTheCorrectionAndTellsWhatIsLeft) {
-  PredictionOptions options;
-  options.smoothing_s = 0.1;
-  Reset(options);
-  AddImuUntil(At(0.3));
-  AddFrame(At(0.2), Vector3d(0.1, 0, 0));
+  BeginSmoothed(Vector3d(0.1, 0, 0));
   const auto before = predictor_->PredictAt(At(0.3));
   AddFrame(At(0.25));
   const auto after = predictor_->PredictAt(At(0.3));
@@ -174,7 +180,7 @@ TEST_F(StatePredictorTest, SmoothingSpreadsTheCorrectionAndTellsWhatIsLeft) {
     AddImuUntil(t);
     const auto state = predictor_->PredictAt(t);
     ASSERT_TRUE(state);
-    const double left_m = 0.1 * std::max(0.0, 1 - since / options.smoothing_s);
+    const double left_m = 0.1 * std::max(0.0, 1 - since / kSmoothing_s);
     EXPECT_NEAR((state->T_WF.p - Motion::State(t).T_WB.p).x(), left_m, 1e-4) << since;
     EXPECT_NEAR(state->held_back[3], -left_m, 1e-4) << since;
     const Vector3d estimate = state->T_WF.p + state->held_back.segment<3>(3);
@@ -184,11 +190,7 @@ TEST_F(StatePredictorTest, SmoothingSpreadsTheCorrectionAndTellsWhatIsLeft) {
 
 // Each correction has its own time, however many frames come meanwhile.
 TEST_F(StatePredictorTest, FramesInBetweenDoNotHoldACorrectionBack) {
-  PredictionOptions options;
-  options.smoothing_s = 0.1;
-  Reset(options);
-  AddImuUntil(At(0.3));
-  AddFrame(At(0.2), Vector3d(0.1, 0, 0));
+  BeginSmoothed(Vector3d(0.1, 0, 0));
   AddFrame(At(0.25));
   for (const double since : {0.02, 0.04, 0.06, 0.08, 0.1, 0.12}) {
     const Timestamp t = At(0.3 + since);
@@ -196,17 +198,13 @@ TEST_F(StatePredictorTest, FramesInBetweenDoNotHoldACorrectionBack) {
     AddFrame(At(0.25 + since));
     const auto state = predictor_->PredictAt(t);
     ASSERT_TRUE(state);
-    const double left_m = 0.1 * std::max(0.0, 1 - since / options.smoothing_s);
+    const double left_m = 0.1 * std::max(0.0, 1 - since / kSmoothing_s);
     EXPECT_NEAR(state->held_back[3], -left_m, 2e-4) << since;
   }
 }
 
 TEST_F(StatePredictorTest, AFrameThatIsNewerThanTheImuDoesNotJumpEither) {
-  PredictionOptions options;
-  options.smoothing_s = 0.1;
-  Reset(options);
-  AddImuUntil(At(0.3));
-  AddFrame(At(0.2), Vector3d(0.1, 0, 0));
+  BeginSmoothed(Vector3d(0.1, 0, 0));
   const auto before = predictor_->PredictAt(At(0.31));
   AddFrame(At(0.31));
   const auto after = predictor_->PredictAt(At(0.31));
@@ -216,11 +214,7 @@ TEST_F(StatePredictorTest, AFrameThatIsNewerThanTheImuDoesNotJumpEither) {
 }
 
 TEST_F(StatePredictorTest, ABreakIsNotSmoothed) {
-  PredictionOptions options;
-  options.smoothing_s = 0.1;
-  Reset(options);
-  AddImuUntil(At(0.3));
-  AddFrame(At(0.2), Vector3d(5, 0, 0));
+  BeginSmoothed(Vector3d(5, 0, 0));
   AddFrame(At(0.25), Vector3d::Zero(), 1);
   const auto state = predictor_->PredictAt(At(0.3));
   EXPECT_EQ(state->segment, 1);
