@@ -61,13 +61,27 @@ struct Normalised {
 /// Plane errors, squared and normalised, per degree of freedom.
 struct NormalisedPlanes {
   double normal = 0, offset = 0;
+  double offset_square = 0, offset_sigma2 = 0;  ///< m^2
   int count = 0;
 
   void Add(const PlaneError& plane) {
     const Vector2d slope = plane.error.head<2>();
     normal += slope.dot(plane.covariance.topLeftCorner<2, 2>().inverse() * slope) / 2;
     offset += plane.error.z() * plane.error.z() / plane.covariance(2, 2);
+    offset_square += plane.error.z() * plane.error.z();
+    offset_sigma2 += plane.covariance(2, 2);
     ++count;
+  }
+
+  void Print(const char* name) const {
+    std::printf(
+        "  %-10s planes: NEES of the normal %.2f, of the offset %.2f   offset error %.1f mm, "
+        "1-sigma %.1f mm\n",
+        name,
+        normal / count,
+        offset / count,
+        1000 * std::sqrt(offset_square / count),
+        1000 * std::sqrt(offset_sigma2 / count));
   }
 };
 
@@ -127,6 +141,7 @@ void Study(const Scenario& scenario,
   std::vector<Normalised> minutes(
       static_cast<std::size_t>(std::ceil(scenario.duration_s / kMinute)));
   Normalised all;
+  std::vector<NormalisedPlanes> plane_minutes(minutes.size());
   NormalisedPlanes all_planes;
   int num_resets = 0;
   for (int i = 0; i < options.num_seeds; ++i) {
@@ -142,8 +157,10 @@ void Study(const Scenario& scenario,
       minutes[static_cast<std::size_t>(frame.elapsed_s / kMinute)].Add(frame);
       all.Add(frame);
     }
-    for (const PlaneError& plane : result.planes)
+    for (const PlaneError& plane : result.planes) {
+      plane_minutes[static_cast<std::size_t>(plane.elapsed_s / kMinute)].Add(plane);
       all_planes.Add(plane);
+    }
     yaw_by_run.push_back(one.yaw / one.count);
   }
   std::printf("%s, %.0f s, %d realisations, %s; resets %d\n",
@@ -153,14 +170,12 @@ void Study(const Scenario& scenario,
               kNames[static_cast<int>(pipeline)],
               num_resets);
   for (std::size_t k = 0; k < minutes.size(); ++k) {
-    if (minutes[k].count > 0) minutes[k].Print(("minute " + std::to_string(k + 1)).c_str());
+    const std::string name = "minute " + std::to_string(k + 1);
+    if (minutes[k].count > 0) minutes[k].Print(name.c_str());
+    if (plane_minutes[k].count > 0) plane_minutes[k].Print(name.c_str());
   }
   all.Print("all");
-  if (all_planes.count > 0) {
-    std::printf("  planes: NEES of the normal %.2f, of the offset %.2f\n",
-                all_planes.normal / all_planes.count,
-                all_planes.offset / all_planes.count);
-  }
+  if (all_planes.count > 0) all_planes.Print("all");
   std::fflush(stdout);
 }
 

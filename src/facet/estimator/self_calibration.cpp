@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/self_calibration.h"
 
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
 #include "facet/estimator/solver/calibration_walk.h"
 #include "facet/estimator/start/start_calibration.h"
 #include "facet/geometry/angles.h"
@@ -70,6 +74,21 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
       break;  // soon known far better than before any measurement: it needs no room
   }
   return covariance;
+}
+
+// What state and clock have in common is that of the newest keyframe. A frame after it may be known
+// better, or turn much faster; then it is less, so that the two still have a joint covariance.
+Vector<15> PossibleCovariance(const Matrix<15, 15>& covariance, const ClockCovariance& clock) {
+  const Vector<15> inverse_sigma = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix<15, 15> correlation =
+      inverse_sigma.asDiagonal() * covariance * inverse_sigma.asDiagonal();
+  const Eigen::LLT<Matrix<15, 15>> factor(correlation);
+  if (factor.info() != Eigen::Success) return Vector<15>::Zero();
+  Vector<15> whitened = inverse_sigma.cwiseProduct(clock.with_newest);
+  factor.matrixL().solveInPlace(whitened);
+  const double explained = whitened.squaredNorm();
+  if (explained <= clock.variance) return clock.with_newest;
+  return std::sqrt(clock.variance / explained) * clock.with_newest;
 }
 
 }  // namespace
@@ -158,7 +177,8 @@ void SelfCalibration::MoveToImage(const SlidingWindow& window,
   Vector<15> moved = Vector<15>::Zero();
   moved.head<3>() = rates.w_B;
   moved.segment<3>(3) = x.v_WB + dv_W;
-  const Matrix<15, 15> cross = moved * clock_.with_newest.transpose();
+  const Vector<15> with_clock = PossibleCovariance(result.covariance, clock_);
+  const Matrix<15, 15> cross = moved * with_clock.transpose();
   result.covariance += cross + cross.transpose() + clock_.variance * moved * moved.transpose();
   x.v_WB += 2 * dv_W;  // dv_W is the mean on the way
 }
