@@ -69,6 +69,7 @@ class Runner {
     for (const KeyframePose& keyframe : estimator_.Snapshot().keyframes)
       AddFinal(keyframe);
     if (batch_) SolveBatch();
+    out_.calibration = estimator_.Calibration();
     return std::move(out_);
   }
 

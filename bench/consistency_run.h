@@ -59,6 +59,7 @@ struct ConsistencyRun {
   std::vector<PlaneError> planes;
   KeyframeTrajectories keyframes;
   std::optional<FrameError> batch_last;  ///< newest frame of the batch solution
+  std::optional<StereoRig> calibration;  ///< as estimated at the end; empty if all of it is held
 };
 
 /// What a search for planes would say after a keyframe.

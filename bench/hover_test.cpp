@@ -8,6 +8,8 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "facet/calibration/calibration_error.h"
+
 namespace facet {
 namespace {
 
@@ -64,6 +66,26 @@ TEST(HoverTest, PlanesAreNotBetterKnownThanTheirErrorsThatLast) {
     EXPECT_LT(nees.offset, 2.5) << scenario.name;
     EXPECT_GT(nees.normal, 0.2) << scenario.name << ": too modest";
   }
+}
+
+// Rest shows nothing of the calibration, which is right: what changes without end was learnt from
+// noise.
+TEST(HoverTest, AtRestTheCalibrationStays) {
+  ConsistencyOptions options;
+  options.simulator.pixel_sigma = 0.2;
+  options.simulator.mean_track_life_s = 30;
+  const Scenario rest = HoverScenarios(kDuration_s).back();
+  ASSERT_EQ(rest.name, "rest");
+  constexpr int kNumRestSeeds = 3;
+  double disparity_px = 0;
+  for (std::uint64_t seed = 1; seed <= kNumRestSeeds; ++seed) {
+    const SimulatedRun run = Simulate(rest, options, seed);
+    const ConsistencyRun flown = RunConsistency(run, options, false);
+    ASSERT_TRUE(flown.calibration);
+    disparity_px +=
+        CompareCalibrations(*flown.calibration, run.rig).disparity_mean_px / kNumRestSeeds;
+  }
+  EXPECT_NEAR(disparity_px, 0, 0.015) << "at infinity";
 }
 
 }  // namespace

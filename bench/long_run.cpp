@@ -6,7 +6,8 @@
 // flights in one room (with --hover in one place of it), simulated features, true planes and
 // relations; points stand out from their walls by what the estimator expects, or by M. With
 // --lasting a part of the noise is the same for the whole life of a track. Prints the normalised
-// errors minute by minute, and over all runs.
+// errors minute by minute, and over all runs, and what has become of the calibration, which was
+// right.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,6 +23,7 @@
 #include <CLI/CLI.hpp>
 #include <Eigen/LU>
 
+#include "facet/calibration/calibration_error.h"
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
 
@@ -84,6 +86,17 @@ struct NormalisedPlanes {
         1000 * std::sqrt(offset_sigma2 / count));
   }
 };
+
+/// What a run has made of the calibration, which was right.
+void PrintCalibration(const StereoRig& estimate, const StereoRig& truth) {
+  const CalibrationError error = CompareCalibrations(estimate, truth);
+  const Vector3d gyro_scale = error.error.segment<3>(kGyroScale);
+  std::printf("  calibration: disparity at infinity %+.3f px, gyroscope %+.2f %+.2f %+.2f %%\n",
+              error.disparity_mean_px,
+              100 * gyro_scale.x(),
+              100 * gyro_scale.y(),
+              100 * gyro_scale.z());
+}
 
 /// True planes, and true relations between those that the estimator has.
 class RelatedOracle {
@@ -151,6 +164,7 @@ void Study(const Scenario& scenario,
     if (pipeline != Pipeline::kS) planes = RelatedOracle(run, pipeline == Pipeline::kRelations);
     const ConsistencyRun result = RunConsistency(run, options, false, planes);
     num_resets += result.num_resets;
+    if (result.calibration) PrintCalibration(*result.calibration, run.rig);
     Normalised one;
     for (const FrameError& frame : result.frames) {
       one.Add(frame);

@@ -23,6 +23,15 @@ Vector<9> Correction(const ImuPreintegration& measured,
          measured.ScaleJacobian() * (gyro_scale - measured.gyro_scale());
 }
 
+// `correction`: of the measured angles.
+Vector3d RotationError(const ImuPreintegration& measured,
+                       const NavState& i,
+                       const NavState& j,
+                       const Vector3d& correction) {
+  const Quaterniond dR = measured.dR() * ExpSO3(correction);
+  return LogSO3(dR.conjugate() * (i.T_WB.q.conjugate() * j.T_WB.q));
+}
+
 Vector<15> CorrectedError(const ImuPreintegration& measured,
                           const NavState& i,
                           const NavState& j,
@@ -31,9 +40,8 @@ Vector<15> CorrectedError(const ImuPreintegration& measured,
   const Vector3d g = measured.g_W();
   const Quaterniond q_i_inv = i.T_WB.q.conjugate();
 
-  const Quaterniond dR = measured.dR() * ExpSO3(correction.head<3>());
   Vector<15> r;
-  r.segment<3>(0) = LogSO3(dR.conjugate() * (q_i_inv * j.T_WB.q));
+  r.segment<3>(0) = RotationError(measured, i, j, correction.head<3>());
   r.segment<3>(3) = q_i_inv * (j.T_WB.p - i.T_WB.p - i.v_WB * T - 0.5 * g * T * T) - measured.dp() -
                     correction.segment<3>(3);
   r.segment<3>(6) = q_i_inv * (j.v_WB - i.v_WB - g * T) - measured.dv() - correction.tail<3>();
@@ -94,7 +102,13 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured,
   Ji.block<6, 6>(9, 9) = -Matrix<6, 6>::Identity();
   Jj.block<6, 6>(9, 9) = Matrix<6, 6>::Identity();
 
-  out.J_scale << J_correction * Js.topRows<3>(), -Js.bottomRows<6>(), Matrix<6, 3>::Zero();
+  // The measured angles without their noise, which the error shows: with it, the scale would learn
+  // the noise's variance, and walk away at rest. Not at the present scale: the prior keeps what a
+  // link says at fixed points.
+  const Vector3d by_bias = Jb.topLeftCorner<3, 3>() * Vector3d(i.bias.b_g - measured.bias().b_g);
+  const Vector3d noise = RotationError(measured, i, j, by_bias);
+  const Matrix3d by_scale = Js.topRows<3>() - Matrix3d(noise.asDiagonal());
+  out.J_scale << J_correction * by_scale, -Js.bottomRows<6>(), Matrix<6, 3>::Zero();
   return out;
 }
 

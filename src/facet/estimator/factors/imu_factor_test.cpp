@@ -50,12 +50,32 @@ TEST(ImuFactorTest, JacobiansMatchNumericDerivatives) {
         [&](const Vector<15>& d) { return ImuError(imu, i, testing::Retract(j, d), scale); },
         1e-8,
         1e-5);
+    // The derivative by the scale is that of angles without noise.
+    NavState at_measured = j;
+    at_measured.T_WB.q = imu.Predict(i).T_WB.q;
     testing::ExpectJacobian<15, 3>(
-        linear.J_scale,
-        [&](const Vector3d& d) { return ImuError(imu, i, j, scale + d); },
+        LinearizeImu(imu, i, at_measured, scale).J_scale,
+        [&](const Vector3d& d) { return ImuError(imu, i, at_measured, scale + d); },
         1e-8,
         1e-5);
   }
+}
+
+// What a gyroscope measures while it does not turn is noise: it says nothing of the scale.
+TEST(ImuFactorTest, NoiseOfTheAnglesIsNoDerivativeByTheScale) {
+  const Vector3d noise(0.01, -0.02, 0.03);
+  ImuPreintegration at_rest({}, {});
+  std::vector<ImuSample> samples;
+  for (int k = 0; k <= 20; ++k)
+    samples.push_back({Timestamp{k * 5'000'000LL}, noise, Vector3d(0, 0, kGravity)});
+  at_rest.Integrate(samples);
+  const NavState i;
+  NavState j = at_rest.Predict(i);
+  const double measured = LinearizeImu(at_rest, i, j, Vector3d::Zero()).J_scale.topRows<3>().norm();
+  j.T_WB.q = i.T_WB.q;
+  EXPECT_NEAR(measured, 0.1 * noise.norm(), 1e-5);
+  EXPECT_LT(LinearizeImu(at_rest, i, j, Vector3d::Zero()).J_scale.topRows<3>().norm(),
+            2e-3 * measured);
 }
 
 // In errors that are large beside what a scale factor of the sensor explains.

@@ -17,6 +17,9 @@ namespace {
 // any, but finite.
 constexpr double kBehindSigma = 30.0;
 constexpr double kBehindWidths = 10.0;
+// Translations between two frames that are shorter than this share of the stereo baseline count as
+// noise, those of twice the length do not.
+constexpr double kNoiseShare = 0.02;
 
 RobustLoss ReprojectionLoss(const WindowLandmark& landmark, double s, const FactorNoise& noise) {
   return landmark.is_projection ? TukeyLoss(s, noise.projection.tukey_sigma)
@@ -69,16 +72,33 @@ Matrix<2, 3> ByPoint(const WindowObservation& observation, int camera, const Vec
   return J;
 }
 
+// The share of the translation from the view to the host that counts in the derivative by the
+// inverse distance, where the calibration is a variable (docs/math.md, section 10.3). A camera at
+// rest has a translation only because it fits the noise of the pixels; with it, distances and what
+// the calibration says of them would learn that noise's variance. Next to the stereo baseline such
+// a translation says nothing of a distance.
+double KnownShare(const Vector3d& translation_W, const FrameGeometry::Pose& pose) {
+  const double ratio_square =
+      translation_W.squaredNorm() / (pose.p_WC[1] - pose.p_WC[0]).squaredNorm();
+  if (ratio_square >= 4 * kNoiseShare * kNoiseShare) return 1;
+  return std::max(std::sqrt(ratio_square) / kNoiseShare - 1, 0.0);
+}
+
 // One camera's two rows, whitened and weighted: equation (3.4). `by_h`: d error / d point in the
 // camera.
 void MakeRows(const LinearizedPoint& point,
+              const FrameGeometry& geometry,
               const CameraView& view,
               const Matrix<2, 3>& by_h,
               const Vector2d& error,
               VisionRow* rows) {
   const HostedPoint& frozen = point.frozen;
   const Vector3d l_W = frozen.SeenFrom(view.pose.p_WB);
-  const Vector3d baseline_W = frozen.p_WH - view.pose.p_WC[view.camera];
+  Vector3d baseline_W = frozen.p_WH - view.pose.p_WC[view.camera];
+  if (geometry.has_calibration()) {
+    const Vector3d between_frames_W = frozen.p_WH - view.pose.p_WC[0];
+    baseline_W -= (1 - KnownShare(between_frames_W, view.pose)) * between_frames_W;
+  }
   const Matrix3d& R_CW = view.pose.R_CW[view.camera];
   for (int k = 0; k < 2; ++k) {
     // a = row of (d error / d h) R_CW.
@@ -231,7 +251,8 @@ bool ReprojectionFactor::MakeCameraRows(const LinearizedPoint& point,
   const Vector3d h = view.PointInCamera(point.frozen);
   const bool is_in_front = error && h.z() >= kMinUnitDepth;
   if (is_in_front && !geometry_.has_calibration()) {
-    MakeRows(point, view, weight * ByPoint(observation_, camera, h), weight * *error, rows);
+    MakeRows(
+        point, geometry_, view, weight * ByPoint(observation_, camera, h), weight * *error, rows);
     return true;
   }
   const auto seen = is_in_front ? geometry_.NominalProjection(camera, h) : std::nullopt;
@@ -241,7 +262,7 @@ bool ReprojectionFactor::MakeCameraRows(const LinearizedPoint& point,
   }
   const double scale = weight / observation_.sigma_px[camera];
   const Matrix<2, 3> by_h = scale * seen->J_px_p;
-  MakeRows(point, view, by_h, weight * *error, rows);
+  MakeRows(point, geometry_, view, by_h, weight * *error, rows);
   if (lens != nullptr) MakeLensRows(point, view, by_h, scale * seen->J_px_k, lens);
   return true;
 }
