@@ -29,19 +29,22 @@ RANK = {
     "sim": 6,
     "eval": 6,
     "pipeline": 6,
-    "recording": 7,
-    "live": 7,
-    "report": 7,
-    "render": 7,
-    "viewer": 7,
-    "facade": 8,
-    "publish": 8,
-    "check": 8,
-    "faults": 8,
-    "apps": 9,
-    "bench": 9,
-    "python": 10,
-    "studies": 10,
+    "messages": 7,
+    "recording": 8,
+    "live": 8,
+    "report": 8,
+    "render": 8,
+    "viewer": 8,
+    "facade": 9,
+    "publish": 9,
+    "check": 9,
+    "faults": 9,
+    "robot": 10,
+    "apps": 10,
+    "bench": 10,
+    "python": 11,
+    "ros1": 11,
+    "studies": 11,
 }
 # Folders with sub-folders, lowest first; sub-folders in one set are siblings. What lies in the folder itself
 # comes last, but for headers that are named here. Tests may use all of their folder.
@@ -121,7 +124,7 @@ def complaints(root, path):
 
 def main():
     root = Path(__file__).resolve().parent.parent
-    files = [p for top in ("src", "apps", "bench", "python", "studies") for p in sorted((root / top).rglob("*"))
+    files = [p for top in ("src", "apps", "bench", "python", "ros1", "studies") for p in sorted((root / top).rglob("*"))
              if p.suffix in (".h", ".cpp")]
     found = [text for path in files for text in complaints(root, path)]
     for text in found:

@@ -55,6 +55,37 @@ struct Image {
   std::shared_ptr<const void> owner = nullptr;
 };
 
+/// An image as drivers and recordings have it, in the words of ROS: sensor_msgs/Image, or, where
+/// `encoding` is empty, CompressedImage.
+struct EncodedImage {
+  /// mono8, mono16, rgb8, bgr8, rgba8, bgra8, yuv422, yuv422_yuy2, bayer_rggb8 and the like; empty:
+  /// the bytes are a file (PNG, JPEG, WebP, PGM).
+  std::string encoding;
+  int width = 0, height = 0;   ///< of a file: not needed
+  std::size_t step_bytes = 0;  ///< from row to row; of a file: not needed
+  bool is_big_endian = false;
+  const std::uint8_t* bytes = nullptr;
+  std::size_t num_bytes = 0;
+};
+
+/// To the same grey values as `facet run`. Keeps its buffers; not thread-safe.
+class ImageDecoder {
+ public:
+  /// `sample_bits`: how many of 16-bit samples are used, 8 to 16.
+  explicit ImageDecoder(int sample_bits = 16);
+  ~ImageDecoder();
+  ImageDecoder(ImageDecoder&&) noexcept;
+  ImageDecoder& operator=(ImageDecoder&&) noexcept;
+
+  /// The pixels have an owner, so they outlive the decoder. Throws Error where the image is damaged
+  /// or its encoding is not known.
+  Image Decode(const EncodedImage& image);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 /// Camera with a lens. The coefficients of each model, in their order: k1 k2 p1 p2
 /// (radial-tangential), k1 k2 k3 k4 (equidistant), OpenCV's k1 k2 p1 p2 k3 k4 k5 k6 (rational), w
 /// (field of view), xi alpha (double sphere), alpha beta (extended unified), k1 k2 p1 p2 xi
@@ -95,6 +126,29 @@ struct Calibration {
 /// imu.yaml or EuRoC's sensor.yaml; may be empty. Throws Error with file and line.
 Calibration ReadCalibration(const std::string& cameras, const std::string& imu = "");
 
+/// sensor_msgs/CameraInfo. Matrices are row by row.
+struct CameraInfo {
+  int width = 0, height = 0;     ///< [px]
+  std::string distortion_model;  ///< plumb_bob, rational_polynomial, equidistant, ...
+  std::vector<double> D;
+  std::array<double, 9> K{{}};   ///< of the raw image
+  std::array<double, 9> R{{}};   ///< from the raw to the rectified camera
+  std::array<double, 12> P{{}};  ///< of the rectified image; the right one's has the baseline
+};
+
+/// What CameraInfo does not tell of a stereo camera.
+struct CameraMount {
+  Pose T_BC;                   ///< left camera to body
+  std::optional<Pose> T_C0C1;  ///< right camera to left; empty: from R and P
+  bool are_rectified = false;  ///< the images; then P counts, and K and D do not
+  std::string imu_noise;       ///< Kalibr's imu.yaml; empty: the default densities
+};
+
+/// Throws Error where something is missing or cannot be.
+Calibration CalibrationFromCameraInfo(const CameraInfo& left,
+                                      const CameraInfo& right,
+                                      const CameraMount& mount);
+
 enum class Status { kInitialising, kOk, kDegraded, kLost };
 
 /// The estimate for one stereo pair, causal: from images and samples up to its stamp.
@@ -108,6 +162,8 @@ struct State {
   Vec3 gyro_bias{{0, 0, 0}}, accel_bias{{0, 0, 0}};  ///< [rad/s], [m/s^2]
   Vec3 sigma_p{{0, 0, 0}}, sigma_theta{{0, 0, 0}},
       sigma_v{{0, 0, 0}};  ///< 1-sigma; theta in B [rad]
+  /// 15 x 15, row by row: rotation (in B), position and velocity (in W), gyro_bias, accel_bias.
+  std::array<double, 225> covariance{};
   bool is_keyframe = false;
   bool was_reset = false;  ///< the state was given up after this frame; the next pose may jump
   std::string warning;     ///< what is, or probably is, wrong with the calibration; else empty
@@ -117,7 +173,9 @@ struct State {
 struct Mesh {
   std::vector<Vec3> vertices;
   std::vector<std::array<int, 3>> faces;
-  std::vector<std::int64_t> plane_ids;  ///< one per face, -1: none
+  std::vector<std::int64_t> plane_ids;               ///< one per face, -1: none
+  std::vector<std::array<std::uint8_t, 3>> colours;  ///< red green blue per vertex, or empty
+  std::int64_t t_ns = 0;  ///< horizon mesh: stamp of its newest keyframe; else 0
 };
 
 /// n . p = d for its points in W.
@@ -128,6 +186,20 @@ struct Plane {
   std::string label;  ///< floor, table, ceiling, wall or other
   double area_m2 = 0, sigma_normal_rad = 0, sigma_d_m = 0;
   std::vector<Vec3> outline;  ///< convex, counter-clockwise seen from where n points
+};
+
+/// A piece of the map: the surface in one cube of space.
+struct MapPart {
+  std::array<int, 3> index{{0, 0, 0}};  ///< which cube; the same for the whole run
+  Mesh mesh;                            ///< without faces: there is nothing any more
+};
+
+/// How map and planes have changed.
+struct SceneChanges {
+  std::int64_t t_ns = 0;  ///< stamp of the keyframe
+  std::vector<MapPart> parts;
+  std::vector<Plane> planes;  ///< all, as Odometry::Planes
+  bool is_partial = false;    ///< more of the map has changed than this; ask again
 };
 
 /// Deterministic. Not thread-safe: call it from one thread at a time. AddImu and AddStereo never
@@ -214,11 +286,15 @@ class LiveOdometry {
     double max_age_s = 1;       ///< no motion is predicted for longer after the newest pair
     int max_waiting_pairs = 2;  ///< one more, and the oldest one is dropped
     bool two_threads = false;   ///< tracking beside the mesh of the pair before
+    /// Called on a thread of this object when the mesh of a keyframe is made, and what was asked
+    /// for with RequestScene is there. Must be short, and must not throw nor call Finish.
+    std::function<void(std::int64_t t_ns)> on_mesh;
   };
 
   struct Counts {
     std::int64_t pairs = 0, done_pairs = 0, dropped_pairs = 0;
     std::int64_t imu = 0, dropped_imu = 0;
+    std::int64_t late_imu_pairs = 0;  ///< worked on without a sample that follows their stamp
     /// From AddStereo until PredictAt knows of the pair: of the newest one, and the largest so far.
     double latency_s = 0, max_latency_s = 0;
     /// The odometry has thrown, or `on_pose` has: nothing is worked on any more, what comes is
@@ -253,6 +329,13 @@ class LiveOdometry {
 
   /// The mesh over the last seconds, after the newest keyframe.
   Mesh HorizonMesh() const;
+
+  /// The next keyframe tells how map and planes have changed since the last request.
+  void RequestScene();
+
+  /// What requests have brought since the last call; empty if nothing. The surface is extracted
+  /// here, by the caller's thread. `all_parts`: of the whole map, for whoever begins to listen.
+  std::optional<SceneChanges> TakeScene(bool all_parts = false);
 
   Counts counts() const;
 

@@ -14,6 +14,7 @@
 #include "facet/facet.h"
 #include "facet/pipeline/vio_pipeline.h"
 #include "facet/testing/io/test_sequence.h"
+#include "facet/testing/wall_image.h"
 
 namespace facet {
 namespace {
@@ -42,32 +43,6 @@ api::Calibration TestCalibration() {
   return calibration;
 }
 
-// A wall of random squares at 2.2 m, their borders as soft as a lens makes them.
-std::vector<std::uint8_t> Wall(int first_column) {
-  constexpr int kSquare = 12, kSoft = 4, kColumns = kWidth / kSquare + 4;
-  std::vector<double> squares(kColumns * (kHeight / kSquare + 2));
-  std::mt19937 random(1);
-  for (double& square : squares)
-    square = static_cast<double>(random() % 256);
-  const auto at = [&](int column, int row) {
-    return squares[static_cast<std::size_t>(row * kColumns + column)];
-  };
-  const auto share_of_next = [](int place) {
-    return std::max(0, place % kSquare - (kSquare - kSoft)) / static_cast<double>(kSoft);
-  };
-  std::vector<std::uint8_t> pixels;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = first_column; x < first_column + kWidth; ++x) {
-      const int column = x / kSquare, row = y / kSquare;
-      const double u = share_of_next(x), v = share_of_next(y);
-      pixels.push_back(static_cast<std::uint8_t>(
-          (1 - v) * ((1 - u) * at(column, row) + u * at(column + 1, row)) +
-          v * ((1 - u) * at(column, row + 1) + u * at(column + 1, row + 1))));
-    }
-  }
-  return pixels;
-}
-
 class FacadeTest : public ::testing::Test {
  protected:
   /// Two seconds at rest; calls `use` after each frame.
@@ -82,7 +57,8 @@ class FacadeTest : public ::testing::Test {
     }
   }
 
-  std::vector<std::uint8_t> left_ = Wall(0), right_ = Wall(20);
+  std::vector<std::uint8_t> left_ = testing::WallImage(kWidth, kHeight, 0),
+                            right_ = testing::WallImage(kWidth, kHeight, 20);  // at 2.2 m
 };
 
 TEST_F(FacadeTest, GivesWhatThePipelineGives) {
@@ -113,6 +89,9 @@ TEST_F(FacadeTest, GivesWhatThePipelineGives) {
         (api::Vec3{output.state.T_WB.p.x(), output.state.T_WB.p.y(), output.state.T_WB.p.z()}));
     EXPECT_EQ(state.sigma_theta,
               (api::Vec3{output.sigma_theta.x(), output.sigma_theta.y(), output.sigma_theta.z()}));
+    EXPECT_EQ(state.covariance[15 * 3 + 4], output.covariance(3, 4));
+    for (std::size_t i = 0; i < 3 && output.has_pose; ++i)
+      EXPECT_NEAR(std::sqrt(state.covariance[16 * (3 + i)]), state.sigma_p[i], 1e-15);
     num_poses += output.has_pose ? 1 : 0;
   });
   EXPECT_GT(num_poses, 20);
@@ -178,6 +157,102 @@ TEST_F(FacadeTest, LiveOdometryPredictsBetweenPairs) {
     for (std::size_t j = 0; j < 15; ++j)
       EXPECT_NEAR(motion->covariance[15 * i + j], motion->covariance[15 * j + i], 1e-12);
   }
+}
+
+TEST_F(FacadeTest, SceneChangesComeOnRequest) {
+  std::atomic<int> num_meshes = 0;
+  api::LiveOdometry::Options options;
+  options.max_waiting_pairs = 100;
+  options.on_mesh = [&](std::int64_t) { ++num_meshes; };
+  api::LiveOdometry odometry(TestCalibration(), options);
+  odometry.RequestScene();
+  EXPECT_FALSE(odometry.TakeScene());
+  std::int64_t imu_ns = 0;
+  for (std::int64_t t_ns = 0; t_ns < 40 * kFrameNs; t_ns += kFrameNs) {
+    for (; imu_ns <= t_ns + kImuNs; imu_ns += kImuNs)
+      odometry.AddImu({imu_ns, {0, 0, 0}, {0, 0, 9.81}});
+    odometry.AddStereo(t_ns, {left_.data(), kWidth, kHeight}, {right_.data(), kWidth, kHeight});
+  }
+  odometry.Finish();
+  EXPECT_GT(num_meshes, 2);
+  EXPECT_EQ(odometry.HorizonMesh().t_ns % kFrameNs, 0);
+  EXPECT_EQ(odometry.HorizonMesh().colours.size(), odometry.HorizonMesh().vertices.size());
+  const auto changes = odometry.TakeScene();
+  ASSERT_TRUE(changes) << "one was requested before the first keyframe";
+  EXPECT_FALSE(changes->is_partial);
+  EXPECT_FALSE(odometry.TakeScene()) << "nothing more was requested";
+}
+
+// The same numbers as `facet run` uses.
+TEST(ImageDecoderTest, DecodesWhatDriversSend) {
+  api::ImageDecoder decoder;
+  const std::vector<std::uint8_t> bgr = {10, 20, 30, 200, 100, 0};
+  api::EncodedImage image{"bgr8", 2, 1, 6, false, bgr.data(), bgr.size()};
+  const api::Image grey = decoder.Decode(image);
+  ASSERT_EQ(grey.width * 10 + grey.height, 21);
+  EXPECT_NEAR(grey.pixels[0], 0.114 * 10 + 0.587 * 20 + 0.299 * 30, 0.51);
+  EXPECT_NEAR(grey.pixels[1], 0.114 * 200 + 0.587 * 100, 0.51);
+  image.num_bytes = 5;
+  EXPECT_THROW(decoder.Decode(image), api::Error);
+  EXPECT_EQ(grey.pixels[1], decoder.Decode({"bgr8", 1, 1, 3, false, bgr.data() + 3, 3}).pixels[0]);
+  image.encoding = "";
+  EXPECT_THROW(decoder.Decode(image), api::Error) << "no file";
+  EXPECT_THROW(decoder.Decode({}), api::Error);
+  EXPECT_THROW(api::ImageDecoder(4), api::Error);
+}
+
+api::CameraInfo Info() {
+  api::CameraInfo info;
+  info.width = kWidth;
+  info.height = kHeight;
+  info.distortion_model = "plumb_bob";
+  info.D = {0.1, -0.05, 0.001, 0.002, 0};
+  info.K = {400, 0, 320, 0, 410, 240, 0, 0, 1};
+  info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.P = {400, 0, 320, 0, 0, 400, 240, 0, 0, 0, 1, 0};
+  return info;
+}
+
+std::string ErrorOfInfo(const api::CameraInfo& left,
+                        const api::CameraInfo& right,
+                        const api::CameraMount& mount) {
+  try {
+    api::CalibrationFromCameraInfo(left, right, mount);
+  } catch (const api::Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(CameraInfoTest, BaselineAndRotationComeFromRAndP) {
+  const api::CameraInfo left = Info();
+  api::CameraInfo right = Info();
+  right.P[3] = -44;                        // 0.11 m
+  right.R = {0, 1, 0, -1, 0, 0, 0, 0, 1};  // x of the rectified camera is y of the raw one
+  api::CameraMount mount;
+  mount.T_BC.p = {1, 2, 3};
+  const api::Calibration raw = api::CalibrationFromCameraInfo(left, right, mount);
+  EXPECT_EQ(raw.left.distortion, api::Camera::Distortion::kRadialTangential);
+  EXPECT_EQ(raw.left.fy, 410);
+  EXPECT_NEAR(raw.right.T_BC.p[0], 1.11, 1e-9);
+  EXPECT_NEAR(raw.right.T_BC.q[3], -raw.right.T_BC.q[0], 1e-9) << "-90 deg about z takes y to x";
+  mount.are_rectified = true;
+  const api::Calibration rectified = api::CalibrationFromCameraInfo(left, right, mount);
+  EXPECT_EQ(rectified.left.distortion, api::Camera::Distortion::kNone);
+  EXPECT_EQ(rectified.left.fy, 400);
+  EXPECT_NEAR(rectified.right.T_BC.p[0], 1.11, 1e-9);
+}
+
+TEST(CameraInfoTest, SaysWhatIsMissing) {
+  api::CameraMount mount;
+  EXPECT_THAT(ErrorOfInfo(Info(), Info(), mount), HasSubstr("no baseline"));
+  mount.T_C0C1 = api::Pose{{0.1, 0, 0}, {1, 0, 0, 0}};
+  EXPECT_EQ(ErrorOfInfo(Info(), Info(), mount), "no error");
+  api::CameraInfo strange = Info();
+  strange.distortion_model = "cubist";
+  EXPECT_THAT(ErrorOfInfo(Info(), strange, mount), HasSubstr("'cubist'"));
+  mount.imu_noise = "nowhere.yaml";
+  EXPECT_THAT(ErrorOfInfo(Info(), Info(), mount), HasSubstr("nowhere.yaml"));
 }
 
 std::string ErrorOfLive(const api::LiveOdometry::Options& options) {

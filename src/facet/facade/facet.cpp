@@ -14,6 +14,9 @@
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
 #include "facet/live/live_vio.h"
+#include "facet/mesh/map_follower.h"
+#include "facet/messages/message_image.h"
+#include "facet/messages/ros_calibration.h"
 #include "facet/pipeline/vio_pipeline.h"
 
 namespace facet::api {
@@ -171,6 +174,15 @@ class OwnedImage {
   cv::Mat pixels_;
 };
 
+std::array<double, 225> Plain(const Matrix<15, 15>& covariance) {
+  std::array<double, 225> rows;
+  for (int row = 0; row < 15; ++row) {
+    for (int column = 0; column < 15; ++column)
+      rows[static_cast<std::size_t>(15 * row + column)] = covariance(row, column);
+  }
+  return rows;
+}
+
 State Plain(const VioOutput& output) {
   State state;
   state.t_ns = output.t.ns;
@@ -184,6 +196,7 @@ State Plain(const VioOutput& output) {
   state.sigma_p = Plain(output.sigma_p);
   state.sigma_theta = Plain(output.sigma_theta);
   state.sigma_v = Plain(output.sigma_v);
+  state.covariance = Plain(output.covariance);
   state.is_keyframe = output.is_keyframe;
   state.was_reset = output.was_reset;
   state.warning = output.refusal.empty() ? output.warning : output.refusal;
@@ -205,11 +218,7 @@ Motion Plain(const PredictedState& state) {
   motion.a_WF = Plain(state.a_WF);
   motion.gyro_bias = Plain(state.bias.b_g);
   motion.accel_bias = Plain(state.bias.b_a);
-  for (int row = 0; row < 15; ++row) {
-    for (int column = 0; column < 15; ++column)
-      motion.covariance[static_cast<std::size_t>(15 * row + column)] =
-          state.covariance(row, column);
-  }
+  motion.covariance = Plain(state.covariance);
   motion.status = static_cast<Status>(state.status);
   motion.segment = state.segment;
   motion.since_pair_s = ToSeconds(state.since_frame);
@@ -227,6 +236,7 @@ Mesh Plain(const TriangleMesh& mesh) {
     plain.vertices.push_back(Plain(vertex));
   plain.faces = mesh.faces;
   plain.plane_ids.assign(mesh.plane_ids.begin(), mesh.plane_ids.end());
+  plain.colours = mesh.colours;
   return plain;
 }
 
@@ -286,6 +296,72 @@ Calibration ReadCalibration(const std::string& cameras, const std::string& imu) 
   throw Error(error.what());
 }
 
+namespace {
+
+CameraInfoMessage Internal(const CameraInfo& plain, const std::string& frame) {
+  CameraInfoMessage info;
+  info.header.frame = frame;
+  info.width = static_cast<std::uint32_t>(std::max(plain.width, 0));
+  info.height = static_cast<std::uint32_t>(std::max(plain.height, 0));
+  info.distortion_model = plain.distortion_model;
+  info.D = plain.D;
+  info.K = plain.K;
+  info.R = plain.R;
+  info.P = plain.P;
+  return info;
+}
+
+}  // namespace
+
+Calibration CalibrationFromCameraInfo(const CameraInfo& left,
+                                      const CameraInfo& right,
+                                      const CameraMount& mount) try {
+  const std::array infos = {Internal(left, "left"), Internal(right, "right")};
+  const std::optional<SE3> T_C0C1 =
+      mount.T_C0C1 ? Internal(*mount.T_C0C1, "T_C0C1") : RightToLeft(infos, mount.are_rectified);
+  if (!T_C0C1)
+    throw Error("camera_info of the right camera has no baseline in P, and no transform is given");
+  RosCalibrationMessages messages;
+  messages.cameras = {infos[0], infos[1]};
+  messages.are_rectified = {mount.are_rectified, mount.are_rectified};
+  messages.imu_frame = "imu";
+  const SE3 T_BC = Internal(mount.T_BC, "T_BC");
+  messages.transforms = {{"imu", "left", T_BC}, {"left", "right", *T_C0C1}};
+  const RosCalibration found = CalibrationFromMessages(messages, mount.imu_noise);
+  if (!found.calibration) throw Error(found.problem);
+  return PlainCalibration(found.calibration->rig, found.calibration->imu_noise);
+} catch (const InputError& error) {
+  throw Error(error.what());
+}
+
+struct ImageDecoder::Impl {
+  int sample_bits = 16;
+  ImageReader reader;
+};
+
+ImageDecoder::ImageDecoder(int sample_bits) : impl_(std::make_unique<Impl>()) {
+  if (sample_bits < 8 || sample_bits > 16) throw Error("sample_bits must be 8 to 16");
+  impl_->sample_bits = sample_bits;
+}
+ImageDecoder::~ImageDecoder() = default;
+ImageDecoder::ImageDecoder(ImageDecoder&&) noexcept = default;
+ImageDecoder& ImageDecoder::operator=(ImageDecoder&&) noexcept = default;
+
+Image ImageDecoder::Decode(const EncodedImage& image) try {
+  ImageMessage message;
+  message.encoding = image.encoding;
+  message.width = static_cast<std::uint32_t>(std::max(image.width, 0));
+  message.height = static_cast<std::uint32_t>(std::max(image.height, 0));
+  message.step = static_cast<std::uint32_t>(image.step_bytes);
+  message.is_big_endian = image.is_big_endian;
+  message.data = {image.bytes, image.bytes == nullptr ? 0 : image.num_bytes};
+  const auto grey = std::make_shared<cv::Mat>();
+  DecodeToGrey(message, impl_->sample_bits, {}, impl_->reader, *grey);
+  return {grey->data, grey->cols, grey->rows, grey->step[0], grey};
+} catch (const InputError& error) {
+  throw Error(error.what());
+}
+
 Odometry::Odometry(const Calibration& calibration) : Odometry(calibration, Options()) {}
 
 Odometry::Odometry(const Calibration& calibration, const Options& options)
@@ -322,11 +398,15 @@ State Odometry::AddStereo(std::int64_t t_ns, const Image& left, const Image& rig
   return Plain(output);
 }
 
-Mesh Odometry::HorizonMesh() const {
-  return impl_->mesh ? Plain(impl_->mesh->mesh) : Mesh();
-}
-
 namespace {
+
+/// Null before the first keyframe.
+Mesh HorizonOf(const MeshSnapshot* snapshot) {
+  if (snapshot == nullptr) return {};
+  Mesh mesh = Plain(snapshot->mesh);
+  mesh.t_ns = snapshot->t.ns;
+  return mesh;
+}
 
 Mesh MapOf(const RunResult& result) {
   return result.map ? Plain(*result.map) : Mesh();
@@ -342,6 +422,10 @@ std::vector<Plane> PlanesOf(const RunResult& result) {
 
 }  // namespace
 
+Mesh Odometry::HorizonMesh() const {
+  return HorizonOf(impl_->mesh.get());
+}
+
 Mesh Odometry::Map() const {
   return MapOf(impl_->pipeline.Result());
 }
@@ -354,19 +438,29 @@ struct LiveOdometry::Impl {
   Impl(const Calibration& calibration,
        const Options& options,
        std::function<void(const State&)> on_pose)
-      : vio(
+      : vio_options(OptionsOf(options, notices)),
+        on_mesh(options.on_mesh),
+        map(vio_options.mesh.map),
+        vio(
             RigOf(calibration),
             NoiseOf(calibration),
-            OptionsOf(options, notices),
+            vio_options,
             Internal(options),
             [on_pose = std::move(on_pose)](const VioOutput& output) {
               if (on_pose) on_pose(Plain(output));
             },
             [this](const VioOutput& output) {
-              if (!output.mesh) return;
-              const std::lock_guard lock(mesh_mutex);
-              mesh = output.mesh;
+              if (output.mesh) TakeMesh(output);
             }) {}
+
+  void TakeMesh(const VioOutput& output) {
+    {
+      const std::lock_guard lock(mesh_mutex);
+      mesh = output.mesh;
+      if (output.scene_update) updates.emplace_back(output.t.ns, output.scene_update);
+    }
+    if (on_mesh) on_mesh(output.t.ns);
+  }
 
   static LiveOptions Internal(const Options& plain) {
     LiveOptions options;
@@ -385,8 +479,13 @@ struct LiveOdometry::Impl {
   }
 
   std::vector<std::string> notices;
+  const VioOptions vio_options;
+  const std::function<void(std::int64_t)> on_mesh;
   mutable std::mutex mesh_mutex;
   std::shared_ptr<const MeshSnapshot> mesh;
+  std::vector<std::pair<std::int64_t, std::shared_ptr<const SceneUpdate>>> updates;
+  std::mutex map_mutex;
+  MapFollower map;
   mutable std::mutex finish_mutex;
   std::optional<RunResult> result;  // of Finish
   LiveVio vio;                      // last: its threads use the others
@@ -432,7 +531,34 @@ Mesh LiveOdometry::HorizonMesh() const {
     const std::lock_guard lock(impl_->mesh_mutex);
     mesh = impl_->mesh;
   }
-  return mesh ? Plain(mesh->mesh) : Mesh();
+  return HorizonOf(mesh.get());
+}
+
+void LiveOdometry::RequestScene() {
+  impl_->vio.RequestSceneUpdate();
+}
+
+std::optional<SceneChanges> LiveOdometry::TakeScene(bool all_parts) {
+  decltype(impl_->updates) updates;
+  {
+    const std::lock_guard lock(impl_->mesh_mutex);
+    updates.swap(impl_->updates);
+  }
+  if (updates.empty()) return std::nullopt;
+  const std::lock_guard lock(impl_->map_mutex);
+  for (const auto& [t_ns, update] : updates)
+    impl_->map.Take(update->map_blocks);
+  if (all_parts) impl_->map.MarkAll();
+  SceneChanges changes;
+  changes.t_ns = updates.back().first;
+  changes.is_partial = updates.back().second->is_partial;
+  for (const PlaneRecord& record : updates.back().second->planes)
+    changes.planes.push_back(Plain(record));
+  while (const auto part = impl_->map.TakePart()) {
+    const CubeIndex& at = part->index;
+    changes.parts.push_back({{at.x, at.y, at.z}, Plain(part->mesh)});
+  }
+  return changes;
 }
 
 LiveOdometry::Counts LiveOdometry::counts() const {
@@ -443,6 +569,7 @@ LiveOdometry::Counts LiveOdometry::counts() const {
   plain.dropped_pairs = counts.dropped_frames;
   plain.imu = counts.imu;
   plain.dropped_imu = counts.dropped_imu;
+  plain.late_imu_pairs = counts.late_imu_frames;
   plain.latency_s = counts.latency_s;
   plain.max_latency_s = counts.max_latency_s;
   plain.has_failed = counts.has_failed;

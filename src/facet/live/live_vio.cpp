@@ -169,6 +169,7 @@ class Vio {
     outputs.push_back(one_->AddStereo(frame, on_pose_));
     return outputs;
   }
+  void RequestSceneUpdate() { two_ ? two_->RequestSceneUpdate() : one_->RequestSceneUpdate(); }
   std::vector<VioOutput> Finish() { return two_ ? two_->Finish() : std::vector<VioOutput>(); }
   RunResult Result() const { return two_ ? two_->Result() : one_->Result(); }
 
@@ -206,6 +207,7 @@ class LiveVio::Impl {
 
   StatePredictor& predictor() { return predictor_; }
   LiveQueue& queue() { return queue_; }
+  void RequestSceneUpdate() { vio_.RequestSceneUpdate(); }
 
   RunResult Finish() {
     queue_.Close(false);
@@ -288,6 +290,10 @@ void LiveVio::AddStereo(const StereoFrame& frame) {
 
 std::optional<PredictedState> LiveVio::PredictAt(Timestamp t) const {
   return impl_->predictor().PredictAt(t);
+}
+
+void LiveVio::RequestSceneUpdate() {
+  impl_->RequestSceneUpdate();
 }
 
 LiveCounts LiveVio::counts() const {

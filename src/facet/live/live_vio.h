@@ -78,6 +78,9 @@ class LiveVio {
   /// The state at t by the IMU's clock; see StatePredictor. Never waits for the estimator.
   std::optional<PredictedState> PredictAt(Timestamp t) const;
 
+  /// As VioPipeline::RequestSceneUpdate.
+  void RequestSceneUpdate();
+
   LiveCounts counts() const;
 
   /// Waits until every frame that has come is done or dropped, and ends: what comes later is

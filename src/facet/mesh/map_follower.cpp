@@ -6,13 +6,21 @@ namespace facet {
 void MapFollower::Take(const std::vector<SurfaceMap::Block>& blocks) {
   for (const SurfaceMap::Block& block : blocks) {
     map_.SetBlock(block);
-    // The cells of a block reach into the ones below it, and the other way round.
-    const CubeIndex& at = block.index;
-    for (int i = 0; i < 8; ++i) {
-      const int x = i & 1, y = i >> 1 & 1, z = i >> 2 & 1;
-      changed_.insert(PartOf({at.x + x, at.y + y, at.z + z}));
-      changed_.insert(PartOf({at.x - x, at.y - y, at.z - z}));
-    }
+    Mark(block.index);
+  }
+}
+
+void MapFollower::MarkAll() {
+  for (const SurfaceMap::Block& block : map_.blocks())
+    Mark(block.index);
+}
+
+// The cells of a block reach into the ones below it, and the other way round.
+void MapFollower::Mark(const CubeIndex& at) {
+  for (int i = 0; i < 8; ++i) {
+    const int x = i & 1, y = i >> 1 & 1, z = i >> 2 & 1;
+    changed_.insert(PartOf({at.x + x, at.y + y, at.z + z}));
+    changed_.insert(PartOf({at.x - x, at.y - y, at.z - z}));
   }
 }
 

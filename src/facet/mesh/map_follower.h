@@ -26,9 +26,14 @@ class MapFollower {
   /// Extracts one of the parts whose surface may have changed; empty when all were taken.
   std::optional<Part> TakePart();
 
+  /// All parts are to be extracted again, for whoever begins to listen.
+  void MarkAll();
+
   bool has_changed() const { return !changed_.empty(); }
 
  private:
+  void Mark(const CubeIndex& block);
+
   SurfaceMap map_;
   std::set<CubeIndex> changed_;
 };

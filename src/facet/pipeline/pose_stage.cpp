@@ -66,6 +66,7 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
   out.sigma_v = sigma.segment<3>(6);
   out.sigma_b_g = sigma.segment<3>(9);
   out.sigma_b_a = sigma.segment<3>(12);
+  out.covariance = result.covariance;
   out.num_tracks = static_cast<int>(observations.features.size());
   out.num_landmarks = static_cast<int>(estimator_.window().landmarks().size());
   out.num_planes = static_cast<int>(estimator_.window().planes.size());

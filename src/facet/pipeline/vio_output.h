@@ -45,14 +45,16 @@ struct VioOutput {
   Vector3d sigma_v = Vector3d::Zero();      ///< 1-sigma [m/s], in W
   Vector3d sigma_b_g = Vector3d::Zero();    ///< 1-sigma [rad/s]
   Vector3d sigma_b_a = Vector3d::Zero();    ///< 1-sigma [m/s^2]
-  CausalState causal;                       ///< the same for whoever goes on with the IMU
-  int num_tracks = 0;                       ///< features tracked in this frame
-  int num_landmarks = 0;                    ///< landmarks in the window
-  int num_planes = 0;                       ///< in the estimator
-  int num_constraints = 0;                  ///< landmarks that lie on planes, once per plane
-  int imu_gaps = 0;                         ///< IMU holes since the previous frame
-  bool is_image_repeated = false;           ///< came before, but the camera has moved; not used
-  bool is_image_blank = false;              ///< the left image has one grey value everywhere
+  /// Of `state`, theta p v b_g b_a: what the sigmas are the diagonal of.
+  Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
+  CausalState causal;              ///< the same for whoever goes on with the IMU
+  int num_tracks = 0;              ///< features tracked in this frame
+  int num_landmarks = 0;           ///< landmarks in the window
+  int num_planes = 0;              ///< in the estimator
+  int num_constraints = 0;         ///< landmarks that lie on planes, once per plane
+  int imu_gaps = 0;                ///< IMU holes since the previous frame
+  bool is_image_repeated = false;  ///< came before, but the camera has moved; not used
+  bool is_image_blank = false;     ///< the left image has one grey value everywhere
   bool was_reset = false;  ///< the state was given up after this frame; the next one starts again
   /// What is probably wrong and what to do; set when it begins or comes again later; else empty.
   std::string warning;

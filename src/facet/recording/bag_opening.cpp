@@ -8,7 +8,8 @@
 #include <utility>
 
 #include "facet/io/errors.h"
-#include "facet/recording/message_image.h"
+#include "facet/messages/message_image.h"
+#include "facet/recording/sensor_messages.h"
 
 namespace facet {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "facet/messages/ros_calibration.h"
 #include "facet/recording/message_source.h"
-#include "facet/recording/ros_calibration.h"
 #include "facet/recording/topic_choice.h"
 
 namespace facet {

@@ -7,9 +7,10 @@
 
 #include "facet/io/errors.h"
 #include "facet/io/sample_depth.h"
+#include "facet/messages/message_image.h"
+#include "facet/messages/ros_calibration.h"
 #include "facet/recording/frame_decoder.h"
-#include "facet/recording/message_image.h"
-#include "facet/recording/ros_calibration.h"
+#include "facet/recording/sensor_messages.h"
 
 namespace facet {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "facet/io/errors.h"
+#include "facet/messages/ros_calibration.h"
 #include "facet/recording/message_writer.h"
-#include "facet/recording/ros_calibration.h"
 
 namespace facet {
 namespace {

@@ -14,7 +14,7 @@
 #include "facet/imu/imu_types.h"
 #include "facet/io/calibration_file.h"
 #include "facet/io/stamp_counts.h"
-#include "facet/recording/encoded_image.h"
+#include "facet/messages/encoded_image.h"
 
 namespace facet {
 

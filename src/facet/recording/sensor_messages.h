@@ -1,50 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The few ROS messages that a stereo-inertial recording is made of, from the bytes of ROS 1 or CDR.
+// The messages of messages/ros_messages.h from the bytes of ROS 1 or CDR.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "facet/geometry/se3.h"
-#include "facet/imu/imu_types.h"
+#include "facet/messages/ros_messages.h"
 #include "facet/recording/message_source.h"
 
 namespace facet {
-
-struct MessageHeader {
-  Timestamp t;
-  std::string frame;
-};
-
-/// sensor_msgs/Image, or CompressedImage: then `encoding` is empty and the data are a file.
-struct ImageMessage {
-  MessageHeader header;
-  std::uint32_t width = 0, height = 0;  ///< 0 if compressed
-  std::string encoding;                 ///< mono8, bgr8, ...
-  bool is_big_endian = false;
-  std::uint32_t step = 0;              ///< bytes per row
-  std::span<const std::uint8_t> data;  ///< lies in the bytes of the message
-};
-
-/// sensor_msgs/CameraInfo without its regions and binning.
-struct CameraInfoMessage {
-  MessageHeader header;
-  std::uint32_t width = 0, height = 0;
-  std::string distortion_model;  ///< plumb_bob, equidistant, ...
-  std::vector<double> D;
-  std::array<double, 9> K{};   ///< of the raw image, row by row
-  std::array<double, 9> R{};   ///< from the raw to the rectified camera, row by row
-  std::array<double, 12> P{};  ///< of the rectified image, row by row
-};
-
-/// One transform of tf2_msgs/TFMessage: maps points from the child frame to the parent frame.
-struct FrameTransform {
-  std::string parent, child;
-  SE3 T_parent_child;
-};
 
 inline constexpr const char* kImageType = "sensor_msgs/Image";
 inline constexpr const char* kCompressedImageType = "sensor_msgs/CompressedImage";
@@ -59,12 +25,6 @@ ImageMessage ReadCompressedImageMessage(std::span<const std::uint8_t> bytes,
                                         MessageEncoding encoding);
 /// Of either type, which the topic says.
 ImageMessage ReadAnyImageMessage(const Topic& topic, std::span<const std::uint8_t> bytes);
-/// Angular velocity [rad/s], linear acceleration [m/s^2], in the sensor's frame; numbers may be
-/// anything, also not finite.
-struct ImuMessage {
-  MessageHeader header;
-  ImuSample sample;
-};
 ImuMessage ReadImuMessage(std::span<const std::uint8_t> bytes, MessageEncoding encoding);
 CameraInfoMessage ReadCameraInfoMessage(std::span<const std::uint8_t> bytes,
                                         MessageEncoding encoding);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/recording/message_image.h"
+#include "facet/messages/message_image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/recording/ros_calibration.h"
+#include "facet/messages/ros_calibration.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/recording/ros_calibration.h"
+#include "facet/messages/ros_calibration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -92,7 +92,29 @@ std::string Rectify(const CameraInfoMessage& info, CameraIntrinsics& k, SE3& T_B
   return CameraModel::WhatIsWrong(k);
 }
 
+/// Raw to rectified camera; none is given where nothing is turned.
+std::optional<Matrix3d> RectifyingRotation(const CameraInfoMessage& info) {
+  const Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(info.R.data());
+  if (R.isZero()) return Matrix3d::Identity();
+  if (!R.allFinite() || !R.isUnitary(1e-3) || R.determinant() < 0) return std::nullopt;
+  return R;
+}
+
 }  // namespace
+
+// Between the rectified cameras there is only the baseline: P of the right one is K [I | -b].
+std::optional<SE3> RightToLeft(const std::array<CameraInfoMessage, 2>& cameras,
+                               bool are_rectified) {
+  const auto& P = cameras[1].P;
+  const double baseline_m = -P[3] / P[0];
+  if (!std::isfinite(baseline_m) || baseline_m == 0) return std::nullopt;
+  const Vector3d right_in_rectified(baseline_m, 0, 0);
+  if (are_rectified) return SE3(Quaterniond::Identity(), right_in_rectified);
+  const auto R0 = RectifyingRotation(cameras[0]), R1 = RectifyingRotation(cameras[1]);
+  if (!R0 || !R1) return std::nullopt;
+  const Matrix3d R_C0C1 = R0->transpose() * *R1;
+  return SE3(Quaterniond(R_C0C1).normalized(), R0->transpose() * right_in_rectified);
+}
 
 void SetLens(const CameraIntrinsics& k, CameraInfoMessage& info) {
   const DistortionModel model =

@@ -6,10 +6,20 @@
 #include <string>
 #include <vector>
 
-#include "facet/recording/encoded_image.h"
-#include "facet/recording/sensor_messages.h"
+#include "facet/messages/encoded_image.h"
+#include "facet/messages/ros_messages.h"
 
 namespace facet {
+
+/// Decodes to 8-bit grey what MessageImage understands. If `wanted` is not empty and the image has
+/// another size, nothing is decoded. Returns the size that the image has. `bits` is how many of
+/// 16-bit samples are used. Throws InputError, without a place, when the image is damaged or of an
+/// unknown encoding.
+cv::Size DecodeToGrey(const ImageMessage& message,
+                      int bits,
+                      const cv::Size& wanted,
+                      ImageReader& reader,
+                      cv::Mat& grey);
 
 /// Keeps a copy of the pixels.
 class MessageImage : public EncodedImage {

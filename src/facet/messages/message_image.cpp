@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/recording/message_image.h"
+#include "facet/messages/message_image.h"
 
 #include <algorithm>
 #include <array>
@@ -129,6 +129,17 @@ void DecodeRaw(const ImageMessage& message, int bits, GreyTarget& target) {
 
 }  // namespace
 
+cv::Size DecodeToGrey(const ImageMessage& message,
+                      int bits,
+                      const cv::Size& wanted,
+                      ImageReader& reader,
+                      cv::Mat& grey) {
+  if (message.encoding.empty()) return reader.DecodeOfSize(message.data, wanted, grey, bits);
+  GreyTarget target{grey, wanted};
+  DecodeRaw(message, bits, target);
+  return target.found;
+}
+
 MessageImage::MessageImage(const ImageMessage& message, int bits, std::string place)
     : message_(message),
       data_(message.data.begin(), message.data.end()),
@@ -139,10 +150,7 @@ MessageImage::MessageImage(const ImageMessage& message, int bits, std::string pl
 
 cv::Size MessageImage::Decode(const cv::Size& wanted, ImageReader& reader, cv::Mat& grey) const {
   try {
-    if (message_.encoding.empty()) return reader.DecodeOfSize(data_, wanted, grey, bits_);
-    GreyTarget target{grey, wanted};
-    DecodeRaw(message_, bits_, target);
-    return target.found;
+    return DecodeToGrey(message_, bits_, wanted, reader, grey);
   } catch (const InputError& error) {
     throw InputError(place_ + ": " + error.what());
   }
