@@ -9,7 +9,7 @@ install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Facet)
-set(modules facade live messages io pipeline loop regularities mesh estimator plausibility frontend map imu calibration camera geometry base)
+set(modules robot facade live messages io pipeline loop regularities mesh estimator plausibility frontend map imu calibration camera geometry base)
 # What `make install` has to build.
 add_custom_target(installable DEPENDS facet)
 foreach(module ${modules})
