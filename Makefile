@@ -4,7 +4,7 @@ PREFIX ?= /usr/local
 SEQUENCE ?=
 DATA ?=
 
-.PHONY: all setup setup-test build demo test test-long bench format docs viewer deb install clean
+.PHONY: all setup setup-test build demo test test-long bench format docs viewer deb ros1 install clean
 all: build
 
 setup:  ## install the Debian packages that the program needs and that are missing
@@ -41,6 +41,10 @@ viewer:  ## the page of the viewer, viewer/dist, anew from viewer/src; needs Nod
 deb:  ## the Debian packages facet, libfacet-dev and python3-facet in build/packages
 	@scripts/setup.sh deb
 	@scripts/deb.sh $(PRESET)
+
+ros1:  ## the node for ROS 1, build/ros1/facet_ros; installs what is missing of ROS
+	@scripts/setup.sh ros1
+	@scripts/build.sh $(PRESET) facet_node
 
 install: setup  ## make install PREFIX=...
 	@scripts/build.sh $(PRESET) installable

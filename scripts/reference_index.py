@@ -151,7 +151,7 @@ class Index:
 
     def options_of(self, program):
         """Options of a program of bench/ or studies/, or of a script; None: unknown program."""
-        for folder in ("bench", "studies", "scripts"):
+        for folder in ("bench", "studies", "scripts", "ros1/test"):
             for suffix in (".cpp", ".py", ".sh", ""):
                 path = f"{folder}/{program}{suffix}"
                 if path in self.paths:
@@ -167,7 +167,7 @@ class Index:
         for options in self.commands.values():
             found |= options
         for path in self.files:
-            if path.parts[0] in ("bench", "studies", "scripts"):
+            if path.parts[0] in ("bench", "studies", "scripts", "ros1"):
                 found |= self.options_of(path.stem) or set()
         return found
 

@@ -7,7 +7,7 @@ import re
 import tokenize
 from dataclasses import dataclass
 
-FOLDERS = ("src", "apps", "bench", "studies", "python", "examples", "scripts", "docs", "config", "cmake", "testdata",
+FOLDERS = ("src", "apps", "bench", "studies", "python", "ros1", "examples", "scripts", "docs", "config", "cmake", "testdata",
            "debian", ".ci")
 NOTEBOOK = "docs/notebook/"
 

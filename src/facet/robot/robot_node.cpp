@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <exception>
 #include <mutex>
 #include <optional>
@@ -133,6 +134,7 @@ class RobotNode::Impl {
   void Restart(const std::string& why);
   void NoteProblem(const std::string& text);
   bool IsOfOldClock(std::int64_t t_ns);
+  void KeepEarly(const api::ImuSample& sample);
   std::vector<ImagePair> Pair(int camera, const ReceivedImage& image);
 
   void TellOdometry(const api::LiveOdometry& odometry, std::int64_t t_ns, double gyro_variance);
@@ -158,6 +160,7 @@ class RobotNode::Impl {
   bool may_be_of_old_clock_ = false;  // images that were on their way when the clock went back
   ClockWatch watch_;
   SamplePeriod period_;
+  std::deque<api::ImuSample> early_imu_;  // before there is a calibration
   ImagePairer pairer_;
   Health health_;
   HealthCounts ended_;  // of the odometries before this one
@@ -222,6 +225,7 @@ void RobotNode::Impl::End() {
   if (session_) CollectCounts(*session_);
   ended_ = health_.counts;
   session_.reset();
+  early_imu_.clear();
   scene_.Follow(nullptr);
   watch_.Clear();
   pairer_ = ImagePairer(ToleranceNs());
@@ -265,6 +269,7 @@ void RobotNode::Impl::AddImu(const api::ImuSample& sample) {
       may_be_of_old_clock_ = true;
     }
     odometry = session_;
+    if (!odometry) KeepEarly(sample);
     if (odometry)
       gyro_variance =
           calibration_->gyro_noise * calibration_->gyro_noise / period_.Add(sample.t_ns);
@@ -272,6 +277,13 @@ void RobotNode::Impl::AddImu(const api::ImuSample& sample) {
   if (!odometry) return;
   odometry->AddImu(sample);
   TellOdometry(*odometry, sample.t_ns, gyro_variance);
+}
+
+/// The start of the estimator profits from the samples before the first pair.
+void RobotNode::Impl::KeepEarly(const api::ImuSample& sample) {
+  constexpr std::size_t kMost = 2000;  // ten seconds
+  early_imu_.push_back(sample);
+  if (early_imu_.size() > kMost) early_imu_.pop_front();
 }
 
 void RobotNode::Impl::TellOdometry(const api::LiveOdometry& odometry,
@@ -369,6 +381,9 @@ void RobotNode::Impl::AddCameraInfo(int camera, const api::CameraInfo& info) {
   try {
     calibration_ = api::CalibrationFromCameraInfo(*infos_[0], *infos_[1], options_.mount);
     if (is_running_) Begin();
+    for (const api::ImuSample& sample : early_imu_)
+      session_->AddImu(sample);
+    early_imu_.clear();
     listener_.OnLog(LogLevel::kInfo, "calibration from camera_info");
     health_.problem.clear();
   } catch (const std::exception& error) {
