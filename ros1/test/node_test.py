@@ -116,7 +116,7 @@ class NodeTest:
         values = self.play(ears, bag, len(frame_stamps))
         check(int(values["images"]) == 2 * len(frame_stamps), f"{values['images']} images came")
         check(int(values["IMU samples"]) == len(imu_stamps), f"{values['IMU samples']} IMU samples came")
-        for name in ("dropped pairs", "lone images", "bad images", "dropped IMU samples", "bad IMU samples"):
+        for name in ("dropped pairs", "pairs without IMU", "lone images", "bad images", "dropped IMU samples", "bad IMU samples"):
             check(values[name] == "0", f"{name}: {values[name]}")
         check(values["status"] == "ok", f"status: {values['status']}")
         heard = ears.take()

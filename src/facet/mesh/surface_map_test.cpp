@@ -110,6 +110,11 @@ TEST(SurfaceMap, AnotherMapFollowsByWhatHasChangedAndItsPartsAreTheWhole) {
   EXPECT_FALSE(follower.has_changed());
   EXPECT_GT(num_shown, 3u);
   EXPECT_EQ(num_faces, ExtractSurface(map).faces.size());
+  follower.MarkAll();
+  std::size_t num_again = 0;
+  while (const auto part = follower.TakePart())
+    num_again += part->mesh.faces.size();
+  EXPECT_EQ(num_again, num_faces) << "for whoever comes late";
 }
 
 TEST(SurfaceMap, PartsOfNegativeBlocksAreAsLargeAsOthers) {

@@ -17,6 +17,7 @@
 #include "facet/robot/motion_covariance.h"
 #include "facet/robot/path_keeper.h"
 #include "facet/robot/scene_worker.h"
+#include "facet/robot/stereo_decoder.h"
 
 namespace facet {
 namespace robot {
@@ -26,50 +27,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Lock = std::lock_guard<std::mutex>;
 
-const RobotOptions& Checked(const RobotOptions& options) {
-  if (!(options.pair_tolerance_s >= 0 && options.pair_tolerance_s <= 0.1))
-    throw api::Error("pair_tolerance_s must be seconds, from 0 to 0.1");
-  if (!(options.silence_s > 0)) throw api::Error("silence_s must be seconds, above 0");
-  if (!(options.scene_period_s >= 0 && options.scene_period_s <= 1000))
-    throw api::Error("scene_period_s must be seconds, from 0 to 1000");
-  if (!(options.path_period_s >= 0 && options.path_period_s <= 1000))
-    throw api::Error("path_period_s must be seconds, from 0 to 1000");
-  double norm2 = 0;
-  for (const double q : options.T_base_imu.q)
-    norm2 += q * q;
-  if (!(std::abs(norm2 - 1) < 1e-3))
-    throw api::Error("T_base_imu: the quaternion is not of unit length");
-  if (options.max_path < 2) throw api::Error("max_path must be 2 or more");
-  return options;
-}
-
-/// Some stereo camera: options can be tried with it before the real one is known.
-api::Calibration AnyCalibration() {
-  api::Calibration calibration;
-  for (api::Camera* camera : {&calibration.left, &calibration.right}) {
-    camera->width = 640;
-    camera->height = 480;
-    camera->fx = camera->fy = 400;
-    camera->cx = 320;
-    camera->cy = 240;
-  }
-  calibration.right.T_BC.p[0] = 0.1;
-  return calibration;
-}
-
 bool IsFinite(const api::ImuSample& sample) {
   for (int i = 0; i < 3; ++i) {
     if (!std::isfinite(sample.gyro[i]) || !std::isfinite(sample.accel[i])) return false;
   }
   return true;
-}
-
-bool IsPlainGrey(const api::EncodedImage& image) {
-  if (image.encoding != "mono8" && image.encoding != "8UC1") return false;
-  if (image.bytes == nullptr || image.width <= 0 || image.height <= 0) return false;
-  const auto width = static_cast<std::size_t>(image.width);
-  const auto rows = static_cast<std::size_t>(image.height);
-  return image.step_bytes >= width && image.num_bytes >= image.step_bytes * (rows - 1) + width;
 }
 
 /// Between two samples, as far as they have been seen [s].
@@ -100,8 +62,7 @@ class RobotNode::Impl {
         pairer_(ToleranceNs()),
         path_(options.max_path, options.path_period_s),
         scene_(listener, options.scene_period_s) {
-    const api::LiveOdometry trial(options.calibration.value_or(AnyCalibration()), LiveOptions());
-    for (const std::string& notice : trial.Notices())
+    for (const std::string& notice : TryOptions(options))
       listener_.OnLog(LogLevel::kWarning, notice);
     calibration_ = options.calibration;
     if (options.is_started) Start();
@@ -126,7 +87,6 @@ class RobotNode::Impl {
   std::int64_t ToleranceNs() const {
     return static_cast<std::int64_t>(1e9 * options_.pair_tolerance_s);
   }
-  api::LiveOdometry::Options LiveOptions() const;
 
   // With mutex_ held.
   void Begin();
@@ -141,8 +101,6 @@ class RobotNode::Impl {
   void TakeState(int number, const api::State& state);
   void TellPose(const api::State& state);
   void Feed(api::LiveOdometry& odometry, const ImagePair& pair);
-  /// Without pixels where the image cannot be used.
-  api::Image Decode(const ReceivedImage& image, int camera);
   void CollectCounts(api::LiveOdometry& odometry);
 
   const RobotOptions options_;
@@ -150,7 +108,7 @@ class RobotNode::Impl {
   RobotListener& listener_;
 
   std::mutex image_mutex_;  // one image after the other; taken before mutex_
-  api::ImageDecoder decoder_;
+  StereoDecoder decoder_;
 
   std::mutex mutex_;
   std::optional<api::Calibration> calibration_;
@@ -172,18 +130,6 @@ class RobotNode::Impl {
   PathKeeper path_;
   SceneWorker scene_;  // last: its thread tells the listener
 };
-
-api::LiveOdometry::Options RobotNode::Impl::LiveOptions() const {
-  api::LiveOdometry::Options live;
-  live.config_file = options_.config_file;
-  live.overrides = options_.overrides;
-  live.T_BF = T_BF_;
-  live.smoothing_s = options_.smoothing_s;
-  live.max_age_s = options_.max_age_s;
-  live.max_waiting_pairs = options_.max_waiting_pairs;
-  live.two_threads = options_.two_threads;
-  return live;
-}
 
 // ---- beginning and end
 
@@ -213,7 +159,7 @@ RobotNode::Answer RobotNode::Impl::Reset() {
 
 void RobotNode::Impl::Begin() {
   const int number = ++number_;
-  api::LiveOdometry::Options live = LiveOptions();
+  api::LiveOdometry::Options live = LiveOptionsOf(options_);
   live.on_mesh = [this](std::int64_t) { scene_.Notify(); };
   session_ = std::make_shared<api::LiveOdometry>(
       *calibration_, live, [this, number](const api::State& state) { TakeState(number, state); });
@@ -335,42 +281,14 @@ bool RobotNode::Impl::IsOfOldClock(std::int64_t t_ns) {
   return may_be_of_old_clock_;
 }
 
-// As `facet run` does: without a left image there is no frame, without a right one it has one eye.
 void RobotNode::Impl::Feed(api::LiveOdometry& odometry, const ImagePair& pair) {
-  const api::Image left = Decode(pair.left, 0);
-  if (left.pixels == nullptr) return;
-  const api::Image right = pair.right ? Decode(*pair.right, 1) : api::Image();
-  odometry.AddStereo(pair.left.t_ns, left, right);
+  const GreyPair grey = decoder_.Decode(pair, *calibration_);  // it stays once it is there
+  if (grey.left.pixels != nullptr) odometry.AddStereo(pair.left.t_ns, grey.left, grey.right);
   const Lock lock(mutex_);
-  ++health_.counts.pairs;
-}
-
-api::Image RobotNode::Impl::Decode(const ReceivedImage& image, int camera) {
-  const std::string name = camera == 0 ? "left image: " : "right image: ";
-  std::string problem;
-  api::Image grey;
-  try {
-    const api::EncodedImage& encoded = image.image;
-    grey = IsPlainGrey(encoded) ? api::Image{encoded.bytes,
-                                             encoded.width,
-                                             encoded.height,
-                                             encoded.step_bytes,
-                                             image.owner}
-                                : decoder_.Decode(encoded);
-  } catch (const std::exception& error) {
-    problem = error.what();
-  }
-  const Lock lock(mutex_);
-  if (problem.empty()) {
-    const api::Camera& lens = camera == 0 ? calibration_->left : calibration_->right;
-    if (grey.width == lens.width && grey.height == lens.height) return grey;
-    problem = "it has " + std::to_string(grey.width) + " x " + std::to_string(grey.height) +
-              " pixels, the calibration has " + std::to_string(lens.width) + " x " +
-              std::to_string(lens.height);
-  }
-  ++health_.counts.bad_images;
-  NoteProblem(name + problem);
-  return {};
+  health_.counts.pairs += grey.left.pixels != nullptr ? 1 : 0;
+  health_.counts.bad_images += static_cast<std::int64_t>(grey.problems.size());
+  for (const std::string& problem : grey.problems)
+    NoteProblem(problem);
 }
 
 void RobotNode::Impl::AddCameraInfo(int camera, const api::CameraInfo& info) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "facet/facet.h"
 
@@ -29,6 +31,16 @@ struct RobotOptions {
   double path_period_s = 1;     ///< between paths
   std::size_t max_path = 2000;  ///< poses of a path; a longer one is thinned
 };
+
+/// Returns them. Throws api::Error for what is out of range.
+const RobotOptions& Checked(const RobotOptions& options);
+
+/// What the odometry is told of them.
+api::LiveOdometry::Options LiveOptionsOf(const RobotOptions& options);
+
+/// Throws api::Error where the odometry would not take them, with the calibration if there is one.
+/// Returns its notices.
+std::vector<std::string> TryOptions(const RobotOptions& options);
 
 }  // namespace robot
 }  // namespace facet
