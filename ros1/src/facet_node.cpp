@@ -144,5 +144,6 @@ int Run() {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "facet");
+  facet::api::ForbidOpenCvThreads();
   return facet::ros1::Run();
 }

@@ -104,6 +104,10 @@ void RosListener::OnLog(robot::LogLevel level, const std::string& text) {
   }
 }
 
+bool RosListener::WantsOdometry() const {
+  return odometry_.getNumSubscribers() > 0 || (publishes_tf_ && tf_.getNumSubscribers() > 0);
+}
+
 bool RosListener::WantsMesh() const {
   return mesh_.getNumSubscribers() + points_.getNumSubscribers() > 0;
 }

@@ -33,6 +33,7 @@ class RosListener : public robot::RobotListener {
   void OnPlanes(const robot::PlanesOutput& planes) override;
   void OnClear() override;
   void OnLog(robot::LogLevel level, const std::string& text) override;
+  bool WantsOdometry() const override;
   bool WantsMesh() const override;
   bool WantsScene() const override;
 

@@ -25,7 +25,7 @@ import bags
 from ros_session import Ears, Session
 
 ROOT = Path(__file__).resolve().parents[2]
-EVERY = 6  # passes of the node between two runs of the program
+EVERY = 3  # passes of the node between two runs of the program
 LOSSES = ("dropped pairs", "lone images", "repeated images", "bad images", "dropped IMU samples", "bad IMU samples",
           "pairs without IMU")
 

@@ -351,6 +351,11 @@ class LiveOdometry {
   std::unique_ptr<Impl> impl_;
 };
 
+/// OpenCV, with which Facet finds corners, spreads its work over threads of its own, in the whole
+/// process. This forbids it, as `facet run` does: images are so small that the threads cost more
+/// processor time than they save.
+void ForbidOpenCvThreads();
+
 /// Returns the version of the library, for example "0.1.0".
 const char* Version();
 

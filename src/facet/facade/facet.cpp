@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include <opencv2/core.hpp>
+
 #include "facet/calibration/calibration_vector.h"
 #include "facet/facade/plain_calibration.h"
 #include "facet/frontend/patch_kernels.h"
@@ -589,6 +591,10 @@ Mesh LiveOdometry::Map() const {
 std::vector<Plane> LiveOdometry::Planes() const {
   const std::lock_guard lock(impl_->finish_mutex);
   return impl_->result ? PlanesOf(*impl_->result) : std::vector<Plane>();
+}
+
+void ForbidOpenCvThreads() {
+  cv::setNumThreads(1);
 }
 
 const char* Version() {

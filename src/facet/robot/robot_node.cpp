@@ -235,6 +235,7 @@ void RobotNode::Impl::KeepEarly(const api::ImuSample& sample) {
 void RobotNode::Impl::TellOdometry(const api::LiveOdometry& odometry,
                                    std::int64_t t_ns,
                                    double gyro_variance) {
+  if (!listener_.WantsOdometry()) return;
   const auto motion = odometry.PredictAt(t_ns);
   if (!motion) return;
   OdometryOutput output;

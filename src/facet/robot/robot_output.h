@@ -72,6 +72,7 @@ class RobotListener {
   virtual void OnLog(LogLevel level, const std::string& text) = 0;
 
   /// Whether anybody listens: what nobody wants is not made.
+  virtual bool WantsOdometry() const { return true; }
   virtual bool WantsMesh() const { return true; }
   virtual bool WantsScene() const { return true; }  ///< map and planes
 };
