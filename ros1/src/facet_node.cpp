@@ -22,7 +22,7 @@ namespace ros1 {
 namespace {
 
 constexpr int kUsage = 2, kInput = 3;
-constexpr double kDiagnosticsPeriod_s = 1;
+constexpr double kDiagnosticsPeriod = 1;  // seconds
 
 class Node {
  public:
@@ -97,7 +97,7 @@ class Node {
     services_[2] = advertise("reset", &robot::RobotNode::Reset);
     // By the machine's clock: it must go on where the simulated one stands still.
     timer_ = own_.createWallTimer(
-        ros::WallDuration(kDiagnosticsPeriod_s),
+        ros::WallDuration(kDiagnosticsPeriod),
         [this](const ros::WallTimerEvent&) { listener_.Publish(robot_->Diagnose()); });
   }
 

@@ -271,7 +271,7 @@ sensor_msgs::PointCloud2 ToPoints(std_msgs::Header header, const api::Mesh& mesh
   cloud.data.resize(cloud.row_step);
   std::uint8_t* place = cloud.data.data();
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i, place += cloud.point_step) {
-    std::array<float, 3> xyz;
+    std::array<float, 3> xyz{};
     for (std::size_t axis = 0; axis < 3; ++axis)
       xyz[axis] = static_cast<float>(mesh.vertices[i][axis]);
     std::memcpy(place, xyz.data(), sizeof xyz);

@@ -18,7 +18,7 @@ class ClockWatch {
   /// row do.
   bool HasGoneBack(Stream stream, std::int64_t t_ns) {
     State& state = streams_[stream];
-    if (state.is_empty || t_ns > state.newest_ns - kBack_ns) {
+    if (state.is_empty || t_ns > state.newest_ns - kBackNs) {
       state.newest_ns = state.is_empty || t_ns > state.newest_ns ? t_ns : state.newest_ns;
       state.is_empty = false;
       state.num_back = 0;
@@ -34,7 +34,7 @@ class ClockWatch {
   std::int64_t newest_imu_ns() const { return streams_[kImu].newest_ns; }
 
   /// Stamps that are further back than this are not just late [ns].
-  static constexpr std::int64_t kBack_ns = 1'000'000'000;
+  static constexpr std::int64_t kBackNs = 1'000'000'000;
 
  private:
   static constexpr int kImuSamples = 5, kImages = 3;

@@ -36,8 +36,8 @@ Matrix3d Hat(const Vector3d& v) {
 }
 
 RowMajor6 Propagate(const Jacobian& J, const StateCovariance& covariance) {
-  const Eigen::Map<const RowMajor15> Sigma(covariance.data());
-  const RowMajor6 result = J * Sigma * J.transpose();
+  const Eigen::Map<const RowMajor15> state(covariance.data());
+  const RowMajor6 result = J * state * J.transpose();
   return 0.5 * (result + result.transpose());
 }
 
@@ -89,9 +89,9 @@ Covariance6 TwistCovariance(const api::Motion& motion,
   J.block<3, 3>(0, kTheta) = Hat(R_FW * Vector(motion.v_WF));
   J.block<3, 3>(0, kV) = R_FW;
   J.block<3, 3>(3, kGyroBias) = -Rotation(T_BF).conjugate().toRotationMatrix();
-  RowMajor6 Sigma = Propagate(J, motion.covariance);
-  Sigma.diagonal().tail<3>().array() += gyro_variance;
-  return Plain(Sigma);
+  RowMajor6 twist = Propagate(J, motion.covariance);
+  twist.diagonal().tail<3>().array() += gyro_variance;
+  return Plain(twist);
 }
 
 }  // namespace robot

@@ -38,9 +38,9 @@ bool IsFinite(const api::ImuSample& sample) {
 class SamplePeriod {
  public:
   double Add(std::int64_t t_ns) {
-    constexpr double kShare = 0.05, kMin_s = 1e-4, kMax_s = 0.1;
+    constexpr double kShare = 0.05, kShortest = 1e-4, kLongest = 0.1;
     const double step_s = 1e-9 * static_cast<double>(t_ns - last_ns_);
-    if (step_s > kMin_s && step_s < kMax_s) period_s_ += kShare * (step_s - period_s_);
+    if (step_s > kShortest && step_s < kLongest) period_s_ += kShare * (step_s - period_s_);
     last_ns_ = t_ns;
     return period_s_;
   }
@@ -278,7 +278,7 @@ std::vector<ImagePair> RobotNode::Impl::Pair(int camera, const ReceivedImage& im
 /// Images wait longer than IMU samples: after a jump some of before it still come.
 bool RobotNode::Impl::IsOfOldClock(std::int64_t t_ns) {
   if (!may_be_of_old_clock_) return false;
-  may_be_of_old_clock_ = t_ns - watch_.newest_imu_ns() > ClockWatch::kBack_ns;
+  may_be_of_old_clock_ = t_ns - watch_.newest_imu_ns() > ClockWatch::kBackNs;
   return may_be_of_old_clock_;
 }
 

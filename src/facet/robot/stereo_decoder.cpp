@@ -37,12 +37,12 @@ api::Image StereoDecoder::DecodeOne(const ReceivedImage& image,
                                     std::vector<std::string>& problems) {
   const api::EncodedImage& encoded = image.image;
   try {
-    const api::Image grey = IsPlainGrey(encoded) ? api::Image{encoded.bytes,
-                                                              encoded.width,
-                                                              encoded.height,
-                                                              encoded.step_bytes,
-                                                              image.owner}
-                                                 : decoder_.Decode(encoded);
+    api::Image grey = IsPlainGrey(encoded) ? api::Image{encoded.bytes,
+                                                        encoded.width,
+                                                        encoded.height,
+                                                        encoded.step_bytes,
+                                                        image.owner}
+                                           : decoder_.Decode(encoded);
     if (grey.width == camera.width && grey.height == camera.height) return grey;
     problems.push_back(name + "it has " + InWords(grey.width, grey.height) +
                        " pixels, the calibration has " + InWords(camera.width, camera.height));
