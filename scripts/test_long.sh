@@ -43,9 +43,11 @@ asan() {
 }
 
 tsan() {
-  scripts/build.sh tsan threaded_vio_test live_vio_test run_sequence_test view_server_test live_view_test publisher_test &&
+  scripts/build.sh tsan threaded_vio_test live_vio_test run_sequence_test view_server_test live_view_test publisher_test \
+    robot_node_test &&
     build-tsan/tests/threaded_vio_test && build-tsan/tests/live_vio_test && build-tsan/tests/run_sequence_test &&
-    build-tsan/tests/view_server_test && build-tsan/tests/live_view_test && build-tsan/tests/publisher_test
+    build-tsan/tests/view_server_test && build-tsan/tests/live_view_test && build-tsan/tests/publisher_test &&
+    build-tsan/tests/robot_node_test
 }
 
 # fuzz_build FOLDER BUILD_TYPE SANITIZERS TARGET...

@@ -138,7 +138,7 @@ struct CameraInfo {
 
 /// What CameraInfo does not tell of a stereo camera.
 struct CameraMount {
-  Pose T_BC;                   ///< left camera to body
+  Pose T_BC;                   ///< left camera to body, of the raw one where images are rectified
   std::optional<Pose> T_C0C1;  ///< right camera to left; empty: from R and P
   bool are_rectified = false;  ///< the images; then P counts, and K and D do not
   std::string imu_noise;       ///< Kalibr's imu.yaml; empty: the default densities

@@ -87,7 +87,7 @@ Vector<15> PossibleCovariance(const Matrix<15, 15>& covariance, const ClockCovar
   Vector<15> whitened = inverse_sigma.cwiseProduct(clock.with_newest);
   factor.matrixL().solveInPlace(whitened);
   const double explained = whitened.squaredNorm();
-  if (explained <= clock.variance) return clock.with_newest;
+  if (!(explained > clock.variance)) return clock.with_newest;
   return std::sqrt(clock.variance / explained) * clock.with_newest;
 }
 

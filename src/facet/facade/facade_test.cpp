@@ -241,6 +241,8 @@ TEST(CameraInfoTest, BaselineAndRotationComeFromRAndP) {
   EXPECT_EQ(rectified.left.distortion, api::Camera::Distortion::kNone);
   EXPECT_EQ(rectified.left.fy, 400);
   EXPECT_NEAR(rectified.right.T_BC.p[0], 1.11, 1e-9);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(rectified.right.T_BC.q[i], rectified.left.T_BC.q[i], 1e-9) << "rectified: parallel";
 }
 
 TEST(CameraInfoTest, SaysWhatIsMissing) {

@@ -320,7 +320,7 @@ Calibration CalibrationFromCameraInfo(const CameraInfo& left,
                                       const CameraMount& mount) try {
   const std::array infos = {Internal(left, "left"), Internal(right, "right")};
   const std::optional<SE3> T_C0C1 =
-      mount.T_C0C1 ? Internal(*mount.T_C0C1, "T_C0C1") : RightToLeft(infos, mount.are_rectified);
+      mount.T_C0C1 ? Internal(*mount.T_C0C1, "T_C0C1") : RightToLeft(infos);
   if (!T_C0C1)
     throw Error("camera_info of the right camera has no baseline in P, and no transform is given");
   RosCalibrationMessages messages;

@@ -100,16 +100,19 @@ std::optional<Matrix3d> RectifyingRotation(const CameraInfoMessage& info) {
   return R;
 }
 
+bool IsTurned(const CameraInfoMessage& info) {
+  const std::optional<Matrix3d> R = RectifyingRotation(info);
+  return R && !R->isIdentity(1e-9);
+}
+
 }  // namespace
 
 // Between the rectified cameras there is only the baseline: P of the right one is K [I | -b].
-std::optional<SE3> RightToLeft(const std::array<CameraInfoMessage, 2>& cameras,
-                               bool are_rectified) {
+std::optional<SE3> RightToLeft(const std::array<CameraInfoMessage, 2>& cameras) {
   const auto& P = cameras[1].P;
   const double baseline_m = -P[3] / P[0];
   if (!std::isfinite(baseline_m) || baseline_m == 0) return std::nullopt;
   const Vector3d right_in_rectified(baseline_m, 0, 0);
-  if (are_rectified) return SE3(Quaterniond::Identity(), right_in_rectified);
   const auto R0 = RectifyingRotation(cameras[0]), R1 = RectifyingRotation(cameras[1]);
   if (!R0 || !R1) return std::nullopt;
   const Matrix3d R_C0C1 = R0->transpose() * *R1;
@@ -172,8 +175,9 @@ RosCalibration CalibrationFromMessages(const RosCalibrationMessages& messages,
     mounted = *T_BC;
     auto [intrinsics, wrong] = IntrinsicsOf(info);
     // Drivers that publish rectified images alone write their calibration as that of raw ones.
-    const bool is_distorted = intrinsics.distortion != DistortionModel::kNone || !wrong.empty();
-    if (messages.are_rectified[i] && is_distorted) wrong = Rectify(info, intrinsics, mounted);
+    const bool is_of_raw =
+        intrinsics.distortion != DistortionModel::kNone || !wrong.empty() || IsTurned(info);
+    if (messages.are_rectified[i] && is_of_raw) wrong = Rectify(info, intrinsics, mounted);
     if (!wrong.empty()) {
       result.problem = "camera_info of the " + side + " camera: " + wrong;
       return result;

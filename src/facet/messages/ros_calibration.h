@@ -30,10 +30,9 @@ struct RosCalibration {
 RosCalibration CalibrationFromMessages(const RosCalibrationMessages& messages,
                                        const std::filesystem::path& imu_file);
 
-/// T_C0C1, right camera to left one, from the R and P of a pair that was calibrated for
-/// rectification; `are_rectified`: of the images themselves. Empty where they say nothing, which is
-/// so where the right P has no baseline.
-std::optional<SE3> RightToLeft(const std::array<CameraInfoMessage, 2>& cameras, bool are_rectified);
+/// T_C0C1, raw right camera to raw left one, from the R and P of a pair that was calibrated for
+/// rectification. Empty where they say nothing, which is so where the right P has no baseline.
+std::optional<SE3> RightToLeft(const std::array<CameraInfoMessage, 2>& cameras);
 
 /// Model and coefficients of the lens, in the names that ROS has, or else Kalibr's.
 void SetLens(const CameraIntrinsics& intrinsics, CameraInfoMessage& info);

@@ -18,19 +18,23 @@ class ClockWatch {
   /// row do.
   bool HasGoneBack(Stream stream, std::int64_t t_ns) {
     State& state = streams_[stream];
+    const int needed = stream == kImu ? kImuSamples : kImages;
+    // The same of the future: a single stamp there would make all that follow look late.
+    if (!state.is_empty && t_ns > state.newest_ns + kBackNs && ++state.num_ahead < needed)
+      return false;
+    state.num_ahead = 0;
     if (state.is_empty || t_ns > state.newest_ns - kBackNs) {
       state.newest_ns = state.is_empty || t_ns > state.newest_ns ? t_ns : state.newest_ns;
       state.is_empty = false;
       state.num_back = 0;
       return false;
     }
-    return ++state.num_back >= (stream == kImu ? kImuSamples : kImages);
+    return ++state.num_back >= needed;
   }
 
   /// The clock of now is the right one.
   void Clear() { streams_ = {}; }
 
-  bool HasImu() const { return !streams_[kImu].is_empty; }
   std::int64_t newest_imu_ns() const { return streams_[kImu].newest_ns; }
 
   /// Stamps that are further back than this are not just late [ns].
@@ -42,7 +46,7 @@ class ClockWatch {
   struct State {
     bool is_empty = true;
     std::int64_t newest_ns = 0;
-    int num_back = 0;
+    int num_back = 0, num_ahead = 0;
   };
   std::array<State, 3> streams_;
 };

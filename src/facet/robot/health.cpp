@@ -30,7 +30,8 @@ std::optional<Verdict> JudgeSensor(const char* name,
 Verdict JudgeStatus(const Health& health) {
   switch (health.status) {
     case api::Status::kInitialising:
-      return {Level::kWarning, WithReason("initialising", health.reason)};
+      return {Level::kWarning,
+              WithReason("initialising", health.reason.empty() ? health.problem : health.reason)};
     case api::Status::kDegraded:
       return {Level::kWarning, WithReason("degraded", health.reason)};
     case api::Status::kLost:
@@ -55,8 +56,10 @@ Verdict VerdictOn(const Health& health) {
   }
   if (health.has_failed) return {Level::kError, "the odometry has failed; reset it"};
   if (const auto imu = JudgeSensor("IMU sample", health.since_imu_s, health.silence_s)) return *imu;
-  if (const auto images = JudgeSensor("image", health.since_image_s, health.silence_s))
-    return *images;
+  if (const auto left = JudgeSensor("left image", health.since_left_s, health.silence_s))
+    return *left;
+  if (const auto right = JudgeSensor("right image", health.since_right_s, health.silence_s))
+    return *right;
   return JudgeStatus(health);
 }
 

@@ -33,8 +33,9 @@ struct Health {
   bool has_failed = false;
   std::string problem;  ///< with the calibration, or what the newest image lacked
   std::string warning;  ///< of the newest state that had one
-  std::optional<double> since_imu_s, since_image_s;  ///< by the machine's clock; empty: none came
-  double silence_s = 1;                              ///< limit of both
+  /// By the machine's clock; empty: none came.
+  std::optional<double> since_imu_s, since_left_s, since_right_s;
+  double silence_s = 1;  ///< limit of all three
   api::Status status = api::Status::kInitialising;
   std::string reason;
   double latency_s = 0, max_latency_s = 0;

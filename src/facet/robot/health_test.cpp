@@ -12,7 +12,7 @@ Health Good() {
   Health health;
   health.is_running = health.has_odometry = true;
   health.since_imu_s = 0.005;
-  health.since_image_s = 0.05;
+  health.since_left_s = health.since_right_s = 0.05;
   health.status = api::Status::kOk;
   return health;
 }
@@ -37,8 +37,10 @@ TEST(HealthTest, TheWorstIsSaidFirst) {
   Expect(health, Level::kWarning, "degraded: few tracks");
   health.status = api::Status::kLost;
   Expect(health, Level::kError, "lost: few tracks");
-  health.since_image_s = 1.5;
-  Expect(health, Level::kError, "no image comes any more");
+  health.since_right_s = 1.5;
+  Expect(health, Level::kError, "no right image comes any more");
+  health.since_left_s = 1.5;
+  Expect(health, Level::kError, "no left image comes any more");
   health.since_imu_s.reset();
   Expect(health, Level::kError, "no IMU sample has come yet");
   health.has_failed = true;

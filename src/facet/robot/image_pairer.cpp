@@ -9,7 +9,9 @@ namespace robot {
 
 namespace {
 
-// Of one camera, half a second at 20 Hz: a partner that is later than that does not come.
+// A partner that is later than that does not come: a left image that waited longer would be too old
+// for the odometry. And of one camera at most so many wait.
+constexpr std::int64_t kMaxWait_ns = 250'000'000;
 constexpr std::size_t kMaxWaiting = 10;
 
 }  // namespace
@@ -36,6 +38,7 @@ std::vector<ImagePair> ImagePairer::Add(int camera, ReceivedImage image) {
 bool ImagePairer::IsSettled() const {
   const auto& right = waiting_[1];
   return waiting_[0].size() > kMaxWaiting ||
+         waiting_[0].back().t_ns - waiting_[0].front().t_ns > kMaxWait_ns ||
          (!right.empty() && right.back().t_ns >= waiting_[0].front().t_ns);
 }
 

@@ -64,6 +64,16 @@ TEST_F(PairerTest, WhatWaitsIsBounded) {
   EXPECT_GE(pairer_.counts().lone_right, 89);
 }
 
+TEST_F(PairerTest, ALeftImageDoesNotWaitLongForARightCameraThatHasDied) {
+  constexpr std::int64_t k10Hz = 100'000'000;
+  Add(kLeft, k10Hz);
+  EXPECT_NE(Add(kRight, k10Hz), "");
+  EXPECT_EQ(Add(kLeft, 2 * k10Hz), "");
+  EXPECT_EQ(Add(kLeft, 3 * k10Hz), "");
+  EXPECT_EQ(Add(kLeft, 4 * k10Hz), "");
+  EXPECT_EQ(Add(kLeft, 5 * k10Hz), "200000000/-");
+}
+
 TEST_F(PairerTest, StampsThatDoNotRiseAreLeftOut) {
   Add(kLeft, 10);
   Add(kLeft, 10);

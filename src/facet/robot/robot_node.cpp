@@ -99,7 +99,7 @@ class RobotNode::Impl {
 
   void TellOdometry(const api::LiveOdometry& odometry, std::int64_t t_ns, double gyro_variance);
   void TakeState(int number, const api::State& state);
-  void TellPose(const api::State& state);
+  void TellPose(int number, const api::State& state);
   void Feed(api::LiveOdometry& odometry, const ImagePair& pair);
   void CollectCounts(api::LiveOdometry& odometry);
 
@@ -123,7 +123,9 @@ class RobotNode::Impl {
   Health health_;
   HealthCounts ended_;  // of the odometries before this one
   std::int64_t reported_lost_ = 0;
-  std::optional<Clock::time_point> imu_arrival_, image_arrival_;
+  std::optional<std::int64_t> told_ns_;  // newest sample
+  std::optional<Clock::time_point> imu_arrival_;
+  std::array<std::optional<Clock::time_point>, 2> image_arrivals_;
 
   std::atomic<int> number_ = 0;  // of the odometry; what an older one tells is not passed on
   std::mutex path_mutex_;
@@ -139,6 +141,10 @@ RobotNode::Answer RobotNode::Impl::Start() {
   is_running_ = true;
   if (!calibration_) return {true, "started; it waits for camera_info of both cameras"};
   Begin();
+  if (!session_) {
+    is_running_ = false;
+    return {false, health_.problem};
+  }
   return {true, "started"};
 }
 
@@ -157,13 +163,16 @@ RobotNode::Answer RobotNode::Impl::Reset() {
   return {true, "reset; it begins anew"};
 }
 
-void RobotNode::Impl::Begin() {
+void RobotNode::Impl::Begin() try {
   const int number = ++number_;
   api::LiveOdometry::Options live = LiveOptionsOf(options_);
   live.on_mesh = [this](std::int64_t) { scene_.Notify(); };
   session_ = std::make_shared<api::LiveOdometry>(
       *calibration_, live, [this, number](const api::State& state) { TakeState(number, state); });
   scene_.Follow(session_);
+} catch (const std::exception& error) {  // a parameter file that is gone, no thread
+  session_.reset();
+  NoteProblem(error.what());
 }
 
 void RobotNode::Impl::End() {
@@ -177,6 +186,9 @@ void RobotNode::Impl::End() {
   pairer_ = ImagePairer(ToleranceNs());
   health_.status = api::Status::kInitialising;
   health_.reason.clear();
+  health_.warning.clear();
+  health_.problem.clear();
+  told_ns_.reset();
   const Lock path_lock(path_mutex_);
   path_.Clear();
 }
@@ -199,6 +211,7 @@ void RobotNode::Impl::NoteProblem(const std::string& text) {
 void RobotNode::Impl::AddImu(const api::ImuSample& sample) {
   std::shared_ptr<api::LiveOdometry> odometry;
   double gyro_variance = 0;
+  bool is_new = false;
   {
     const Lock lock(mutex_);
     ++health_.counts.imu;
@@ -216,13 +229,16 @@ void RobotNode::Impl::AddImu(const api::ImuSample& sample) {
     }
     odometry = session_;
     if (!odometry) KeepEarly(sample);
+    is_new = !told_ns_ || sample.t_ns > *told_ns_;
+    if (is_new) told_ns_ = sample.t_ns;
     if (odometry)
       gyro_variance =
           calibration_->gyro_noise * calibration_->gyro_noise / period_.Add(sample.t_ns);
   }
   if (!odometry) return;
   odometry->AddImu(sample);
-  TellOdometry(*odometry, sample.t_ns, gyro_variance);
+  // A stamp that comes twice, or late, has been told of.
+  if (is_new) TellOdometry(*odometry, sample.t_ns, gyro_variance);
 }
 
 /// The start of the estimator profits from the samples before the first pair.
@@ -255,7 +271,7 @@ void RobotNode::Impl::AddImage(int camera, const ReceivedImage& image) {
   {
     const Lock lock(mutex_);
     ++health_.counts.images;
-    image_arrival_ = Clock::now();
+    image_arrivals_[static_cast<std::size_t>(camera)] = Clock::now();
     if (!is_running_) return;
     pairs = Pair(camera, image);
     odometry = session_;
@@ -300,8 +316,9 @@ void RobotNode::Impl::AddCameraInfo(int camera, const api::CameraInfo& info) {
   try {
     calibration_ = api::CalibrationFromCameraInfo(*infos_[0], *infos_[1], options_.mount);
     if (is_running_) Begin();
-    for (const api::ImuSample& sample : early_imu_)
-      session_->AddImu(sample);
+    for (const api::ImuSample& sample : early_imu_) {
+      if (session_) session_->AddImu(sample);
+    }
     early_imu_.clear();
     listener_.OnLog(LogLevel::kInfo, "calibration from camera_info");
     health_.problem.clear();
@@ -328,13 +345,15 @@ void RobotNode::Impl::TakeState(int number, const api::State& state) {
   if (state.was_reset)
     listener_.OnLog(LogLevel::kWarning,
                     "the estimate was given up and begins again: " + state.reason);
-  if (state.has_pose) TellPose(state);
+  if (state.has_pose) TellPose(number, state);
 }
 
-void RobotNode::Impl::TellPose(const api::State& state) {
+/// Of one odometry at a time: what ends one clears the path after that.
+void RobotNode::Impl::TellPose(int number, const api::State& state) {
+  const Lock lock(path_mutex_);
+  if (number != number_) return;
   const api::Pose T_WF = Compose(state.T_WB, T_BF_);
   listener_.OnPose({state.t_ns, T_WF, PoseCovariance(state.T_WB, T_BF_, state.covariance)});
-  const Lock lock(path_mutex_);
   if (path_.Add({state.t_ns, T_WF})) listener_.OnPath(path_.poses());
 }
 
@@ -366,7 +385,8 @@ Diagnosis RobotNode::Impl::Diagnose() {
   if (session_) CollectCounts(*session_);
   health_.silence_s = options_.silence_s;
   health_.since_imu_s = since(imu_arrival_);
-  health_.since_image_s = since(image_arrival_);
+  health_.since_left_s = since(image_arrivals_[0]);
+  health_.since_right_s = since(image_arrivals_[1]);
   const std::int64_t lost = health_.counts.lost();
   health_.newly_lost = lost - reported_lost_;
   reported_lost_ = lost;

@@ -54,6 +54,11 @@ class RecordingListener : public RobotListener {
     log += (level == LogLevel::kError ? "E " : "- ") + text + "\n";
   }
 
+  int num_told() const {
+    const std::lock_guard lock(mutex_);
+    return num_told_;
+  }
+
   std::vector<OdometryOutput> odometry;
   std::vector<PoseOutput> poses;
   std::vector<std::vector<PathPose>> paths;
@@ -68,8 +73,10 @@ class RecordingListener : public RobotListener {
   void Keep(std::vector<T>& kept, const T& output) {
     const std::lock_guard lock(mutex_);
     kept.push_back(output);
+    ++num_told_;
   }
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
+  int num_told_ = 0;
 };
 
 class RobotNodeTest : public ::testing::Test {
@@ -104,12 +111,16 @@ class RobotNodeTest : public ::testing::Test {
   }
 
   /// Until every pair that was given is done.
-  static void Wait(RobotNode& node) {
+  void Wait(RobotNode& node) const {
     for (int i = 0; i < 3000; ++i) {
       if (Value(node, "done pairs") + Value(node, "dropped pairs") >= Value(node, "pairs")) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the mesh of the last one
+    // What the threads still have to tell of the last ones.
+    for (int before = -1, i = 0; before != listener_.num_told() && i < 60; ++i) {
+      before = listener_.num_told();
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    }
   }
 
   const std::vector<std::uint8_t> left_ = testing::WallImage(kWidth, kHeight, 0),
@@ -196,6 +207,26 @@ TEST_F(RobotNodeTest, OneStrayStampDoesNotRestart) {
   node.AddImu({5, {{0, 0, 0}}, {{0, 0, 9.81}}});
   node.AddImage(0, Grey(5, left_));
   EXPECT_EQ(Value(node, "restarts"), 0);
+}
+
+TEST_F(RobotNodeTest, OneStampOfTheFutureDoesNotRestart) {
+  RobotNode node(options_, listener_);
+  constexpr std::int64_t kLater_ns = 3'600'000'000'000;
+  node.AddImu({kLater_ns / 2, {{0, 0, 0}}, {{0, 0, 9.81}}});
+  node.AddImu({kLater_ns, {{0, 0, 0}}, {{0, 0, 9.81}}});
+  Play(node, kLater_ns / 2);
+  EXPECT_EQ(Value(node, "restarts"), 0);
+}
+
+TEST_F(RobotNodeTest, OneSampleIsToldOnce) {
+  RobotNode node(options_, listener_);
+  Play(node);
+  Wait(node);
+  const std::size_t num_before = listener_.odometry.size();
+  const std::int64_t t_ns = kFrames * kFrame_ns;
+  for (const std::int64_t stamp_ns : {t_ns, t_ns, t_ns - kImu_ns})
+    node.AddImu({stamp_ns, {{0, 0, 0}}, {{0, 0, 9.81}}});
+  EXPECT_EQ(listener_.odometry.size(), num_before + 1);
 }
 
 TEST_F(RobotNodeTest, WhatCannotBeUsedIsCountedAndSaid) {
