@@ -118,6 +118,21 @@ sensor_msgs::PointField Field(const char* name, std::uint32_t offset) {
   return field;
 }
 
+/// With the bytes of the message, which stays as long as the image.
+template <class Message>
+robot::ReceivedImage Received(const Message& message, api::EncodedImage image) {
+  image.bytes = message->data.data();
+  image.num_bytes = message->data.size();
+  return {Nanoseconds(message->header.stamp),
+          image,
+          std::shared_ptr<const void>(message->data.data(), [message](const void*) {})};
+}
+
+template <class From, class To>
+void Copy(const From& from, To& to) {
+  std::copy(from.begin(), from.end(), to.begin());
+}
+
 }  // namespace
 
 api::ImuSample ToSample(const sensor_msgs::Imu& message) {
@@ -134,20 +149,11 @@ robot::ReceivedImage ToImage(const sensor_msgs::ImageConstPtr& message) {
   image.height = static_cast<int>(std::min<std::uint32_t>(message->height, INT32_MAX));
   image.step_bytes = message->step;
   image.is_big_endian = message->is_bigendian != 0;
-  image.bytes = message->data.data();
-  image.num_bytes = message->data.size();
-  return {Nanoseconds(message->header.stamp),
-          image,
-          std::shared_ptr<const void>(message->data.data(), [message](const void*) {})};
+  return Received(message, std::move(image));
 }
 
 robot::ReceivedImage ToImage(const sensor_msgs::CompressedImageConstPtr& message) {
-  api::EncodedImage image;
-  image.bytes = message->data.data();
-  image.num_bytes = message->data.size();
-  return {Nanoseconds(message->header.stamp),
-          image,
-          std::shared_ptr<const void>(message->data.data(), [message](const void*) {})};
+  return Received(message, {});
 }
 
 api::CameraInfo ToCameraInfo(const sensor_msgs::CameraInfo& message) {
@@ -156,9 +162,9 @@ api::CameraInfo ToCameraInfo(const sensor_msgs::CameraInfo& message) {
   info.height = static_cast<int>(std::min<std::uint32_t>(message.height, INT32_MAX));
   info.distortion_model = message.distortion_model;
   info.D = message.D;
-  std::copy(message.K.begin(), message.K.end(), info.K.begin());
-  std::copy(message.R.begin(), message.R.end(), info.R.begin());
-  std::copy(message.P.begin(), message.P.end(), info.P.begin());
+  Copy(message.K, info.K);
+  Copy(message.R, info.R);
+  Copy(message.P, info.P);
   return info;
 }
 
@@ -198,12 +204,8 @@ nav_msgs::Odometry ToOdometry(const robot::OdometryOutput& output, const FrameNa
   message.pose.pose = ToPose(output.T_odom_base);
   message.twist.twist.linear = ToVector(output.v_base);
   message.twist.twist.angular = ToVector(output.w_base);
-  std::copy(output.pose_covariance.begin(),
-            output.pose_covariance.end(),
-            message.pose.covariance.begin());
-  std::copy(output.twist_covariance.begin(),
-            output.twist_covariance.end(),
-            message.twist.covariance.begin());
+  Copy(output.pose_covariance, message.pose.covariance);
+  Copy(output.twist_covariance, message.twist.covariance);
   return message;
 }
 
@@ -212,7 +214,7 @@ geometry_msgs::PoseWithCovarianceStamped ToPose(const robot::PoseOutput& output,
   geometry_msgs::PoseWithCovarianceStamped message;
   message.header = Header(output.t_ns, frames.odom);
   message.pose.pose = ToPose(output.T_odom_base);
-  std::copy(output.covariance.begin(), output.covariance.end(), message.pose.covariance.begin());
+  Copy(output.covariance, message.pose.covariance);
   return message;
 }
 

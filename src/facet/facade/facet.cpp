@@ -17,8 +17,6 @@
 #include "facet/io/errors.h"
 #include "facet/live/live_vio.h"
 #include "facet/mesh/map_follower.h"
-#include "facet/messages/message_image.h"
-#include "facet/messages/ros_calibration.h"
 #include "facet/pipeline/vio_pipeline.h"
 
 namespace facet::api {
@@ -45,18 +43,6 @@ Vec3 Plain(const Vector3d& v) {
 
 Pose Plain(const SE3& T) {
   return {Plain(T.p), {T.q.w(), T.q.x(), T.q.y(), T.q.z()}};
-}
-
-SE3 Internal(const Pose& pose, const std::string& name) {
-  const auto& [w, x, y, z] = pose.q;
-  const Quaterniond q(w, x, y, z);
-  if (!(std::abs(q.norm() - 1) < 1e-3))
-    throw Error(name + ": the quaternion is not of unit length");
-  const Vector3d p(pose.p[0], pose.p[1], pose.p[2]);
-  if (!p.allFinite()) throw Error(name + ": the position is not finite");
-  // One that is of unit length but for rounding stays as it is, bit by bit.
-  constexpr double kRounding = 1e-15;
-  return {std::abs(q.squaredNorm() - 1) < kRounding ? q : q.normalized(), p};
 }
 
 Camera Plain(const CameraModel& camera, const SE3& T_BC) {
@@ -269,6 +255,18 @@ struct Odometry::Impl {
   std::vector<std::pair<OwnedImage, OwnedImage>> images;  // of the newest frames
 };
 
+SE3 Internal(const Pose& pose, const std::string& name) {
+  const auto& [w, x, y, z] = pose.q;
+  const Quaterniond q(w, x, y, z);
+  if (!(std::abs(q.norm() - 1) < 1e-3))
+    throw Error(name + ": the quaternion is not of unit length");
+  const Vector3d p(pose.p[0], pose.p[1], pose.p[2]);
+  if (!p.allFinite()) throw Error(name + ": the position is not finite");
+  // One that is of unit length but for rounding stays as it is, bit by bit.
+  constexpr double kRounding = 1e-15;
+  return {std::abs(q.squaredNorm() - 1) < kRounding ? q : q.normalized(), p};
+}
+
 Calibration PlainCalibration(const StereoRig& rig, const facet::ImuNoise& noise) {
   Calibration plain;
   plain.left = Plain(rig.cameras[0], rig.T_BC[0]);
@@ -294,72 +292,6 @@ Calibration ReadCalibration(const std::string& cameras, const std::string& imu) 
                             {{}, imu})
           : ReadKalibrCalibration(cameras, imu);
   return PlainCalibration(read.rig, read.imu_noise);
-} catch (const InputError& error) {
-  throw Error(error.what());
-}
-
-namespace {
-
-CameraInfoMessage Internal(const CameraInfo& plain, const std::string& frame) {
-  CameraInfoMessage info;
-  info.header.frame = frame;
-  info.width = static_cast<std::uint32_t>(std::max(plain.width, 0));
-  info.height = static_cast<std::uint32_t>(std::max(plain.height, 0));
-  info.distortion_model = plain.distortion_model;
-  info.D = plain.D;
-  info.K = plain.K;
-  info.R = plain.R;
-  info.P = plain.P;
-  return info;
-}
-
-}  // namespace
-
-Calibration CalibrationFromCameraInfo(const CameraInfo& left,
-                                      const CameraInfo& right,
-                                      const CameraMount& mount) try {
-  const std::array infos = {Internal(left, "left"), Internal(right, "right")};
-  const std::optional<SE3> T_C0C1 =
-      mount.T_C0C1 ? Internal(*mount.T_C0C1, "T_C0C1") : RightToLeft(infos);
-  if (!T_C0C1)
-    throw Error("camera_info of the right camera has no baseline in P, and no transform is given");
-  RosCalibrationMessages messages;
-  messages.cameras = {infos[0], infos[1]};
-  messages.are_rectified = {mount.are_rectified, mount.are_rectified};
-  messages.imu_frame = "imu";
-  const SE3 T_BC = Internal(mount.T_BC, "T_BC");
-  messages.transforms = {{"imu", "left", T_BC}, {"left", "right", *T_C0C1}};
-  const RosCalibration found = CalibrationFromMessages(messages, mount.imu_noise);
-  if (!found.calibration) throw Error(found.problem);
-  return PlainCalibration(found.calibration->rig, found.calibration->imu_noise);
-} catch (const InputError& error) {
-  throw Error(error.what());
-}
-
-struct ImageDecoder::Impl {
-  int sample_bits = 16;
-  ImageReader reader;
-};
-
-ImageDecoder::ImageDecoder(int sample_bits) : impl_(std::make_unique<Impl>()) {
-  if (sample_bits < 8 || sample_bits > 16) throw Error("sample_bits must be 8 to 16");
-  impl_->sample_bits = sample_bits;
-}
-ImageDecoder::~ImageDecoder() = default;
-ImageDecoder::ImageDecoder(ImageDecoder&&) noexcept = default;
-ImageDecoder& ImageDecoder::operator=(ImageDecoder&&) noexcept = default;
-
-Image ImageDecoder::Decode(const EncodedImage& image) try {
-  ImageMessage message;
-  message.encoding = image.encoding;
-  message.width = static_cast<std::uint32_t>(std::max(image.width, 0));
-  message.height = static_cast<std::uint32_t>(std::max(image.height, 0));
-  message.step = static_cast<std::uint32_t>(image.step_bytes);
-  message.is_big_endian = image.is_big_endian;
-  message.data = {image.bytes, image.bytes == nullptr ? 0 : image.num_bytes};
-  const auto grey = std::make_shared<cv::Mat>();
-  DecodeToGrey(message, impl_->sample_bits, {}, impl_->reader, *grey);
-  return {grey->data, grey->cols, grey->rows, grey->step[0], grey};
 } catch (const InputError& error) {
   throw Error(error.what());
 }

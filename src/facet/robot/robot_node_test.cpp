@@ -85,6 +85,7 @@ class RobotNodeTest : public ::testing::Test {
     options_.calibration = TestCalibration();
     options_.max_waiting_pairs = 100;
     options_.scene_period_s = 0.2;
+    options_.silence_s = 3600;  // of the machine's clock, while the test waits
   }
 
   ReceivedImage Grey(std::int64_t t_ns, const std::vector<std::uint8_t>& pixels) const {
