@@ -16,18 +16,16 @@ constexpr int kRounds = 2;  // solve, integrate the IMU again about the new bias
 std::optional<WindowObservation> Prepare(const FeatureObservation& feature,
                                          const StereoRig& rig,
                                          double sigma_scale) {
-  const auto left = rig.cameras[0].Undistort(feature.px_left);
+  const auto left = rig.cameras[0].BearingOf(feature.px_left);
   if (!left) return std::nullopt;
   WindowObservation out;
-  out.xy[0] = left->xy;
   out.sigma_px[0] = sigma_scale * feature.sigma_left_px;
-  out.sqrt_info[0] = left->J_xy_px.inverse() / out.sigma_px[0];
+  out.rays[0] = {left->bearing, left->J_px_bearing / out.sigma_px[0]};
   if (!feature.px_right) return out;
-  if (const auto right = rig.cameras[1].Undistort(*feature.px_right)) {
+  if (const auto right = rig.cameras[1].BearingOf(*feature.px_right)) {
     out.has_right = true;
-    out.xy[1] = right->xy;
     out.sigma_px[1] = sigma_scale * feature.sigma_right_px;
-    out.sqrt_info[1] = right->J_xy_px.inverse() / out.sigma_px[1];
+    out.rays[1] = {right->bearing, right->J_px_bearing / out.sigma_px[1]};
   }
   return out;
 }

@@ -25,39 +25,13 @@ Matrix<2, 4> CoefficientJacobian(const CameraIntrinsics& k, const Vector2d& xy) 
   return J;
 }
 
-/// Where the lens puts a point of the plane z = 1, on that plane.
-Vector2d Distort(const CameraIntrinsics& k, const Vector2d& xy) {
-  const double x = xy.x(), y = xy.y(), r2 = xy.squaredNorm();
-  const auto& c = k.coefficients;
-  if (k.distortion == DistortionModel::kRadialTangential) {
-    const double radial = 1 + r2 * (c[0] + r2 * c[1]);
-    return {x * radial + 2 * c[2] * x * y + c[3] * (r2 + 2 * x * x),
-            y * radial + c[2] * (r2 + 2 * y * y) + 2 * c[3] * x * y};
-  }
-  if (k.distortion == DistortionModel::kEquidistant && r2 > 0) {
-    const double r = std::sqrt(r2), theta = std::atan(r), t2 = theta * theta;
-    return xy * (theta / r * (1 + t2 * (c[0] + t2 * (c[1] + t2 * (c[2] + t2 * c[3])))));
-  }
-  return DistortThroughLens(k, xy, nullptr);  // of an equidistant lens the axis alone
-}
-
 }  // namespace
 
-Matrix<2, kNumIntrinsics> IntrinsicsJacobian(const CameraModel& camera, const Vector2d& xy) {
-  const CameraIntrinsics& k = camera.intrinsics();
-  const Vector2d distorted = Distort(k, xy);
-  const Matrix<2, 4> J = CoefficientJacobian(k, xy);
-  Matrix<2, kNumIntrinsics> out;
-  out.row(0) << distorted.x(), 0, 1, 0, k.fx * J.row(0);
-  out.row(1) << 0, distorted.y(), 0, 1, k.fy * J.row(1);
-  return out;
-}
-
 Vector2d ShiftByIntrinsics(const CameraIntrinsics& k,
-                           const Vector2d& xy,
+                           const Vector3d& h,
                            const Vector2d& px,
                            const IntrinsicsVector& change) {
-  const Vector2d moved = CoefficientJacobian(k, xy) * change.tail<4>();
+  const Vector2d moved = CoefficientJacobian(k, h.head<2>() / h.z()) * change.tail<4>();
   return {(px.x() - k.cx) / k.fx * change(0) + change(2) + k.fx * moved.x(),
           (px.y() - k.cy) / k.fy * change(1) + change(3) + k.fy * moved.y()};
 }

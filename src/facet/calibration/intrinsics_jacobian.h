@@ -16,13 +16,10 @@ struct ProjectionDerivatives {
   Matrix<2, kNumIntrinsics> J_px_k;  ///< by fx fy cx cy and the coefficients of distortion
 };
 
-/// d pixel / d intrinsic parameters where the point `xy` of the plane z = 1 is seen. Columns of
-/// coefficients that the model does not have are zero.
-Matrix<2, kNumIntrinsics> IntrinsicsJacobian(const CameraModel& camera, const Vector2d& xy);
-
-/// The same times a change of the parameters, for a point whose pixel is known.
+/// How far a small change of the parameters moves the pixel `px` at which the direction h of the
+/// camera is seen.
 Vector2d ShiftByIntrinsics(const CameraIntrinsics& intrinsics,
-                           const Vector2d& xy,
+                           const Vector3d& h,
                            const Vector2d& px,
                            const IntrinsicsVector& change);
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include <Eigen/LU>
+
 #include "facet/base/check.h"
 #include "facet/camera/lens_models.h"
 #include "facet/camera/radial_tangential.h"
@@ -244,6 +246,16 @@ std::optional<UndistortedPoint> CameraModel::Undistort(const Vector2d& px) const
   if (!converged || !(xy.norm() <= max_radius_)) return std::nullopt;
   if ((Distort(k_, xy, &J) - xy_d).norm() > 1e-10 || !(J.determinant() > 0)) return std::nullopt;
   return UndistortedPoint{xy, J.inverse() * Vector2d(1 / k_.fx, 1 / k_.fy).asDiagonal()};
+}
+
+std::optional<PixelBearing> CameraModel::BearingOf(const Vector2d& px) const {
+  const std::optional<UndistortedPoint> point = Undistort(px);
+  if (!point) return std::nullopt;
+  PixelBearing ray;
+  ray.bearing = point->xy.homogeneous().normalized();
+  ray.J_px_bearing.leftCols<2>() = point->J_xy_px.inverse() / ray.bearing.z();
+  ray.J_px_bearing.col(2) = -ray.J_px_bearing.leftCols<2>() * point->xy;
+  return ray;
 }
 
 std::optional<Vector3d> CameraModel::Unproject(const Vector2d& px) const {

@@ -22,6 +22,12 @@ struct UndistortedPoint {
   Matrix2d J_xy_px;  ///< d xy / d pixel
 };
 
+/// The direction in which a pixel looks, with the derivative that carries pixel noise there.
+struct PixelBearing {
+  Vector3d bearing;           ///< unit vector of the camera
+  Matrix<2, 3> J_px_bearing;  ///< d pixel / d direction at the bearing; times the bearing it is 0
+};
+
 /// Thread-safe (immutable).
 class CameraModel {
  public:
@@ -47,7 +53,10 @@ class CameraModel {
   /// of Project has this pixel.
   std::optional<UndistortedPoint> Undistort(const Vector2d& px) const;
 
-  /// Unit bearing of a pixel.
+  /// Inverse of Project onto the unit sphere; empty as above.
+  std::optional<PixelBearing> BearingOf(const Vector2d& px) const;
+
+  /// The bearing alone.
   std::optional<Vector3d> Unproject(const Vector2d& px) const;
 
   /// Largest angle between a ray and the optical axis that this model can project [rad].

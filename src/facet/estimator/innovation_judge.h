@@ -31,7 +31,8 @@ void Remember(const InnovationTest& test,
               const std::vector<PreparedObservation>& observations,
               SlidingWindow& window);
 
-/// Removes what contradicts the IMU, or has lately.
+/// Removes what contradicts the IMU, or has lately; where most of what is no witness contradicts,
+/// also the rest of that, which agrees by chance.
 void LeaveOutMoving(const InnovationTest& test,
                     SlidingWindow& window,
                     std::vector<PreparedObservation>& observations);

@@ -84,7 +84,7 @@ TEST(ProjectionFactorTest, InformationIsThatOf1Point8Pixels) {
             1e-12 * smart.views[0].H.norm());
   // A camera whose pixels are worse changes nothing: the paper's noise is one number.
   for (WindowObservation& o : problem.landmark.observations) {
-    o.sqrt_info[1] *= 0.25;
+    o.rays[1].whitening *= 0.25;
     o.sigma_px[1] *= 4;
   }
   LandmarkBlock worse;

@@ -58,18 +58,10 @@ std::optional<Vector2d> WhitenedError(const HostedPoint& point,
                                       const FrameGeometry& geometry,
                                       const CameraView& view) {
   const Vector3d h = view.PointInCamera(point);
-  if (h.z() < kMinUnitDepth) return std::nullopt;
+  const MeasuredRay& ray = view.observation.rays[view.camera];
+  if (!ray.IsNear(h)) return std::nullopt;
   if (geometry.has_calibration()) return WhitenedPixelError(h, geometry, view);
-  return Vector2d(view.observation.sqrt_info[view.camera] *
-                  (h.head<2>() / h.z() - geometry.MeasuredXy(view.observation, view.camera)));
-}
-
-// d whitened error / d h, without the loss.
-Matrix<2, 3> ByPoint(const WindowObservation& observation, int camera, const Vector3d& h) {
-  const Matrix2d S = 1 / h.z() * observation.sqrt_info[camera];
-  Matrix<2, 3> J;
-  J << S, -S * (h.head<2>() / h.z());
-  return J;
+  return ray.Error(h);
 }
 
 // The share of the translation from the view to the host that counts in the derivative by the
@@ -249,13 +241,13 @@ bool ReprojectionFactor::MakeCameraRows(const LinearizedPoint& point,
                                         LensRow* lens) const {
   const CameraView view{geometry_.frozen(observation_.frame), observation_, camera};
   const Vector3d h = view.PointInCamera(point.frozen);
-  const bool is_in_front = error && h.z() >= kMinUnitDepth;
-  if (is_in_front && !geometry_.has_calibration()) {
-    MakeRows(
-        point, geometry_, view, weight * ByPoint(observation_, camera, h), weight * *error, rows);
+  const MeasuredRay& ray = observation_.rays[camera];
+  const bool is_near = error && ray.IsNear(h);
+  if (is_near && !geometry_.has_calibration()) {
+    MakeRows(point, geometry_, view, weight * ray.ErrorByDirection(h), weight * *error, rows);
     return true;
   }
-  const auto seen = is_in_front ? geometry_.NominalProjection(camera, h) : std::nullopt;
+  const auto seen = is_near ? geometry_.NominalProjection(camera, h) : std::nullopt;
   if (!seen) {
     if (lens != nullptr) std::fill_n(lens, 2, LensRow{});
     return false;

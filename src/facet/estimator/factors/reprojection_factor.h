@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A landmark seen by the cameras of one frame (docs/math.md, equations (3.1) to (3.4)). Pixel noise
-// is in WindowObservation::sqrt_info; where the match has a noise of its own, the right pixel
+// is in WindowObservation::rays; where the match has a noise of its own, the right pixel
 // counts by how far it is from the left one (section 3.4); Geman and McClure's loss, or for the
 // landmarks of pipeline SP the paper's noise and Tukey's loss (section 4.1).
 #pragma once
@@ -14,10 +14,6 @@
 #include "facet/estimator/factors/robust_loss.h"
 
 namespace facet {
-
-/// A HostedPoint has about unit length: with less than this along z it is beside or behind the
-/// camera.
-inline constexpr double kMinUnitDepth = 0.05;
 
 struct LensRow;
 struct VisionRow;

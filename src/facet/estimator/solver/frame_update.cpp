@@ -23,8 +23,6 @@ constexpr double kConverged = 1e-6;  // rad, m, m/s
 // Sigmas. On clean recordings 0.1 to 0.2 % of the observations are beyond, most of them mismatches.
 constexpr double kMaxInnovation = 8;
 
-constexpr int kWitnessAfter = 3;  // keyframes
-
 // Columns: 0..14 the reference, 15..29 the frame.
 constexpr int kFrame = 15;
 
@@ -91,7 +89,7 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
     held.rho = landmark.inverse_distance;
     held.p_WH = host.p_WC0;
     held.is_projection = landmark.is_projection;
-    held.is_witness = landmark.num_confirmed >= kWitnessAfter;
+    held.is_witness = landmark.IsWitness();
     held.is_seen = landmark.observations.back().frame == window.newest_frame();
     // The ridge stands for a distance known to 1/m at best.
     held.covariance = (block.V + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal())).inverse();
@@ -117,10 +115,8 @@ double FrameUpdater::MedianError(const std::vector<Match>& matches, const View& 
   errors_.clear();
   for (const auto& [landmark, observation] : matches) {
     const Vector3d h = R_CW * (landmark->d_W + landmark->rho * (landmark->p_WH - p_WC));
-    if (h.z() < kMinUnitDepth || landmark->is_projection) continue;
-    errors_.push_back(
-        (observation->sqrt_info[0] * (h.head<2>() / h.z() - geometry_.MeasuredXy(*observation, 0)))
-            .norm());
+    if (!observation->rays[0].IsNear(h) || landmark->is_projection) continue;
+    errors_.push_back(ErrorOf(*observation, 0, h).norm());
   }
   return Median(errors_).value_or(0.0);
 }
@@ -139,18 +135,24 @@ FrameUpdater::View FrameUpdater::ViewOf(const NavState& reference,
   return view;
 }
 
+// Of the direction h of the camera, in sigmas.
+Vector2d FrameUpdater::ErrorOf(const WindowObservation& observation,
+                               int camera,
+                               const Vector3d& h) const {
+  return observation.rays[camera].Error(h) +
+         geometry_.LensShift_px(observation, camera) / observation.sigma_px[camera];
+}
+
 bool FrameUpdater::Linearize(
     const Match& match, int camera, const View& view, double scale, Rows& rows) const {
   const auto& [landmark, observation] = match;
   const Vector3d baseline_B = view.R_BH * (landmark->p_WH - view.T_HB.p);
   const Vector3d l_B = view.R_BH * landmark->d_W + landmark->rho * baseline_B;
   const Vector3d h = geometry_.R_CB[camera] * (l_B - landmark->rho * geometry_.p_BC[camera]);
-  if (h.z() < kMinUnitDepth) return false;
-  const Matrix2d sqrt_info = scale * observation->sqrt_info[camera];
-  Matrix<2, 3> J_h;
-  J_h << 1, 0, -h.x() / h.z(), 0, 1, -h.y() / h.z();
-  const Matrix<2, 3> A = (1.0 / h.z()) * (sqrt_info * J_h) * geometry_.R_CB[camera];
-  rows.r = sqrt_info * (h.head<2>() / h.z() - geometry_.MeasuredXy(*observation, camera));
+  const MeasuredRay& ray = observation->rays[camera];
+  if (!ray.IsNear(h)) return false;
+  const Matrix<2, 3> A = scale * ray.ErrorByDirection(h) * geometry_.R_CB[camera];
+  rows.r = scale * ErrorOf(*observation, camera, h);
   rows.J_landmark.leftCols<2>() = A * (view.R_BH * landmark->B_W);
   rows.J_landmark.col(2) = A * (baseline_B - geometry_.p_BC[camera]);
   rows.J_pose.leftCols<3>() = A * Hat(l_B);

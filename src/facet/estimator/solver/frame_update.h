@@ -99,6 +99,7 @@ class FrameUpdater {
 
   View ViewOf(const NavState& reference, const NavState& frame, const ImuLink& imu) const;
   /// False if the point is behind the camera.
+  Vector2d ErrorOf(const WindowObservation& observation, int camera, const Vector3d& h) const;
   bool Linearize(const Match& match, int camera, const View& view, double scale, Rows& rows) const;
   std::vector<Match> FindMatches(const std::vector<PreparedObservation>& observations) const;
   /// Median of the norms of the whitened left errors.

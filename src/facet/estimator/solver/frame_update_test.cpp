@@ -189,7 +189,7 @@ TEST(FrameUpdateTest, ThoseThatMoveContradictIt) {
   FrameUpdater updater(c.rig, Options(), testing::DefaultBiasWalk());
   updater.SetReference(c.window, c.covariance, Noise());
   for (std::size_t k = 0; k < c.observations.size(); k += 2)
-    c.observations[k].observation.xy[0].y() += 0.15;
+    testing::ShiftMeasurement({0, 0.15}, 0, c.observations[k].observation);
   const InnovationTest test = updater.TestInnovations(c.observations, c.imu);
   EXPECT_GT(test.num_contradicting, test.num_tested / 3);
   for (std::size_t k = 0; k < c.observations.size(); ++k) {
@@ -223,7 +223,7 @@ TEST(FrameUpdateTest, OutliersDoNotPull) {
   NavState clean = c.predicted, spoilt = c.predicted;
   updater.Update(c.observations, c.imu, noise, clean);
   for (std::size_t k = 0; k < c.observations.size(); k += 5)
-    c.observations[k].observation.xy[0].x() += 0.2;
+    testing::ShiftMeasurement({0.2, 0}, 0, c.observations[k].observation);
   updater.Update(c.observations, c.imu, noise, spoilt);
   const Vector<15> sigma = c.joint_covariance.diagonal().cwiseSqrt();
   EXPECT_LT(testing::Difference(clean, spoilt).cwiseQuotient(sigma).head<9>().norm() / 3, 1.0);

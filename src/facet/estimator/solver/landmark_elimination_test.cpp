@@ -119,7 +119,7 @@ TEST(LandmarkEliminationTest, WithoutParallaxRotationIsStillConstrained) {
   Problem problem = MakeProblem({false, false, 0.5}, rng);
   problem.poses.assign(problem.poses.size(), problem.poses[problem.landmark.host]);
   for (WindowObservation& o : problem.landmark.observations)
-    o.xy[0] = problem.landmark.bearing_H.head<2>() / problem.landmark.bearing_H.z();
+    testing::SetMeasurement(problem.landmark.bearing_H, 0, o.sigma_px[0], o);
   LandmarkBlock block = Linearized(problem);
   EXPECT_LT(block.V(2, 2), 1e-12 * block.V(0, 0));
   for (const double lambda : {0.0, 1e-6}) {

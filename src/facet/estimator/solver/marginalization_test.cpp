@@ -345,7 +345,8 @@ TEST(MarginalizationTest, EveryObservationIsUsedOrLostOnce) {
     ASSERT_EQ(now->observations.size(), old.observations.size() - was_seen);
     for (std::size_t k = 0; k < now->observations.size(); ++k) {
       EXPECT_EQ(now->observations[k].frame, old.observations[k + was_seen].frame - 1);
-      EXPECT_EQ(now->observations[k].xy[0], old.observations[k + was_seen].xy[0]);
+      EXPECT_EQ(now->observations[k].rays[0].bearing,
+                old.observations[k + was_seen].rays[0].bearing);
     }
     EXPECT_LT((testing::PointOf(test.window, *now) - testing::PointOf(before, old)).norm(), 1e-12);
   }

@@ -121,7 +121,7 @@ class Recording {
         testing::SetMeasurement(
             (truth.T_WB * rig.T_BC[c]).Inverse() * points_W_[k], c, 0.5, p.observation);
         const double x = rng_.Normal(), y = rng_.Normal();
-        p.observation.xy[c] += 0.2 / 450 * Vector2d(x, y);
+        testing::ShiftMeasurement(0.2 / 450 * Vector2d(x, y), c, p.observation);
       }
       prepared.push_back(p);
     }

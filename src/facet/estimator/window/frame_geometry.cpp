@@ -3,7 +3,6 @@
 
 #include <Eigen/LU>
 
-#include "facet/calibration/intrinsics_jacobian.h"
 #include "facet/geometry/so3.h"
 
 namespace facet {
@@ -85,17 +84,25 @@ std::optional<Vector2d> FrameGeometry::PresentProjection(int camera, const Vecto
   const CameraModel& lens = nominal_.cameras[static_cast<std::size_t>(camera)];
   const std::optional<Vector2d> px = lens.Project(h);
   if (!px) return std::nullopt;
-  return Vector2d(
-      *px + ShiftByIntrinsics(lens.intrinsics(), h.head<2>() / h.z(), *px, Deviation(camera)));
+  return Vector2d(*px + ShiftByIntrinsics(lens.intrinsics(), h, *px, Deviation(camera)));
 }
 
-// The ray that the pixel has with other intrinsic parameters, to first order.
-Vector2d FrameGeometry::CorrectedXy(const WindowObservation& observation, int camera) const {
-  const Matrix2d J_px_xy = observation.sigma_px[camera] * observation.sqrt_info[camera];
-  const Vector2d moved_px = IntrinsicsJacobian(nominal_.cameras[static_cast<std::size_t>(camera)],
-                                               observation.xy[camera]) *
-                            Deviation(camera);
-  return observation.xy[camera] - J_px_xy.inverse() * moved_px;
+Vector2d FrameGeometry::LensShift_px(const WindowObservation& observation, int camera) const {
+  if (!has_calibration_) return Vector2d::Zero();
+  const CameraModel& lens = nominal_.cameras[static_cast<std::size_t>(camera)];
+  return ShiftByIntrinsics(lens.intrinsics(),
+                           observation.rays[camera].bearing,
+                           observation.px[camera],
+                           Deviation(camera));
+}
+
+// Across the bearing, where the pixel's derivative is invertible.
+Vector3d FrameGeometry::MeasuredBearing(const WindowObservation& observation, int camera) const {
+  const MeasuredRay& ray = observation.rays[camera];
+  if (!has_calibration_) return ray.bearing;
+  const Matrix<2, 3> J = observation.sigma_px[camera] * ray.whitening;
+  const Vector2d across = (J * J.transpose()).inverse() * LensShift_px(observation, camera);
+  return (ray.bearing - J.transpose() * across).normalized();
 }
 
 }  // namespace facet

@@ -53,17 +53,18 @@ class FrameGeometry {
   /// Where the present lens sees it, to first order in its deviation. Empty as above.
   std::optional<Vector2d> PresentProjection(int camera, const Vector3d& h) const;
 
-  /// The measured point on the plane z = 1, as the present calibration has it.
-  Vector2d MeasuredXy(const WindowObservation& observation, int camera) const {
-    return has_calibration_ ? CorrectedXy(observation, camera) : observation.xy[camera];
-  }
+  /// By how much the present lens moves the measured point's pixel against the nominal one, to
+  /// first order [px].
+  Vector2d LensShift_px(const WindowObservation& observation, int camera) const;
+
+  /// The measured bearing, as the present calibration has it.
+  Vector3d MeasuredBearing(const WindowObservation& observation, int camera) const;
 
   /// Of the body, at present.
   Matrix3d R_CB[2];
   Vector3d p_BC[2];
 
  private:
-  Vector2d CorrectedXy(const WindowObservation& observation, int camera) const;
   IntrinsicsVector Deviation(int camera) const {
     return delta_.segment<kNumIntrinsics>(camera * kNumIntrinsics);
   }

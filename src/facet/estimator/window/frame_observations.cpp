@@ -3,8 +3,6 @@
 
 #include <optional>
 
-#include <Eigen/LU>
-
 namespace facet {
 
 namespace {
@@ -17,13 +15,12 @@ bool IsUsable(double sigma_px) {
 
 void SetCamera(int camera,
                const Vector2d& px,
-               const UndistortedPoint& point,
+               const PixelBearing& ray,
                double sigma_px,
                WindowObservation& observation) {
   observation.px[camera] = px;
-  observation.xy[camera] = point.xy;
   observation.sigma_px[camera] = sigma_px;
-  observation.sqrt_info[camera] = point.J_xy_px.inverse() / sigma_px;
+  observation.rays[camera] = {ray.bearing, ray.J_px_bearing / sigma_px};
 }
 
 }  // namespace
@@ -34,12 +31,12 @@ std::vector<PreparedObservation> PrepareObservations(const FrameObservations& ob
   std::vector<PreparedObservation> prepared;
   prepared.reserve(observations.features.size());
   for (const FeatureObservation& feature : observations.features) {
-    const std::optional<UndistortedPoint> left = rig.cameras[0].Undistort(feature.px_left);
+    const std::optional<PixelBearing> left = rig.cameras[0].BearingOf(feature.px_left);
     if (!left || !IsUsable(feature.sigma_left_px)) continue;
     WindowObservation observation;
     SetCamera(0, feature.px_left, *left, pixel_sigma_scale * feature.sigma_left_px, observation);
     if (feature.px_right && IsUsable(feature.sigma_right_px)) {
-      if (const auto right = rig.cameras[1].Undistort(*feature.px_right)) {
+      if (const auto right = rig.cameras[1].BearingOf(*feature.px_right)) {
         observation.has_right = true;
         SetCamera(
             1, *feature.px_right, *right, pixel_sigma_scale * feature.sigma_right_px, observation);

@@ -16,8 +16,8 @@ struct PreparedObservation {
   WindowObservation observation;  ///< `frame` is not set
 };
 
-/// Undistorts the pixels and whitens them by their sigmas times `pixel_sigma_scale`. What cannot be
-/// undistorted, and what has no positive sigma, is passed over.
+/// Takes the pixels to rays and whitens them by their sigmas times `pixel_sigma_scale`. Pixels that
+/// have no ray, and what has no positive sigma, are passed over.
 std::vector<PreparedObservation> PrepareObservations(const FrameObservations& observations,
                                                      const StereoRig& rig,
                                                      double pixel_sigma_scale);

@@ -37,13 +37,15 @@ TEST(FrameObservationsTest, PixelsBecomeWhitenedRays) {
   EXPECT_TRUE(o.has_right);
   for (int c = 0; c < 2; ++c) {
     const Vector2d& px = c == 0 ? feature.px_left : *feature.px_right;
-    const UndistortedPoint point = rig.cameras[static_cast<std::size_t>(c)].Undistort(px).value();
+    const CameraModel& camera = rig.cameras[static_cast<std::size_t>(c)];
     const double sigma_px = 3.0 * (c == 0 ? 0.5 : 0.8);
-    EXPECT_EQ(o.xy[c], point.xy);
+    EXPECT_EQ(o.rays[c].bearing, camera.Unproject(px).value());
     EXPECT_EQ(o.sigma_px[c], sigma_px);
-    // One sigma of the pixel is one sigma of the ray.
-    const Matrix2d unit = o.sqrt_info[c] * point.J_xy_px * sigma_px;
-    EXPECT_LT((unit - Matrix2d::Identity()).norm(), 1e-12);
+    // What is seen a hundredth of a pixel away is as many sigmas off.
+    const Vector2d off_px(0.01, -0.02);
+    const Vector2d error = o.rays[c].Error(camera.Unproject(px + off_px).value());
+    EXPECT_LT((error * sigma_px - off_px).norm(), 1e-5);
+    EXPECT_LT(o.rays[c].Error(5 * o.rays[c].bearing).norm(), 1e-12);
   }
 }
 
@@ -80,7 +82,7 @@ TEST(FrameObservationsTest, NewLandmarksAreHostedInTheNewestFrameAndSeenOnceInIt
   EXPECT_FALSE(second.has_depth);
   ASSERT_EQ(first.observations.size(), 2u);
   EXPECT_EQ(first.observations[1].frame, 1);
-  EXPECT_EQ(first.observations[1].xy[0], Prepare({Feature(1, 410, 200)})[0].observation.xy[0]);
+  EXPECT_EQ(first.observations[1].px[0], Vector2d(410, 200));
 }
 
 }  // namespace

@@ -13,6 +13,10 @@ constexpr double kRaySigma = 1e-3;
 // Good enough for a start: depth known to a fifth, or far away for certain.
 constexpr double kMinSnr = 5.0;
 constexpr double kFarSigma = 0.005;  // 1/m
+// Away from the axis a distance is known worse than the noise of its pixels says: planes that
+// believe that noise there cost accuracy. It counts as if it were the same on the plane z = 1; but
+// no smaller cosine of the angle from the axis than this.
+constexpr double kLeastCosine = 0.1;
 
 }  // namespace
 
@@ -21,8 +25,7 @@ bool InitializeDepth(const FrameGeometry& geometry, WindowLandmark& landmark) {
   double cc = 0, ac = 0;
   bool stereo = false;
   for (const WindowObservation& obs : landmark.observations) {
-    if (obs.frame == landmark.host)
-      landmark.bearing_H = geometry.MeasuredXy(obs, 0).homogeneous().normalized();
+    if (obs.frame == landmark.host) landmark.bearing_H = geometry.MeasuredBearing(obs, 0);
   }
   const FrameGeometry::Pose& host = geometry.current(landmark.host);
   const Vector3d d_W = host.R_WC0 * landmark.bearing_H;
@@ -30,7 +33,7 @@ bool InitializeDepth(const FrameGeometry& geometry, WindowLandmark& landmark) {
     const FrameGeometry::Pose& target = geometry.current(obs.frame);
     for (int c = 0; c < (obs.has_right ? 2 : 1); ++c) {
       if (obs.frame == landmark.host && c == 0) continue;
-      const Vector3d ray = geometry.MeasuredXy(obs, c).homogeneous().normalized();
+      const Vector3d ray = geometry.MeasuredBearing(obs, c);
       const Vector3d direction = geometry.R_CB[c] * (target.R_BW * d_W);
       const Vector3d baseline =
           geometry.R_CB[c] * (target.R_BW * (host.p_WC0 - target.p_WB) - geometry.p_BC[c]);
@@ -65,8 +68,9 @@ double InverseDistanceInformation(const WindowLandmark& landmark,
     for (int camera = 0; camera < (observation.has_right ? 2 : 1); ++camera) {
       const Vector3d baseline_W = centres[observation.frame][camera] - host_W;
       const double across2 = baseline_W.squaredNorm() - std::pow(baseline_W.dot(ray_W), 2);
-      // The determinant of the root of the information of two equal axes is that of one axis.
-      information += across2 * std::abs(observation.sqrt_info[camera].determinant());
+      const MeasuredRay& ray = observation.rays[camera];
+      const double cosine = std::max(ray.bearing.z(), kLeastCosine);
+      information += across2 * ray.AngleInformation() * cosine * cosine * cosine;
     }
   }
   return information;

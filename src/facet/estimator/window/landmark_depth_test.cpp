@@ -30,7 +30,7 @@ struct Scene {
       for (int c = 0; c < 2; ++c) {
         testing::SetMeasurement((frame.x.T_WB * rig.T_BC[c]).Inverse() * p_W, c, 1.0, o);
         const double x = rng.Normal(), y = rng.Normal();
-        o.xy[c] += noise_px / 450 * Vector2d(x, y);
+        testing::ShiftMeasurement(noise_px / 450 * Vector2d(x, y), c, o);
       }
       landmark.observations.push_back(o);
     }
@@ -76,7 +76,7 @@ TEST(LandmarkDepthTest, AFarPointIsAtInfinityNotBehind) {
   ASSERT_TRUE(scene.Initialize());
   EXPECT_NEAR(scene.landmark.inverse_distance, 0, 1e-8);
   // A disparity that is negative by noise.
-  scene.landmark.observations[0].xy[1].x() += 0.01;
+  testing::ShiftMeasurement({0.01, 0}, 1, scene.landmark.observations[0]);
   ASSERT_TRUE(scene.Initialize());
   EXPECT_EQ(scene.landmark.inverse_distance, 0);
 }

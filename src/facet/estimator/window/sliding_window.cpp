@@ -103,7 +103,7 @@ void SlidingWindow::RemoveFrame(int index) {
     }
     if (landmark.host == index) {
       Rehost(landmark, obs.front().frame);
-      if (!landmark.has_depth) landmark.bearing_H = obs.front().xy[0].homogeneous().normalized();
+      if (!landmark.has_depth) landmark.bearing_H = obs.front().rays[0].bearing;
     }
     for (WindowObservation& o : obs) {
       if (o.frame > index) --o.frame;

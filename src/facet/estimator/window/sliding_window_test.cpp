@@ -106,9 +106,9 @@ TEST(SlidingWindowTest, ALandmarkWithoutDepthTakesTheRayOfItsNewHost) {
   WindowLandmark& landmark = test.window.landmarks()[0];
   landmark.has_depth = false;
   const LandmarkId id = landmark.id;
-  const Vector2d next_xy = landmark.observations[1].xy[0];
+  const Vector3d next = landmark.observations[1].rays[0].bearing;
   test.window.RemoveFrame(landmark.host);
-  EXPECT_LT((test.window.Find(id)->bearing_H.hnormalized() - next_xy).norm(), 1e-12);
+  EXPECT_EQ(test.window.Find(id)->bearing_H, next);
 }
 
 TEST(SlidingWindowTest, AFrameInThePriorCannotBeRemoved) {

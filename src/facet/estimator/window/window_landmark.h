@@ -4,19 +4,19 @@
 
 #include <vector>
 
+#include "facet/estimator/window/measured_ray.h"
 #include "facet/estimator/window/window_plane.h"
 
 namespace facet {
 
-/// One landmark in one stereo frame, in undistorted normalised coordinates.
+/// One landmark in one stereo frame.
 struct WindowObservation {
   int frame = 0;  ///< index into SlidingWindow::frames
   bool has_right = false;
-  /// [0] left, [1] right: measured x/z, y/z and the whitening 1/sigma * (d xy / d px)^-1.
-  Vector2d xy[2] = {Vector2d::Zero(), Vector2d::Zero()};
-  Matrix2d sqrt_info[2] = {Matrix2d::Zero(), Matrix2d::Zero()};
+  /// [0] left, [1] right.
+  MeasuredRay rays[2];
   Vector2d px[2] = {Vector2d::Zero(), Vector2d::Zero()};  ///< measured pixels
-  double sigma_px[2] = {1, 1};  ///< 1-sigma of the pixels that sqrt_info was made with
+  double sigma_px[2] = {1, 1};  ///< 1-sigma of the pixels that the rays are whitened with
   double sigma_match_px = 0;    ///< see FeatureObservation
 };
 
@@ -35,6 +35,9 @@ struct WindowLandmark {
   bool is_projection = false;  ///< pipeline SP: the paper's projection noise and loss
 
   bool IsOnProbation() const { return num_confirmed < 0; }
+  /// It has agreed with the IMU often enough to say what moves.
+  bool IsWitness() const { return num_confirmed >= kWitnessAfter; }
+  static constexpr int kWitnessAfter = 3;  // keyframes
 
   /// A point this far away is not tied to planes: its distance means nothing.
   static constexpr double kMinPlaneInverseDistance = 0.02;

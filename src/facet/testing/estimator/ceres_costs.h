@@ -219,8 +219,8 @@ struct PlaneMeasurementCost {
 // Reprojection of a point of the world.
 struct ReprojectionCost {
   SE3 T_BC;
-  Vector2d xy;
-  Matrix2d sqrt_info;
+  MeasuredRay ray;
+  double scale;
 
   template <class T>
   bool operator()(const T* q, const T* p, const T* point, T* residual) const {
@@ -228,9 +228,9 @@ struct ReprojectionCost {
     const Eigen::Map<const Vec3<T>> p_WB(p), p_W(point);
     const Vec3<T> p_B = q_WB.conjugate() * (p_W - p_WB);
     const Vec3<T> p_C = T_BC.q.conjugate().cast<T>() * (p_B - T_BC.p.cast<T>());
-    const Eigen::Matrix<T, 2, 1> error(p_C.x() / p_C.z() - xy.x(), p_C.y() / p_C.z() - xy.y());
+    const Vec3<T> error = p_C / ray.bearing.cast<T>().dot(p_C) - ray.bearing.cast<T>();
     Eigen::Map<Eigen::Matrix<T, 2, 1>> whitened(residual);
-    whitened = sqrt_info.cast<T>() * error;
+    whitened = T(scale) * (ray.whitening.cast<T>() * error);
     return true;
   }
 };

@@ -138,7 +138,7 @@ class CeresWindow {
         for (int c = 0; c < (o.has_right ? 2 : 1); ++c) {
           const double scale =
               landmark.is_projection ? o.sigma_px[c] / options_.noise.projection.sigma_px : 1.0;
-          auto* cost = new ReprojectionCost{rig_.T_BC[c], o.xy[c], scale * o.sqrt_info[c]};
+          auto* cost = new ReprojectionCost{rig_.T_BC[c], o.rays[c], scale};
           problem_.AddResidualBlock(
               new ceres::AutoDiffCostFunction<ReprojectionCost, 2, 4, 3, 3>(cost),
               NewLoss(landmark),

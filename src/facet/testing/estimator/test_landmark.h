@@ -24,8 +24,7 @@ struct WorldPoint {
 // One camera of one observation.
 struct Measurement {
   int frame, camera;
-  Vector2d xy;
-  Matrix2d sqrt_info;
+  MeasuredRay ray;
 };
 
 // Residuals of one landmark, written independently of the code under test.
@@ -39,8 +38,10 @@ struct Problem {
 
   Vector2d Residual(const Measurement& m, const SE3& T_WB, const WorldPoint& point) const {
     const SE3 T_WC = Camera(T_WB, m.camera);
-    const Vector3d h = T_WC.q.conjugate() * (point.y - point.rho * T_WC.p);
-    return m.sqrt_info * (h.head<2>() / h.z() - m.xy);
+    // In a frame whose z axis is the bearing the plane that touches the sphere is z = 1.
+    const Matrix3d R = Quaterniond::FromTwoVectors(m.ray.bearing, Vector3d::UnitZ()).matrix();
+    const Vector3d h = R * (T_WC.q.conjugate() * (point.y - point.rho * T_WC.p));
+    return (m.ray.whitening * R.transpose()).leftCols<2>() * (h.head<2>() / h.z());
   }
 
   /// The point of bearing + tangent step and inverse distance + step in a host at T_WB.
@@ -99,8 +100,8 @@ inline Problem MakeProblem(const ProblemOptions& options, Rng& rng) {
       const SE3 T_WC = problem.Camera(problem.poses[o.frame], c);
       SetMeasurement(T_WC.q.conjugate() * (point.y - point.rho * T_WC.p), c, 0.5, o);
       const double x = rng.Normal(), y = rng.Normal();
-      o.xy[c] += options.noise * o.sqrt_info[c].inverse() * Vector2d(x, y);
-      problem.measurements.push_back({o.frame, c, o.xy[c], o.sqrt_info[c]});
+      ShiftMeasurement(options.noise * OneSigmaOnPlane(o.rays[c]) * Vector2d(x, y), c, o);
+      problem.measurements.push_back({o.frame, c, o.rays[c]});
     }
   }
   return problem;

@@ -91,7 +91,7 @@ void Observe(const TestWindowOptions& options, Rng& rng, TestWindow& out) {
       const double size = options.noise + (rng.Uniform() < options.outlier_share ? 10.0 : 0.0);
       visible &= h.z() > 0.3 && h.head<2>().cwiseAbs().maxCoeff() < kFieldOfView * h.z();
       SetMeasurement(h, c, options.pixel_sigma, observation);
-      observation.xy[c] += size * options.pixel_sigma / kFocal * Vector2d(x, y);
+      ShiftMeasurement(size * options.pixel_sigma / kFocal * Vector2d(x, y), c, observation);
       const auto px = out.rig.cameras[static_cast<std::size_t>(c)].Project(h);
       visible &= px.has_value();
       if (px) observation.px[c] = *px + size * options.pixel_sigma * Vector2d(x, y);
@@ -272,11 +272,24 @@ void SetMeasurement(const Vector3d& h,
                     int camera,
                     double pixel_sigma,
                     WindowObservation& observation) {
-  observation.xy[camera] = h.head<2>() / h.z();
   // Not a multiple of the identity, as behind a distorting lens.
-  observation.sqrt_info[camera] << kFocal, 0.05 * kFocal, -0.03 * kFocal, 1.1 * kFocal;
-  observation.sqrt_info[camera] /= pixel_sigma;
+  Matrix2d by_xy;
+  by_xy << kFocal, 0.05 * kFocal, -0.03 * kFocal, 1.1 * kFocal;
+  MeasuredRay& ray = observation.rays[camera];
+  ray.bearing = h.normalized();
+  ray.whitening.leftCols<2>() = by_xy / (pixel_sigma * ray.bearing.z());
+  ray.whitening.col(2) = -ray.whitening.leftCols<2>() * (h.head<2>() / h.z());
   observation.sigma_px[camera] = pixel_sigma;
+}
+
+void ShiftMeasurement(const Vector2d& xy, int camera, WindowObservation& observation) {
+  const Vector3d& bearing = observation.rays[camera].bearing;
+  const Vector3d moved = bearing / bearing.z() + Vector3d(xy.x(), xy.y(), 0);
+  SetMeasurement(moved, camera, observation.sigma_px[camera], observation);
+}
+
+Matrix2d OneSigmaOnPlane(const MeasuredRay& ray) {
+  return Matrix2d(ray.bearing.z() * ray.whitening.leftCols<2>()).inverse();
 }
 
 FactorNoise NoiseOfWidth(double reprojection_width) {

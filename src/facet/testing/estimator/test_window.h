@@ -97,6 +97,12 @@ void SetMeasurement(const Vector3d& h,
                     double pixel_sigma,
                     WindowObservation& observation);
 
+/// Moves a measurement of SetMeasurement on the plane z = 1.
+void ShiftMeasurement(const Vector2d& xy, int camera, WindowObservation& observation);
+
+/// Columns: how far a measurement moves on the plane z = 1 for one sigma of each of its rows.
+Matrix2d OneSigmaOnPlane(const MeasuredRay& ray);
+
 /// The default noise, with reprojections that count ever less beyond this many sigma.
 FactorNoise NoiseOfWidth(double reprojection_width);
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One measured pixel as a direction, whatever the lens (docs/math.md, equation (3.3)).
+#pragma once
+
+#include <cmath>
+
+#include "facet/base/types.h"
+
+namespace facet {
+
+/// A point that is predicted farther than this from a measured bearing, as the cosine of the angle
+/// where its direction has unit length, is nowhere near it: it is beside or behind.
+inline constexpr double kMinCosine = 0.05;
+
+/// Directions are those of the camera. A direction h is at `whitening * h / bearing.dot(h)` sigmas:
+/// its distance from the bearing on the plane that touches the unit sphere there. For a pixel that
+/// is predicted where it was measured this is the error in pixels to first order.
+struct MeasuredRay {
+  Vector3d bearing{0, 0, 1};  ///< unit vector
+  /// 1/sigma * d pixel / d direction at the bearing. Times the bearing it is zero.
+  Matrix<2, 3> whitening = Matrix<2, 3>::Zero();
+
+  /// h: any length. Whether error and derivative exist there.
+  bool IsNear(const Vector3d& h) const { return bearing.dot(h) >= kMinCosine; }
+
+  Vector2d Error(const Vector3d& h) const { return whitening * h / bearing.dot(h); }
+
+  /// d Error / d h.
+  Matrix<2, 3> ErrorByDirection(const Vector3d& h) const {
+    const double scale = 1 / bearing.dot(h);
+    return scale * (whitening - scale * (whitening * h) * bearing.transpose());
+  }
+
+  /// Of a small angle across the bearing, the geometric mean over its directions [1/rad^2].
+  double AngleInformation() const {
+    const Matrix2d information = whitening * whitening.transpose();
+    return std::sqrt(information.determinant());
+  }
+};
+
+}  // namespace facet
