@@ -89,10 +89,10 @@ Board Look(const MeshQuery& mesh,
   Board board;
   for (double y = 0; y < camera.height(); y += kStep_px) {
     for (double x = 0; x < camera.width(); x += kStep_px) {
-      const auto ray = camera.Undistort({x, y});
+      const auto ray = camera.Unproject({x, y});
       if (!outline.Contains({x, y}) || !ray) continue;
       ++board.num_rays;
-      const Vector3d direction_W = T_WC.q * Vector3d(ray->xy.x(), ray->xy.y(), 1);
+      const Vector3d direction_W = T_WC.q * (*ray / ray->z());
       const auto hit = mesh.FirstAlongRay(T_WC.p, direction_W, kRange_m);
       if (!hit || hit->distance_m < min_m) continue;
       board.p_W.push_back(hit->p_W);

@@ -65,11 +65,11 @@ NormalEquations Linearize(const StereoRig& rig,
 
 // Levenberg-Marquardt from several depths; the lowest robust cost wins.
 Vector3d FitPoint(const StereoRig& rig, const std::vector<TrackSample>& samples) {
-  const auto ray = rig.cameras[0].Undistort(samples.front().observation.px_left);
+  const auto ray = rig.cameras[0].Unproject(samples.front().observation.px_left);
   Vector3d best = Vector3d::Zero();
   double best_cost = std::numeric_limits<double>::max();
   for (const double rho : {0.02, 0.2, 0.8}) {
-    Vector3d point(ray->xy.x(), ray->xy.y(), rho);
+    Vector3d point(ray->x() / ray->z(), ray->y() / ray->z(), rho);
     double lambda = 1e-3;
     NormalEquations now = Linearize(rig, samples, point);
     for (int i = 0; i < 20; ++i) {

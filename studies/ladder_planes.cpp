@@ -5,20 +5,20 @@
 #include <cmath>
 #include <numbers>
 
+#include "facet/camera/stereo_triangulation.h"
+
 namespace facet {
 
 namespace {
 
-// [1/m] along z of the left camera, from the two pixels; 0 without a right one.
-double StereoInverseDepth(const StereoRig& rig, const FeatureObservation& feature) {
+// [1/m] from the left camera, from the two pixels; 0 without a right one.
+double StereoInverseDistance(const StereoRig& rig, const FeatureObservation& feature) {
   if (!feature.px_right) return 0;
-  const auto left = rig.cameras[0].Undistort(feature.px_left);
-  const auto right = rig.cameras[1].Undistort(*feature.px_right);
+  const auto left = rig.cameras[0].Unproject(feature.px_left);
+  const auto right = rig.cameras[1].BearingOf(*feature.px_right);
   if (!left || !right) return 0;
-  const SE3 T_C1C0 = rig.T_BC[1].Inverse() * rig.T_BC[0];
-  const Vector3d ray = T_C1C0.q * Vector3d(left->xy.x(), left->xy.y(), 1);
-  const double x = right->xy.x();
-  return -(ray.x() - x * ray.z()) / (T_C1C0.p.x() - x * T_C1C0.p.z());
+  const auto found = TriangulateOnRay(*left, *right, rig.T_C1C0());
+  return found ? found->inverse_distance : 0;
 }
 
 }  // namespace
@@ -176,7 +176,7 @@ PlaneAssignments OwnSearch::operator()(const FrameObservations& observations,
   });
   keyframe.depths.intensities.assign(features.size(), 128);
   for (const FeatureObservation& feature : features)
-    keyframe.depths.inverse_depths.push_back(StereoInverseDepth(run_.rig, feature));
+    keyframe.depths.inverse_distances.push_back(StereoInverseDistance(run_.rig, feature));
   const MeshView& view = view_builder_.Build(keyframe, snapshot);
   mesh_.Update(view, snapshot, run_.rig.T_BC[0]);
   SearchMesh searched;

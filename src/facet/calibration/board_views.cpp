@@ -52,8 +52,10 @@ SE3 DrawBoardPose(const CameraModel& left, const BoardOptions& board, Rng& rng) 
                     rng.Uniform(kBorder, 1 - kBorder) * left.height());
   const double depth_m = rng.Uniform(board.near_m, board.far_m);
   const Quaterniond turn = ExpSO3(board.turn_rad * rng.Normal3());
-  const auto ray = left.Undistort(px);
-  return ray ? SE3(turn, depth_m * ray->xy.homogeneous()) : SE3(turn, Vector3d(0, 0, depth_m));
+  // At this depth along the axis, or at this distance where the lens sees beside itself.
+  constexpr double kMinCosine = 0.1;
+  const Vector3d ray = left.Unproject(px).value_or(Vector3d::UnitZ());
+  return SE3(turn, depth_m * (ray.z() > kMinCosine ? Vector3d(ray / ray.z()) : ray));
 }
 
 /// No detector reads tags at a grazing angle.

@@ -1,28 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/calibration/intrinsics_jacobian.h"
 
-#include <cmath>
-
-#include "facet/camera/lens_models.h"
+#include "facet/camera/plane_lens.h"
+#include "facet/camera/wide_lens.h"
 
 namespace facet {
 namespace {
 
-/// d distorted / d coefficients at a point of the plane z = 1.
-Matrix<2, 4> CoefficientJacobian(const CameraIntrinsics& k, const Vector2d& xy) {
-  if (k.distortion == DistortionModel::kRadialTangential) return RadialTangentialColumns(xy);
-  if (k.distortion != DistortionModel::kEquidistant) return LensCoefficientJacobian(k, xy);
-  Matrix<2, 4> J = Matrix<2, 4>::Zero();
-  const double r2 = xy.squaredNorm();
-  if (r2 > 0) {
-    const double theta = std::atan(std::sqrt(r2)), theta2 = theta * theta;
-    double power = theta / std::sqrt(r2);
-    for (int i = 0; i < 4; ++i) {
-      power *= theta2;
-      J.col(i) = power * xy;
-    }
-  }
-  return J;
+/// d distorted / d coefficients where the direction h is seen.
+Matrix<2, 4> CoefficientJacobian(const CameraIntrinsics& k, const Vector3d& h) {
+  if (IsWideLens(k.distortion)) return WideLensCoefficientJacobian(k, h);
+  return PlaneLensCoefficientJacobian(k, h.head<2>() / h.z());
 }
 
 }  // namespace
@@ -31,7 +19,7 @@ Vector2d ShiftByIntrinsics(const CameraIntrinsics& k,
                            const Vector3d& h,
                            const Vector2d& px,
                            const IntrinsicsVector& change) {
-  const Vector2d moved = CoefficientJacobian(k, h.head<2>() / h.z()) * change.tail<4>();
+  const Vector2d moved = CoefficientJacobian(k, h) * change.tail<4>();
   return {(px.x() - k.cx) / k.fx * change(0) + change(2) + k.fx * moved.x(),
           (px.y() - k.cy) / k.fy * change(1) + change(3) + k.fy * moved.y()};
 }
@@ -46,7 +34,7 @@ std::optional<ProjectionDerivatives> ProjectWithDerivatives(const CameraModel& c
   const Vector2d focal(k.fx, k.fy);
   const Vector2d xy_d = (*px - Vector2d(k.cx, k.cy)).cwiseQuotient(focal);
   d.J_px_k << Matrix2d(xy_d.asDiagonal()), Matrix2d::Identity(),
-      focal.asDiagonal() * CoefficientJacobian(k, p_C.head<2>() / p_C.z());
+      focal.asDiagonal() * CoefficientJacobian(k, p_C);
   return d;
 }
 

@@ -13,9 +13,9 @@ constexpr int kNumExplained = kNumIntrinsics + 3;
 /// How the pixel moves with the intrinsic parameters and a turn of the camera.
 std::optional<Matrix<2, kNumExplained>> ModelJacobian(const CameraModel& camera,
                                                       const Vector2d& px) {
-  const auto ray = camera.Undistort(px);
-  if (!ray) return std::nullopt;
-  const Vector3d p_C = ray->xy.homogeneous();
+  const auto bearing = camera.Unproject(px);
+  if (!bearing) return std::nullopt;
+  const Vector3d& p_C = *bearing;
   const auto projected = ProjectWithDerivatives(camera, p_C);
   if (!projected) return std::nullopt;
   Matrix<2, kNumExplained> J;

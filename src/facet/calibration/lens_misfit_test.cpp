@@ -21,7 +21,7 @@ double UnexplainedRms(const CameraModel& camera, const LensMisfit& misfit) {
   int count = 0;
   for (int y = 3; y < camera.height(); y += 9) {
     for (int x = 3; x < camera.width(); x += 9, count += 2) {
-      const Vector3d p_C = camera.Undistort(Vector2d(x, y))->xy.homogeneous();
+      const Vector3d p_C = *camera.Unproject(Vector2d(x, y));
       const auto d = ProjectWithDerivatives(camera, p_C);
       Matrix<2, kNum> J;
       J << d->J_px_k, -d->J_px_p * Hat(p_C);

@@ -8,10 +8,9 @@
 
 namespace facet {
 
-/// d p_C0 / d parameters, the pixels held: the ray is that of the left pixel, the depth the one
-/// whose projection is nearest to the right point on the plane z = 1 (TriangulateOnRay). `p_C0`:
-/// the point in the left camera. Empty if a camera does not see it, or the right camera sees no
-/// depth in it.
+/// d p_C0 / d parameters, the pixels held: the ray is that of the left pixel, the distance the one
+/// whose projection is nearest to the right pixel (TriangulateOnRay). `p_C0`: the point in the left
+/// camera. Empty if a camera does not see it, or the right camera sees no distance in it.
 std::optional<Matrix<3, kNumRigParameters>> TriangulationJacobian(const StereoRig& rig,
                                                                   const Vector3d& p_C0);
 

@@ -20,10 +20,10 @@ TEST(TriangulationJacobianTest, IsTheDerivativeByEveryParameter) {
     ASSERT_TRUE(J);
     const auto triangulate = [&](const RigVector& delta) {
       const StereoRig changed = *ChangeParameters(rig, delta);
-      const Vector2d xy = changed.cameras[0].Undistort(left_px)->xy;
+      const Vector3d bearing = *changed.cameras[0].Unproject(left_px);
       const auto found =
-          TriangulateOnRay(xy, *changed.cameras[1].Undistort(right_px), changed.T_C1C0());
-      return Vector3d(Vector3d(xy.x(), xy.y(), 1) / found->inverse_depth);
+          TriangulateOnRay(bearing, *changed.cameras[1].BearingOf(right_px), changed.T_C1C0());
+      return Vector3d(bearing / found->inverse_distance);
     };
     testing::ExpectJacobian<3, kNumRigParameters>(*J, triangulate, 1e-4, 1e-6);
   }

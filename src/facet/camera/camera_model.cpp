@@ -2,69 +2,41 @@
 #include "facet/camera/camera_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
-#include <Eigen/LU>
-
 #include "facet/base/check.h"
-#include "facet/camera/lens_models.h"
+#include "facet/camera/plane_lens.h"
 #include "facet/camera/radial_tangential.h"
+#include "facet/camera/wide_lens.h"
+#include "facet/geometry/angles.h"
 
 namespace facet {
 
 namespace {
 
 constexpr double kMaxRadius = 11.430052302761343;  // tan(85 deg)
+constexpr double kMaxAngle = 110 * kDegree;
 
 // The field of view ends where the image radius grows slower than this with the undistorted radius
 // (or angle): zero is the fold; just before it, pixel noise is blown up without bound.
 constexpr double kMinSlope = 0.02;
 
 constexpr int kMaxIterations = 50;
-constexpr double kConverged = 1e-12;  // on the plane z = 1, about 5e-10 px
+constexpr double kConverged = 1e-12;  // in directions, about 5e-10 px
+constexpr double kMaxError = 1e-10;   // on the plane of unit focal length
 
-/// Distorted radius of an undistorted one, for the radial part of the model; the slope is by the
-/// argument.
-using Radial = LensRadius;
-
-// Argument: angle from the axis.
-Radial EquidistantRadius(const CameraIntrinsics& k, double theta) {
-  const double t2 = theta * theta;
-  const auto& c = k.coefficients;
-  return {theta * (1 + t2 * (c[0] + t2 * (c[1] + t2 * (c[2] + t2 * c[3])))),
-          1 + t2 * (3 * c[0] + t2 * (5 * c[1] + t2 * (7 * c[2] + 9 * t2 * c[3])))};
+/// Distorted radius and its slope. The argument is the angle from the axis for lenses that are
+/// described by directions, otherwise the radius on the plane z = 1.
+LensRadius RadialDistortion(const CameraIntrinsics& k, double argument) {
+  return IsWideLens(k.distortion) ? RadiusOfAngle(k, argument)
+                                  : RadiusThroughPlaneLens(k, argument);
 }
 
-Radial RadialDistortion(const CameraIntrinsics& k, double argument) {
-  switch (k.distortion) {
-    case DistortionModel::kRadialTangential:
-      return RadialTangentialRadius(k, argument);
-    case DistortionModel::kEquidistant:
-      return EquidistantRadius(k, argument);
-    default:
-      break;
-  }
-  if (!IsWideLens(k.distortion)) return RadiusThroughLens(k, argument);
-  const double r = std::tan(argument);
-  const Radial radius = RadiusThroughLens(k, r);
-  return {radius.value, radius.slope * (1 + r * r)};
-}
-
-// The argument of RadialDistortion that belongs to a radius on the plane z = 1, and back.
-bool IsByAngle(const CameraIntrinsics& k) {
-  return k.distortion == DistortionModel::kEquidistant || IsWideLens(k.distortion);
-}
-double ArgumentOfRadius(const CameraIntrinsics& k, double r) {
-  return IsByAngle(k) ? std::atan(r) : r;
-}
-double RadiusOfArgument(const CameraIntrinsics& k, double argument) {
-  return IsByAngle(k) ? std::tan(argument) : argument;
-}
-
-/// Largest |xy| on the plane z = 1 up to which the radial distortion grows (or 85 deg).
-double FindMaxRadius(const CameraIntrinsics& k) {
+/// Largest argument up to which the radial distortion grows (or where lenses end).
+double FindMaxArgument(const CameraIntrinsics& k) {
   constexpr int kSteps = 4000;
-  const double end = ArgumentOfRadius(k, kMaxRadius);
+  const double end = IsWideLens(k.distortion) ? kMaxAngle : kMaxRadius;
   for (int i = 1; i <= kSteps; ++i) {
     double high = end * i / kSteps;
     if (RadialDistortion(k, high).slope > kMinSlope) continue;
@@ -73,60 +45,61 @@ double FindMaxRadius(const CameraIntrinsics& k) {
       const double middle = 0.5 * (low + high);
       (RadialDistortion(k, middle).slope > kMinSlope ? low : high) = middle;
     }
-    return RadiusOfArgument(k, low);
+    return low;
   }
-  return kMaxRadius;
+  return end;
 }
 
-Vector2d DistortEquidistant(const CameraIntrinsics& k, const Vector2d& xy, Matrix2d* J) {
-  const double r = xy.norm();
-  // xy_d = scale xy, with scale = theta_d(atan r) / r; `bend` is (d scale / d r) / r.
-  double scale, bend;
-  if (r < 1e-4) {
-    bend = 2 * (k.coefficients[0] - 1.0 / 3.0);
-    scale = 1 + 0.5 * bend * r * r;
-  } else {
-    const Radial theta_d = EquidistantRadius(k, std::atan(r));
-    scale = theta_d.value / r;
-    bend = (theta_d.slope / (1 + r * r) - scale) / (r * r);
-  }
-  if (J) *J = scale * Matrix2d::Identity() + bend * xy * xy.transpose();
-  return scale * xy;
-}
-
-/// From the ideal to the distorted point on the plane z = 1. J: d result / d xy.
+/// DistortThroughPlaneLens, with the most common lens inline: every projection goes through it.
 Vector2d Distort(const CameraIntrinsics& k, const Vector2d& xy, Matrix2d* J) {
-  switch (k.distortion) {
-    case DistortionModel::kRadialTangential:
-      return DistortRadialTangential(k, xy, J);
-    case DistortionModel::kEquidistant:
-      return DistortEquidistant(k, xy, J);
-    default:
-      return DistortThroughLens(k, xy, J);
-  }
+  return k.distortion == DistortionModel::kRadialTangential ? DistortRadialTangential(k, xy, J)
+                                                            : DistortThroughPlaneLens(k, xy, J);
 }
 
-/// Inverse of the radial part: the undistorted point in the direction of xy_d. RadialDistortion
-/// grows on [0, max_radius], so Newton's method with a bracket always finds it; empty if it is not
-/// inside.
-std::optional<Vector2d> UndistortRadially(const CameraIntrinsics& k,
-                                          const Vector2d& xy_d,
-                                          double max_radius) {
-  const double r_d = xy_d.norm();
-  if (r_d < 1e-9) return xy_d;
-  double low = 0, high = ArgumentOfRadius(k, max_radius);
-  if (RadialDistortion(k, high).value < r_d) return std::nullopt;
-  double argument = std::min(r_d, 0.5 * high);
+/// Inverse of RadialDistortion, which grows up to max_argument, so that Newton's method with a
+/// bracket always finds it; empty if it is not inside.
+std::optional<double> ArgumentOf(const CameraIntrinsics& k, double radius, double max_argument) {
+  double low = 0, high = max_argument;
+  if (RadialDistortion(k, high).value < radius) return std::nullopt;
+  double argument = std::min(radius, 0.5 * high);
   for (int i = 0; i < kMaxIterations; ++i) {
-    const Radial f = RadialDistortion(k, argument);
-    (f.value < r_d ? low : high) = argument;
-    double next = argument - (f.value - r_d) / f.slope;
+    const LensRadius f = RadialDistortion(k, argument);
+    (f.value < radius ? low : high) = argument;
+    double next = argument - (f.value - radius) / f.slope;
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     const bool converged = std::abs(next - argument) < kConverged;
     argument = next;
     if (converged) break;
   }
-  return Vector2d(xy_d * (RadiusOfArgument(k, argument) / r_d));
+  return argument;
+}
+
+/// Without the tangential part: the point of the plane z = 1 that is seen at xy_d.
+std::optional<Vector2d> UndistortRadially(const CameraIntrinsics& k,
+                                          const Vector2d& xy_d,
+                                          double max_radius) {
+  const double r_d = xy_d.norm();
+  if (r_d < 1e-9) return xy_d;
+  const std::optional<double> r = ArgumentOf(k, r_d, max_radius);
+  if (!r) return std::nullopt;
+  return Vector2d(xy_d * (*r / r_d));
+}
+
+/// The same as a unit vector, for lenses that are described by directions.
+std::optional<Vector3d> BearingRadially(const CameraIntrinsics& k,
+                                        const Vector2d& xy_d,
+                                        double max_angle) {
+  const double r_d = xy_d.norm();
+  if (r_d < 1e-9) return Vector3d(xy_d.x(), xy_d.y(), 1).normalized();
+  const std::optional<double> angle = ArgumentOf(k, r_d, max_angle);
+  if (!angle) return std::nullopt;
+  const Vector2d xy = xy_d * (std::sin(*angle) / r_d);
+  return Vector3d(xy.x(), xy.y(), std::cos(*angle));
+}
+
+/// How a direction is turned into a pixel keeps left and right apart: the image is not mirrored.
+bool IsUpright(const Matrix<2, 3>& J, const Vector3d& bearing) {
+  return Vector3d(J.row(0)).cross(Vector3d(J.row(1))).dot(bearing) > 0;
 }
 
 bool AllFinite(const CameraIntrinsics& k) {
@@ -147,27 +120,40 @@ bool IsInTheImage(double c, int side) {
 }
 
 /// What is wrong with the distortion at a point that every camera must see; empty: nothing.
-std::string WhatIsWrongAt(const CameraIntrinsics& k, const Vector2d& px, double max_radius) {
+/// `max_argument`: of RadialDistortion.
+std::string WhatIsWrongAt(const CameraIntrinsics& k, const Vector2d& px, double max_argument) {
   // No lens does more: magnify as much, or be as skew.
   constexpr double kMostMagnified = 5;
   constexpr double kMostSkew = 0.25;  // of the image
+  const bool is_wide = IsWideLens(k.distortion);
   const Vector2d xy_d((px.x() - k.cx) / k.fx, (px.y() - k.cy) / k.fy);
-  const std::optional<Vector2d> xy = UndistortRadially(k, xy_d, max_radius);
+  const std::optional<double> argument = ArgumentOf(k, xy_d.norm(), max_argument);
   std::ostringstream text;
-  if (!xy) {
+  if (!argument) {
     text << "the distortion is singular inside the image: it folds over at "
-         << std::atan(max_radius) * 57.29577951308232 << " deg from the axis";
-  } else if (!(kMostMagnified * xy->norm() >= xy_d.norm())) {
+         << (is_wide ? max_argument : std::atan(max_argument)) / kDegree << " deg from the axis";
+    return text.str();
+  }
+  const Vector2d direction = xy_d.normalized();
+  const double radius = is_wide ? std::tan(std::min(*argument, std::atan(kMaxRadius))) : *argument;
+  if (!(kMostMagnified * radius >= xy_d.norm())) {
     text << "no lens distorts so much: half way to the border the image would be magnified more "
             "than "
          << kMostMagnified << " times";
-  } else {
-    const Vector2d tangential = Distort(k, *xy, nullptr) - xy_d;
-    const Vector2d px_off = tangential.cwiseProduct(Vector2d(k.fx, k.fy));
-    if (px_off.norm() <= kMostSkew * std::max(k.width, k.height)) return {};
-    text << "no lens is so skew: the last two coefficients move a point half way to the border by "
-         << px_off.norm() << " px";
+    return text.str();
   }
+  const Vector2d there = is_wide
+                             ? ProjectThroughWideLens(k,
+                                                      Vector3d(direction.x() * std::sin(*argument),
+                                                               direction.y() * std::sin(*argument),
+                                                               std::cos(*argument)),
+                                                      nullptr)
+                                   .value_or(xy_d)
+                             : Distort(k, *argument * direction, nullptr);
+  const Vector2d px_off = (there - xy_d).cwiseProduct(Vector2d(k.fx, k.fy));
+  if (px_off.norm() <= kMostSkew * std::max(k.width, k.height)) return {};
+  text << "no lens is so skew: the last two coefficients move a point half way to the border by "
+       << px_off.norm() << " px";
   return text.str();
 }
 
@@ -192,14 +178,14 @@ std::string CameraModel::WhatIsWrong(const CameraIntrinsics& k) {
          << ", or at its border: it is a place in the recorded image, near the middle, in pixels "
             "(not in shares of the image or in millimetres); was the image cropped or scaled after "
             "the calibration?";
-  } else if (text << WhatIsWrongWithLens(k); text.str().empty()) {
+  } else if (text << WhatIsWrongWithWideLens(k); text.str().empty()) {
     // Half way from the principal point to each side every camera must see something.
-    const double max_radius = FindMaxRadius(k);
+    const double max_argument = FindMaxArgument(k);
     for (const Vector2d& side : {Vector2d(0, k.cy),
                                  Vector2d(k.width, k.cy),
                                  Vector2d(k.cx, 0),
                                  Vector2d(k.cx, k.height)}) {
-      text << WhatIsWrongAt(k, 0.5 * (Vector2d(k.cx, k.cy) + side), max_radius);
+      text << WhatIsWrongAt(k, 0.5 * (Vector2d(k.cx, k.cy) + side), max_argument);
       if (!text.str().empty()) break;
     }
   }
@@ -209,11 +195,24 @@ std::string CameraModel::WhatIsWrong(const CameraIntrinsics& k) {
 CameraModel::CameraModel(const CameraIntrinsics& k) : k_(k) {
   const std::string problem = WhatIsWrong(k);
   FACET_CHECK(problem.empty()) << problem;
-  max_radius_ = FindMaxRadius(k);
+  const double max_argument = FindMaxArgument(k);
+  const bool is_wide = IsWideLens(k.distortion);
+  max_radius_ = is_wide ? 0 : max_argument;
+  max_angle_ = is_wide ? max_argument : std::atan(max_argument);
+  min_cosine_ = std::cos(max_angle_);
   mean_focal_px_ = 0.5 * (k.fx + k.fy) * RadialDistortion(k, 0).slope;
 }
 
+std::optional<Vector2d> CameraModel::ProjectWidely(const Vector3d& p_C, Matrix<2, 3>* J) const {
+  if (!(p_C.z() >= min_cosine_ * p_C.norm())) return std::nullopt;
+  const std::optional<Vector2d> xy_d = ProjectThroughWideLens(k_, p_C, J);
+  if (!xy_d) return std::nullopt;
+  if (J) *J = Vector2d(k_.fx, k_.fy).asDiagonal() * *J;
+  return Vector2d(k_.fx * xy_d->x() + k_.cx, k_.fy * xy_d->y() + k_.cy);
+}
+
 std::optional<Vector2d> CameraModel::Project(const Vector3d& p_C, Matrix<2, 3>* J) const {
+  if (IsWideLens(k_.distortion)) return ProjectWidely(p_C, J);
   if (!(p_C.z() > 0)) return std::nullopt;
   const Vector2d xy = p_C.head<2>() / p_C.z();
   if (!(xy.squaredNorm() <= max_radius_ * max_radius_)) return std::nullopt;
@@ -226,9 +225,32 @@ std::optional<Vector2d> CameraModel::Project(const Vector3d& p_C, Matrix<2, 3>* 
   return Vector2d(k_.fx * xy_d.x() + k_.cx, k_.fy * xy_d.y() + k_.cy);
 }
 
-std::optional<UndistortedPoint> CameraModel::Undistort(const Vector2d& px) const {
+// Newton's method takes the tangential part in; without one it starts at the solution.
+std::optional<PixelBearing> CameraModel::WideBearingOf(const Vector2d& xy_d) const {
+  const std::optional<Vector3d> start = BearingRadially(k_, xy_d, max_angle_);
+  if (!start) return std::nullopt;
+  PixelBearing ray{*start, {}};
+  bool converged = false;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const auto there = ProjectThroughWideLens(k_, ray.bearing, &ray.J_px_bearing);
+    if (!there || !IsUpright(ray.J_px_bearing, ray.bearing)) return std::nullopt;
+    const Vector2d error = *there - xy_d;
+    if (converged) {
+      if (error.norm() > kMaxError || !(ray.bearing.z() >= min_cosine_)) return std::nullopt;
+      ray.J_px_bearing = Vector2d(k_.fx, k_.fy).asDiagonal() * ray.J_px_bearing;
+      return ray;
+    }
+    const Vector3d step = AcrossRay(ray.J_px_bearing) * error;
+    ray.bearing = (ray.bearing - step).normalized();
+    converged = step.norm() < kConverged;
+  }
+  return std::nullopt;
+}
+
+std::optional<PixelBearing> CameraModel::BearingOf(const Vector2d& px) const {
   const Vector2d xy_d((px.x() - k_.cx) / k_.fx, (px.y() - k_.cy) / k_.fy);
   if (!xy_d.allFinite()) return std::nullopt;
+  if (IsWideLens(k_.distortion)) return WideBearingOf(xy_d);
   const std::optional<Vector2d> start = UndistortRadially(k_, xy_d, max_radius_);
   if (!start) return std::nullopt;
 
@@ -244,24 +266,19 @@ std::optional<UndistortedPoint> CameraModel::Undistort(const Vector2d& px) const
     converged = step.norm() < kConverged * (1 + xy.norm());
   }
   if (!converged || !(xy.norm() <= max_radius_)) return std::nullopt;
-  if ((Distort(k_, xy, &J) - xy_d).norm() > 1e-10 || !(J.determinant() > 0)) return std::nullopt;
-  return UndistortedPoint{xy, J.inverse() * Vector2d(1 / k_.fx, 1 / k_.fy).asDiagonal()};
-}
-
-std::optional<PixelBearing> CameraModel::BearingOf(const Vector2d& px) const {
-  const std::optional<UndistortedPoint> point = Undistort(px);
-  if (!point) return std::nullopt;
+  if ((Distort(k_, xy, &J) - xy_d).norm() > kMaxError || !(J.determinant() > 0))
+    return std::nullopt;
   PixelBearing ray;
-  ray.bearing = point->xy.homogeneous().normalized();
-  ray.J_px_bearing.leftCols<2>() = point->J_xy_px.inverse() / ray.bearing.z();
-  ray.J_px_bearing.col(2) = -ray.J_px_bearing.leftCols<2>() * point->xy;
+  ray.bearing = xy.homogeneous().normalized();
+  ray.J_px_bearing.leftCols<2>() = Vector2d(k_.fx, k_.fy).asDiagonal() * J / ray.bearing.z();
+  ray.J_px_bearing.col(2) = -ray.J_px_bearing.leftCols<2>() * xy;
   return ray;
 }
 
 std::optional<Vector3d> CameraModel::Unproject(const Vector2d& px) const {
-  const std::optional<UndistortedPoint> point = Undistort(px);
-  if (!point) return std::nullopt;
-  return point->xy.homogeneous().normalized();
+  const std::optional<PixelBearing> ray = BearingOf(px);
+  if (!ray) return std::nullopt;
+  return ray->bearing;
 }
 
 }  // namespace facet

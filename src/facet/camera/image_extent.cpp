@@ -17,7 +17,7 @@ double RelativeImageSide(const CameraModel& camera) {
     for (int j = 0; j < kSamples; ++j) {
       const Vector2d px((i + 0.5) / kSamples * camera.width() - 0.5,
                         (j + 0.5) / kSamples * camera.height() - 0.5);
-      if (camera.Undistort(px)) ++num_seen;
+      if (camera.BearingOf(px)) ++num_seen;
     }
   }
   const double num_pixels = static_cast<double>(camera.width()) * camera.height();

@@ -30,13 +30,13 @@ TEST(ImageExtentTest, MorePixelsOfTheSameView) {
 
 TEST(ImageExtentTest, CornersThatTheLensDoesNotSeeDoNotCount) {
   CameraIntrinsics k;
-  k.width = k.height = 600;
-  k.cx = k.cy = 299.5;
-  k.fx = k.fy = 200;  // 85 deg are a circle with a radius of 296.7 px
+  k.width = k.height = 800;
+  k.cx = k.cy = 399.5;
+  k.fx = k.fy = 200;  // 110 deg are a circle with a radius of 384 px
   k.distortion = DistortionModel::kEquidistant;
   k.coefficients.fill(0);
   const CameraModel camera(k);
-  const double circle = 3.14159265 * 296.7 * 296.7;
+  const double circle = 3.14159265 * 383.97 * 383.97;
   EXPECT_NEAR(RelativeImageSide(camera), std::sqrt(circle / (752 * 480)), 0.01);
   EXPECT_NEAR(RelativeViewAngle(camera), RelativeImageSide(camera) * 457.975 / 200, 1e-9);
 }

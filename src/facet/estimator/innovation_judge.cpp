@@ -68,8 +68,7 @@ void LeaveOutMoving(const InnovationTest& test,
     if (test.contradicts[i]) return true;
     const WindowLandmark* landmark = window.Find(o.landmark);
     if (landmark == nullptr) return false;
-    return landmark->IsOnProbation() ||
-           (only_witnesses && test.agrees[i] && !landmark->IsWitness());
+    return landmark->IsOnProbation() || (only_witnesses && test.agrees[i] && !test.is_witness[i]);
   });
 }
 

@@ -86,6 +86,7 @@ TEST(InnovationJudgeTest, WhatHasMovedIsLeftOutUntilItAgreesForThreeKeyframes) {
   InnovationTest test;
   test.agrees = {1, 0};
   test.contradicts = {0, 1};
+  test.is_witness = {0, 0};
   std::vector<std::size_t> num_left;
   for (int keyframe = 0; keyframe < 5; ++keyframe) {
     Remember(test, all, window);
@@ -96,6 +97,39 @@ TEST(InnovationJudgeTest, WhatHasMovedIsLeftOutUntilItAgreesForThreeKeyframes) {
     test.contradicts = {0, 0};
   }
   EXPECT_EQ(num_left, (std::vector<std::size_t>{1, 1, 1, 2, 2}));
+}
+
+// Ten witnesses that agree, others of which some agree, and one that was not tested: how many are
+// left.
+std::size_t NumLeft(int num_others, int num_contradicting, int num_contradicting_witnesses = 0) {
+  constexpr int kWitnesses = 10;
+  SlidingWindow window;
+  window.frames.resize(1);
+  InnovationTest test = Counts(kWitnesses + num_others,
+                               num_contradicting + num_contradicting_witnesses,
+                               kWitnesses,
+                               num_contradicting_witnesses);
+  std::vector<PreparedObservation> observations;
+  for (int i = 0; i <= kWitnesses + num_others; ++i) {
+    const LandmarkId id{i};
+    window.AddLandmark(id, 0);
+    observations.emplace_back().landmark = id;
+    const bool is_tested = i < kWitnesses + num_others, is_witness = i < kWitnesses;
+    const int moving = is_witness ? num_contradicting_witnesses : num_contradicting;
+    const bool contradicts = is_tested && (is_witness ? i : i - kWitnesses) < moving;
+    test.is_witness.push_back(is_witness);
+    test.contradicts.push_back(contradicts);
+    test.agrees.push_back(is_tested && !contradicts);
+  }
+  LeaveOutMoving(test, window, observations);
+  return observations.size();
+}
+
+TEST(InnovationJudgeTest, WhatAgreesInACrowdThatMovesIsLeftOut) {
+  EXPECT_EQ(NumLeft(100, 75), 10U + 1) << "witnesses, and what was not tested";
+  EXPECT_EQ(NumLeft(100, 60), 10U + 40 + 1) << "not enough move";
+  EXPECT_EQ(NumLeft(9, 8), 10U + 1 + 1) << "the crowd is no larger than the witnesses";
+  EXPECT_EQ(NumLeft(100, 75, 3), 7U + 25 + 1) << "too few witnesses agree";
 }
 
 }  // namespace

@@ -42,21 +42,22 @@ std::vector<Vector3d> ThinCloud(const std::vector<Vector3d>& points) {
   return thin;
 }
 
-// Largest |(x, y)| / z of a ray inside the image, with a margin; what is outside need not be
-// projected.
-double ImageRadius(const CameraModel& camera) {
-  double radius = 0;
+// Cosine of the largest angle from the axis of a ray inside the image, with a margin; what is
+// outside need not be projected.
+double LeastCosine(const CameraModel& camera) {
+  constexpr double kMargin = 0.05;
+  double cosine = 1;
   for (double x : {0.0, 0.5, 1.0}) {
     for (double y : {0.0, 0.5, 1.0}) {
-      const auto ray = camera.Undistort({x * (camera.width() - 1), y * (camera.height() - 1)});
-      if (!ray) return std::tan(camera.max_angle());
-      radius = std::max(radius, ray->xy.norm());
+      const auto ray = camera.Unproject({x * (camera.width() - 1), y * (camera.height() - 1)});
+      if (!ray) return std::cos(camera.max_angle());
+      cosine = std::min(cosine, ray->z());
     }
   }
-  return 1.1 * radius + 0.05;
+  return cosine - kMargin;
 }
 
-// A coarse image of the depth of the nearest points.
+// A coarse image of the distances of the nearest points.
 class DepthImage {
  public:
   explicit DepthImage(const CameraModel& camera)
@@ -66,10 +67,11 @@ class DepthImage {
         depth_(static_cast<std::size_t>(columns_) * rows_, std::numeric_limits<float>::max()) {}
 
   void Draw(const Vector3d& p_C) {
-    const auto px = camera_.Project(p_C);
+    Matrix<2, 3> J;
+    const auto px = camera_.Project(p_C, &J);
     if (!px) return;
-    const double radius =
-        std::max(0.5, 0.75 * kSpacing * camera_.mean_focal_px() / p_C.z() / kCellPx);
+    const double px_per_m = J.norm() / std::sqrt(2.0);
+    const double radius = std::max(0.5, 0.75 * kSpacing * px_per_m / kCellPx);
     const double x = px->x() / kCellPx, y = px->y() / kCellPx;
     const auto first = [](double v) { return std::max(0, static_cast<int>(std::ceil(v))); };
     const int x1 = std::min(columns_ - 1, static_cast<int>(std::floor(x + radius)));
@@ -77,18 +79,18 @@ class DepthImage {
     for (int r = first(y - radius); r <= y1; ++r) {
       for (int c = first(x - radius); c <= x1; ++c) {
         float& depth = depth_[static_cast<std::size_t>(r) * columns_ + c];
-        depth = std::min(depth, static_cast<float>(p_C.z()));
+        depth = std::min(depth, static_cast<float>(p_C.norm()));
       }
     }
   }
 
-  bool Hides(const Vector2d& px, double z) const {
+  bool Hides(const Vector2d& px, double distance_m) const {
     const int c = static_cast<int>(std::lround(px.x() / kCellPx));
     const int r = static_cast<int>(std::lround(px.y() / kCellPx));
     const int column = std::clamp(c, 0, columns_ - 1), row = std::clamp(r, 0, rows_ - 1);
     return static_cast<double>(depth_[static_cast<std::size_t>(row) * columns_ + column]) +
                kTolerance <
-           z;
+           distance_m;
   }
 
  private:
@@ -114,7 +116,7 @@ class Observer {
       : surface_(surface), rig_(rig), options_(options), seen_(surface.points().size(), 0) {
     if (surface.triangles() == nullptr) occluders_ = ThinCloud(surface.points());
     for (int camera : {0, 1})
-      image_radius_[camera] = ImageRadius(rig.cameras[camera]);
+      least_cosine_[camera] = LeastCosine(rig.cameras[camera]);
   }
 
   void Look(const SE3& T_GB) {
@@ -144,8 +146,8 @@ class Observer {
     const Vector3d r = p_G - T_GC_.p;
     if (r.squaredNorm() > options_.max_distance_m * options_.max_distance_m) return std::nullopt;
     const Vector3d p_C = R_CG_ * p_G + T_CG_.p;
-    const double limit = image_radius_[camera_] * p_C.z();
-    if (p_C.z() < kNearest || p_C.head<2>().squaredNorm() > limit * limit) return std::nullopt;
+    const double distance_m = p_C.norm();
+    if (distance_m < kNearest || p_C.z() < least_cosine_[camera_] * distance_m) return std::nullopt;
     return p_C;
   }
 
@@ -159,7 +161,7 @@ class Observer {
       const auto px = camera.Project(*p_C);
       if (!px || !camera.IsInside(*px, 0)) continue;
       const bool hidden = image != nullptr
-                              ? image->Hides(*px, p_C->z())
+                              ? image->Hides(*px, p_C->norm())
                               : HiddenByTriangle(*surface_.triangles(), T_GC_.p, points[i]);
       seen_[i] = hidden ? 0 : 1;
     }
@@ -170,7 +172,7 @@ class Observer {
   VisibilityOptions options_;
   std::vector<Vector3d> occluders_;
   std::vector<char> seen_;
-  std::array<double, 2> image_radius_{};
+  std::array<double, 2> least_cosine_{};
   int camera_ = 0;  // the one that looks, and its pose
   SE3 T_GC_, T_CG_;
   Matrix3d R_CG_ = Matrix3d::Identity();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Depth of a place in the left image that is not tracked: question and answer.
+// Distance of a place in the left image that is not tracked: question and answer.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ struct DepthQuery {
   Vector2d px = Vector2d::Zero();  ///< in the newest left image
   /// Where to look along the epipolar line [1/m], best guess first; each is the centre of a search
   /// over some pixels.
-  std::array<double, 3> inverse_depths{};
+  std::array<double, 3> inverse_distances{};
   int num_depths = 0;
 };
 
@@ -22,10 +22,10 @@ struct DepthQuery {
 struct SupportPoint {
   Vector2d px = Vector2d::Zero();
   Vector2d px_right = Vector2d::Zero();
-  Vector2d xy = Vector2d::Zero();  ///< undistorted, on the plane z = 1 of the left camera
-  double inverse_depth = 0;        ///< [1/m] along z of the left camera, above 0
-  double sigma_inverse_depth = 0;  ///< 1-sigma
-  std::uint8_t intensity = 0;      ///< of the left image there
+  Vector3d bearing = Vector3d::UnitZ();  ///< unit vector of the left camera
+  double inverse_distance = 0;           ///< [1/m] from the left camera, above 0
+  double sigma_inverse_distance = 0;     ///< 1-sigma
+  std::uint8_t intensity = 0;            ///< of the left image there
 };
 
 }  // namespace facet

@@ -93,7 +93,7 @@ struct TrackingOptions {
 
 /// From the left image to the right one (stereo_matcher.h).
 struct StereoMatcherOptions {
-  /// Nearest depth that the search of new points covers. Smaller costs time and false matches.
+  /// Nearest distance that the search of new points covers. Smaller costs time and false matches.
   double min_depth_m = 0.3;
   /// Similarity (ZNCC) of the final match.
   double min_zncc = 0.8;
@@ -107,7 +107,7 @@ struct StereoMatcherOptions {
     v.Field("min_depth_m",
             min_depth_m,
             Range{0.02, 100},
-            "nearest depth that is searched [m]",
+            "nearest distance that is searched [m]",
             Audience::kUsers);
     v.Field("min_zncc", min_zncc, Range{-1, 1}, "least similarity of left and right patch (ZNCC)");
     v.Field("max_left_right_px",

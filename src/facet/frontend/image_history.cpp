@@ -44,7 +44,7 @@ std::uint64_t Fingerprint(const cv::Mat& image) {
 
 bool ImageHistory::Add(const cv::Mat& image, const RepeatedImage::Motion& motion) {
   moved_.T_prev_now = moved_.T_prev_now * motion.T_prev_now;
-  moved_.mean_inverse_depth = motion.mean_inverse_depth;
+  moved_.mean_inverse_distance = motion.mean_inverse_distance;
   moved_.rotation_slack += motion.rotation_slack;
   if (image.empty()) return false;
   const std::uint64_t fingerprint = Fingerprint(image);

@@ -73,12 +73,12 @@ RightImageFindings KeyframeStereo::MatchTracks(Timestamp t,
 void KeyframeStereo::KeepDepths(std::span<const Track> tracks) {
   depths_before_.clear();
   for (const Track& track : tracks)
-    depths_before_.push_back(track.id.IsValid() ? track.inverse_depth : std::nullopt);
+    depths_before_.push_back(track.id.IsValid() ? track.inverse_distance : std::nullopt);
 }
 
 void KeyframeStereo::RestoreDepths(std::span<Track> tracks) const {
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    if (tracks[i].id.IsValid()) tracks[i].inverse_depth = depths_before_[i];
+    if (tracks[i].id.IsValid()) tracks[i].inverse_distance = depths_before_[i];
   }
 }
 
@@ -98,17 +98,16 @@ std::optional<StereoTurn> KeyframeStereo::SeekTurn(Timestamp t,
   return watch_.Add(t, rig_, MatchWidely(left, tracks));
 }
 
-// To first order, and as if the baseline were across the view.
+// To first order.
 DisparityShift KeyframeStereo::ShiftOf(std::span<const Track> tracks) {
-  const Vector2d along = rig_.T_C1C0().p.head<2>().normalized();
+  const Vector3d along = rig_.T_C1C0().p.normalized();
   angles_.clear();
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (!matches_[i] || !depths_before_[i]) continue;
-    const auto ray = rig_.cameras[1].Undistort(matches_[i]->px);
-    if (!ray) continue;
-    const double x = ray->xy.dot(along);
-    const double change = matches_[i]->inverse_depth - *depths_before_[i];
-    angles_.push_back(change * rig_.baseline_m() / (1 + x * x));
+    const auto bearing = rig_.cameras[1].Unproject(matches_[i]->px);
+    if (!bearing) continue;
+    const double change = matches_[i]->inverse_distance - *depths_before_[i];
+    angles_.push_back(change * rig_.baseline_m() * along.cross(*bearing).norm());
   }
   DisparityShift shift;
   shift.num = static_cast<int>(angles_.size());
@@ -124,7 +123,7 @@ void KeyframeStereo::MatchAll(const ImagePyramid& left, std::span<Track> tracks)
     Track& track = tracks[i];
     if (!track.id.IsValid()) continue;
     matches_[i] = matcher_.Match(track, left, right_);
-    if (matches_[i]) track.inverse_depth = matches_[i]->inverse_depth;
+    if (matches_[i]) track.inverse_distance = matches_[i]->inverse_distance;
   }
 }
 
@@ -147,8 +146,8 @@ std::vector<StereoRays> KeyframeStereo::MatchWidely(const ImagePyramid& left,
   for (const Track& track : tracks) {
     if (!track.id.IsValid()) continue;
     const auto match = matcher.Match(track, left, right_);
-    const auto ray = match ? rig_.cameras[1].Undistort(match->px) : std::nullopt;
-    if (ray) rays.push_back({track.ray.xy, ray->xy});
+    const auto bearing = match ? rig_.cameras[1].Unproject(match->px) : std::nullopt;
+    if (bearing) rays.push_back({track.ray.bearing, *bearing});
   }
   return rays;
 }
@@ -158,20 +157,21 @@ void KeyframeStereo::MatchPlaces(std::span<const DepthQuery> queries,
                                  std::vector<SupportPoint>& found) {
   if (!has_right_) return;
   for (const DepthQuery& query : queries) {
-    const auto ray = rig_.cameras[0].Undistort(query.px);
+    const auto ray = rig_.cameras[0].BearingOf(query.px);
     if (!ray) continue;
     place_.px = query.px;
     place_.ray = *ray;
-    const std::span depths(query.inverse_depths.data(), static_cast<std::size_t>(query.num_depths));
+    const std::span depths(query.inverse_distances.data(),
+                           static_cast<std::size_t>(query.num_depths));
     const auto match = matcher_.MatchNear(place_, depths, left, right_);
-    if (!match || match->level != 0 || !(match->inverse_depth > 0)) continue;
+    if (!match || match->level != 0 || !(match->inverse_distance > 0)) continue;
     const double sigma_px =
         std::hypot(options_.noise.right_base_px, options_.noise.residual_factor * match->sigma_px);
     found.push_back({query.px,
                      match->px,
-                     ray->xy,
-                     match->inverse_depth,
-                     sigma_px / match->px_per_inverse_depth});
+                     ray->bearing,
+                     match->inverse_distance,
+                     sigma_px / match->px_per_inverse_distance});
   }
 }
 

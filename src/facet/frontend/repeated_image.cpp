@@ -50,7 +50,7 @@ bool RepeatedImage::Add(const cv::Mat& image, const Motion& motion) {
   }
   ++num_same_;
   since_first_.T_prev_now = since_first_.T_prev_now * motion.T_prev_now;
-  since_first_.mean_inverse_depth = motion.mean_inverse_depth;
+  since_first_.mean_inverse_distance = motion.mean_inverse_distance;
   since_first_.rotation_slack += motion.rotation_slack;
   return MustHaveChanged(since_first_, focal_px_) ||
          (num_different_ >= kNumDifferent && num_same_ <= kNumNotNeeded);
@@ -60,7 +60,7 @@ bool MustHaveChanged(const RepeatedImage::Motion& since, double focal_px) {
   const SE3& T = since.T_prev_now;
   const double rotation = LogSO3(T.q).norm() - since.rotation_slack;
   return focal_px * rotation > kMaxRotation_px ||
-         focal_px * T.p.norm() * since.mean_inverse_depth > kMaxTranslation_px;
+         focal_px * T.p.norm() * since.mean_inverse_distance > kMaxTranslation_px;
 }
 
 }  // namespace facet

@@ -26,7 +26,7 @@ class RepeatedImage {
   /// What is known of the camera's motion since the previous frame.
   struct Motion {
     SE3 T_prev_now;
-    double mean_inverse_depth = 0;  ///< of what it sees [1/m]; 0: not known
+    double mean_inverse_distance = 0;  ///< of what it sees [1/m]; 0: not known
     /// Largest rotation that may be an unknown bias of the gyroscope [rad].
     double rotation_slack = 0;
   };

@@ -19,7 +19,7 @@ std::vector<StereoRays> Matches(const StereoRig& rig, int num = 60) {
     const double z = rng.Uniform(1, 6);
     const Vector3d p_C0(z * rng.Uniform(-0.7, 0.7), z * rng.Uniform(-0.45, 0.45), z);
     const Vector3d p_C1 = rig.T_C1C0() * p_C0;
-    matches.push_back({p_C0.head<2>() / p_C0.z(), p_C1.head<2>() / p_C1.z()});
+    matches.push_back({p_C0.normalized(), p_C1.normalized()});
   }
   return matches;
 }

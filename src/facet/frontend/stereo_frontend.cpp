@@ -120,11 +120,11 @@ StereoFrontend::Impl::Impl(const StereoRig& stereo_rig, const FrontendOptions& f
 
 void StereoFrontend::Impl::TakeHint(const FrontendHint& hint) {
   motion.T_Bprev_Bnow = motion.T_Bprev_Bnow * SE3(hint.R_prev_now, hint.p_prev_now);
-  if (hint.inverse_depth == nullptr) return;
+  if (hint.inverse_distance == nullptr) return;
   for (Track& track : tracks.slots()) {
     if (!track.id.IsValid()) continue;
-    const auto known = hint.inverse_depth->find(track.id);
-    if (known != hint.inverse_depth->end()) track.inverse_depth = known->second;
+    const auto known = hint.inverse_distance->find(track.id);
+    if (known != hint.inverse_distance->end()) track.inverse_distance = known->second;
   }
 }
 
@@ -135,12 +135,12 @@ bool StereoFrontend::Impl::IsRepeated(const StereoFrame& frame,
   const SE3& T_BC = rig.T_BC[0];
   RepeatedImage::Motion moved;
   moved.T_prev_now = T_BC.Inverse() * SE3(hint.R_prev_now, hint.p_prev_now) * T_BC;
-  const bool is_bias_known = hint.inverse_depth != nullptr;
+  const bool is_bias_known = hint.inverse_distance != nullptr;
   moved.rotation_slack = is_bias_known ? 0 : kLargestUnknownBias * interval_s;
   int num = 0;
   for (const Track& track : tracks.slots()) {
-    if (!track.id.IsValid() || !track.inverse_depth) continue;
-    moved.mean_inverse_depth += (*track.inverse_depth - moved.mean_inverse_depth) / ++num;
+    if (!track.id.IsValid() || !track.inverse_distance) continue;
+    moved.mean_inverse_distance += (*track.inverse_distance - moved.mean_inverse_distance) / ++num;
   }
   const bool repeats_last = repetitions.left.Add(frame.left, moved);
   // Black images are all the same.
@@ -242,15 +242,15 @@ void StereoFrontend::Impl::FillDepths(const cv::Mat& left,
   const ScopedStage stage(times, Stage::kStereo);
   const std::vector<FeatureObservation>& features = result.observations.features;
   KeyframeDepths& depths = result.depths;
-  depths.inverse_depths.reserve(features.size());
+  depths.inverse_distances.reserve(features.size());
   for (const std::size_t slot : tracks.ByLandmark())
-    depths.inverse_depths.push_back(tracks[slot].inverse_depth.value_or(0));
+    depths.inverse_distances.push_back(tracks[slot].inverse_distance.value_or(0));
   depths.intensities.reserve(features.size());
   for (const FeatureObservation& feature : features)
     depths.intensities.push_back(GreyValueAt(left, feature.px_left));
   if (!options.support.enabled) return;
   const std::vector<DepthQuery>& places =
-      support_places.Choose(left, features, depths.inverse_depths);
+      support_places.Choose(left, features, depths.inverse_distances);
   depths.support.reserve(places.size());
   stereo.MatchPlaces(places, images.now, depths.support);
   for (SupportPoint& point : depths.support)

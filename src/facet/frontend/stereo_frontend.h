@@ -41,15 +41,14 @@ struct FrontendHint {
   /// The estimator has a state, and the IMU between the frames has no holes: it will find what
   /// moves on its own better than the tracks among themselves.
   bool is_motion_known = false;
-  /// Inverse depth [1/m] along the left camera's z axis at the previous frame, by landmark; may be
-  /// null.
-  const std::unordered_map<LandmarkId, double>* inverse_depth = nullptr;
+  /// Inverse distance [1/m] from the left camera at the previous frame, by landmark; may be null.
+  const std::unordered_map<LandmarkId, double>* inverse_distance = nullptr;
 };
 
 /// What the images of a keyframe tell the mesh.
 struct KeyframeDepths {
-  /// One per observation: [1/m] along z of the left camera; 0 where not known.
-  std::vector<double> inverse_depths;
+  /// One per observation: [1/m] from the left camera; 0 where not known.
+  std::vector<double> inverse_distances;
   std::vector<std::uint8_t> intensities;  ///< one per observation, of the left image
   std::vector<SupportPoint> support;      ///< points between the observations
 };

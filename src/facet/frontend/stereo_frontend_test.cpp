@@ -49,7 +49,7 @@ struct Wall {
   Vector3d normal = Vector3d(0.15, -0.1, 1).normalized();
   double depth = 2;
 
-  double InverseDepth(const SE3& T_WC, const Vector3d& ray) const {
+  double InverseDistance(const SE3& T_WC, const Vector3d& ray) const {
     const double distance = normal.z() * depth - normal.dot(T_WC.p);
     return normal.dot(T_WC.q * ray) / distance;
   }
@@ -57,8 +57,7 @@ struct Wall {
   static std::vector<Vector3d> Rays(const CameraModel& camera) {
     std::vector<Vector3d> rays;
     for (int i = 0; i < kWidth * kHeight; ++i) {
-      const auto point = camera.Undistort(Vector2d(i % kWidth, i / kWidth));
-      rays.emplace_back(point->xy.x(), point->xy.y(), 1);
+      rays.push_back(*camera.Unproject(Vector2d(i % kWidth, i / kWidth)));
     }
     return rays;
   }
@@ -71,7 +70,7 @@ struct Wall {
     static const std::vector<Vector3d> rays = Rays(camera);  // both cameras have the same
     const auto map = [&](double x, double y) -> Vector2d {
       const Vector3d& ray = rays[static_cast<std::size_t>(y * kWidth + x)];
-      const Vector3d p_W = T_WC * (ray / InverseDepth(T_WC, ray));
+      const Vector3d p_W = T_WC * (ray / InverseDistance(T_WC, ray));
       return texels_per_m * p_W.head<2>();
     };
     return Render(texture, kWidth, kHeight, map, gain, 0, noise);
@@ -126,9 +125,8 @@ class FrontendTest : public ::testing::Test {
   // Where the point of the wall that was first seen at `px` in frame `first` is in frame i.
   Vector2d Truth(int first, const Vector2d& px, int i, int camera) const {
     const SE3 T_WC = BodyAt(first) * rig_.T_BC[0];
-    const auto point = rig_.cameras[0].Undistort(px);
-    const Vector3d ray(point->xy.x(), point->xy.y(), 1);
-    const Vector3d p_W = T_WC * (ray / wall_.InverseDepth(T_WC, ray));
+    const Vector3d ray = *rig_.cameras[0].Unproject(px);
+    const Vector3d p_W = T_WC * (ray / wall_.InverseDistance(T_WC, ray));
     const auto c = static_cast<std::size_t>(camera);
     return *rig_.cameras[c].Project((BodyAt(i) * rig_.T_BC[c]).Inverse() * p_W);
   }
@@ -137,9 +135,8 @@ class FrontendTest : public ::testing::Test {
   std::unordered_map<LandmarkId, double> TrueDepths(int i, const FrontendResult& result) const {
     std::unordered_map<LandmarkId, double> depths;
     for (const FeatureObservation& f : result.observations.features) {
-      const Vector2d xy = rig_.cameras[0].Undistort(f.px_left)->xy;
       depths[f.landmark] =
-          wall_.InverseDepth(BodyAt(i) * rig_.T_BC[0], Vector3d(xy.x(), xy.y(), 1));
+          wall_.InverseDistance(BodyAt(i) * rig_.T_BC[0], *rig_.cameras[0].Unproject(f.px_left));
     }
     return depths;
   }
@@ -207,7 +204,7 @@ TEST_F(FrontendTest, ATurnOfTheRightCameraIsNoticedAndCorrected) {
       StereoFrame frame = FrameAt(i);
       if (i >= kKnock) frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * knocked.T_BC[1], 0.85);
       FrontendHint hint = HintAt(i);
-      hint.inverse_depth = &depths;
+      hint.inverse_distance = &depths;
       hint.is_motion_known = true;
       const FrontendResult result = frontend.Process(frame, hint, times);
       depths = TrueDepths(i, result);
@@ -246,7 +243,7 @@ TEST_F(FrontendTest, ARightImageOfAnotherMomentIsNotUsed) {
       frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * rig_.T_BC[1] * turned, 0.85);
     }
     FrontendHint hint = HintAt(i);
-    hint.inverse_depth = &depths;
+    hint.inverse_distance = &depths;
     hint.is_motion_known = true;
     const FrontendResult result = frontend.Process(frame, hint, times);
     depths = TrueDepths(i, result);
@@ -440,7 +437,7 @@ TEST_F(FrontendTest, FindsTracksInSpiteOfAWrongRotationHint) {
 
 class MatcherTest : public FrontendTest {
  protected:
-  // Inverse depth errors of matches without any earlier depth, at a grid of points.
+  // Errors of inverse distances of matches without any earlier one, at a grid of points.
   void ExpectDepths(double depth) {
     wall_.depth = depth;
     const SE3 T_WC = PoseAt(0);

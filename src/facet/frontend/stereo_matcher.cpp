@@ -12,7 +12,7 @@ namespace facet {
 namespace {
 
 constexpr std::size_t kMaxCandidates = 2;
-// Coarsest level of a match whose depth is known.
+// Coarsest level of a match whose distance is known.
 constexpr int kSeededLevel = 1;
 
 // Free parameters of the warp from left to right: shift, rotation and scale. Places whose depth is
@@ -61,19 +61,19 @@ std::optional<Vector2d> StereoMatcher::AsCalibrated(const Vector2d& px_right) co
   return right_camera_.Project(*turn_ * *bearing);
 }
 
-bool StereoMatcher::Triangulate(const UndistortedPoint& ray,
+bool StereoMatcher::Triangulate(const PixelBearing& ray,
                                 const Vector2d& px_right,
                                 StereoMatch& match) const {
-  const std::optional<UndistortedPoint> right = right_camera_.Undistort(px_right);
+  const std::optional<PixelBearing> right = right_camera_.BearingOf(px_right);
   if (!right) return false;
-  const auto depth = TriangulateOnRay(ray.xy, *right, T_C1C0_);
-  if (!depth) return false;
-  const double rho = depth->inverse_depth;
-  if (depth->off_line_px > options_.max_epipolar_px) return false;
-  if (rho * depth->px_per_inverse_depth < -options_.max_epipolar_px) return false;
-  match.inverse_depth = std::max(0.0, rho);
-  match.px_per_inverse_depth = depth->px_per_inverse_depth;
-  match.off_line_px = depth->off_line_px;
+  const auto found = TriangulateOnRay(ray.bearing, *right, T_C1C0_);
+  if (!found) return false;
+  const double rho = found->inverse_distance;
+  if (found->off_line_px > options_.max_epipolar_px) return false;
+  if (rho * found->px_per_inverse_distance < -options_.max_epipolar_px) return false;
+  match.inverse_distance = std::max(0.0, rho);
+  match.px_per_inverse_distance = found->px_per_inverse_distance;
+  match.off_line_px = found->off_line_px;
   return true;
 }
 
@@ -83,7 +83,7 @@ std::optional<StereoMatch> StereoMatcher::Refine(const Track& track,
                                                  const ImagePyramid& right,
                                                  float* zncc) {
   std::optional<PatchWarp> warp =
-      PredictWarp(track.ray, start.inverse_depth, T_C1C0_, right_camera_);
+      PredictWarp(track.ray, start.inverse_distance, T_C1C0_, right_camera_);
   if (!warp) return std::nullopt;
   const PatchTracker& tracker = start.tracker;
   if (&tracker == &near_tracker_) NeglectSlightShape(*warp);
@@ -122,19 +122,22 @@ void StereoMatcher::Search(const Track& track,
     --level;
   const PatchTemplate& patch = patch_.levels[static_cast<std::size_t>(level)];
   if (!patch.is_valid) return;
-  const double max_inverse_depth = 1 / options_.min_depth_m;
+  const double max_inverse_distance = 1 / options_.min_depth_m;
   const std::optional<PatchWarp> far = PredictWarp(track.ray, 0, T_C1C0_, right_camera_);
   if (!far) return;
   const double step_px = 1 << level;
-  const int steps =
-      std::max(1, static_cast<int>(std::ceil(baseline_focal_px_ * max_inverse_depth / step_px)));
-  const Vector3d ray_C1 = T_C1C0_.q * Vector3d(track.ray.xy.x(), track.ray.xy.y(), 1);
+  const Vector3d bearing_C1 = T_C1C0_.q * track.ray.bearing;
+  const std::optional<Vector2d> nearest =
+      right_camera_.Project(bearing_C1 + max_inverse_distance * T_C1C0_.p);
+  const double length_px = nearest ? (*nearest - Vector2d(far->x, far->y)).norm()
+                                   : baseline_focal_px_ * max_inverse_distance;
+  const int steps = std::max(1, static_cast<int>(std::ceil(length_px / step_px)));
   for (int i = 0; i <= steps; ++i) {
-    const double rho = max_inverse_depth * i / steps;
-    const std::optional<Vector2d> px = right_camera_.Project(ray_C1 + rho * T_C1C0_.p);
+    const double rho = max_inverse_distance * i / steps;
+    const std::optional<Vector2d> px = right_camera_.Project(bearing_C1 + rho * T_C1C0_.p);
     Candidate sample{rho, -1};
     if (px && right_camera_.IsInside(*px, 0)) {
-      PatchWarp warp = *far;  // the shape hardly depends on the depth
+      PatchWarp warp = *far;  // the shape hardly depends on the distance
       warp.x = static_cast<float>(px->x());
       warp.y = static_cast<float>(px->y());
       sample.zncc = tracker_.Similarity(patch, right.level(level), ToLevel(warp, level));
@@ -161,9 +164,9 @@ std::optional<StereoMatch> StereoMatcher::Match(const Track& track,
   patch_.Invalidate();
   const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
   tracker_.Extract(left, x, y, {kSeededLevel, 0}, patch_);
-  if (track.inverse_depth) {
+  if (track.inverse_distance) {
     std::optional<StereoMatch> match =
-        Refine(track, {*track.inverse_depth, kSeededLevel, tracker_}, left, right, &zncc);
+        Refine(track, {*track.inverse_distance, kSeededLevel, tracker_}, left, right, &zncc);
     if (match) return match;
   }
   Search(track, left, right);
@@ -172,7 +175,7 @@ std::optional<StereoMatch> StereoMatcher::Match(const Track& track,
   for (const Candidate& candidate : candidates_) {
     const int level = std::max(kSearchLevel, track.level);
     std::optional<StereoMatch> match =
-        Refine(track, {candidate.inverse_depth, level, tracker_}, left, right, &zncc);
+        Refine(track, {candidate.inverse_distance, level, tracker_}, left, right, &zncc);
     if (!match || zncc <= best_zncc) continue;
     best = match;
     best_zncc = zncc;
@@ -181,15 +184,15 @@ std::optional<StereoMatch> StereoMatcher::Match(const Track& track,
 }
 
 std::optional<StereoMatch> StereoMatcher::MatchNear(const Track& track,
-                                                    std::span<const double> inverse_depths,
+                                                    std::span<const double> inverse_distances,
                                                     const ImagePyramid& left,
                                                     const ImagePyramid& right) {
   patch_.Invalidate();
   const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
   near_tracker_.Extract(left, x, y, {kSeededLevel, track.level}, patch_);
   float zncc = -1;
-  for (double inverse_depth : inverse_depths) {
-    const Start start = {inverse_depth, kSeededLevel, near_tracker_};
+  for (double inverse_distance : inverse_distances) {
+    const Start start = {inverse_distance, kSeededLevel, near_tracker_};
     auto match = Refine(track, start, left, right, &zncc);
     if (match) return match;
   }

@@ -13,12 +13,12 @@
 namespace facet {
 
 struct StereoMatch {
-  Vector2d px = Vector2d::Zero();   ///< where the right camera, as it was calibrated, sees it
-  double inverse_depth = 0;         ///< [1/m] along z of the left camera, at least 0
-  double px_per_inverse_depth = 0;  ///< how far px moves when the inverse depth grows [px m]
-  double off_line_px = 0;           ///< from the epipolar line
-  float sigma_px = 0;               ///< from the residuals of the alignment, per axis
-  int level = 0;                    ///< finest level of the alignment
+  Vector2d px = Vector2d::Zero();      ///< where the right camera, as it was calibrated, sees it
+  double inverse_distance = 0;         ///< [1/m] from the left camera, at least 0
+  double px_per_inverse_distance = 0;  ///< how far px moves when the inverse distance grows [px m]
+  double off_line_px = 0;              ///< from the epipolar line
+  float sigma_px = 0;                  ///< from the residuals of the alignment, per axis
+  int level = 0;                       ///< finest level of the alignment
 };
 
 /// Not thread-safe.
@@ -31,28 +31,28 @@ class StereoMatcher {
   void TurnRight(const Vector3d& omega);
 
   /// Match of the track's place in the newest left image; empty when none can be trusted. Starts at
-  /// the track's inverse depth where there is one, otherwise (or without success there) searches
+  /// the track's inverse distance where there is one, otherwise (or without success there) searches
   /// along the epipolar line.
   std::optional<StereoMatch> Match(const Track& track,
                                    const ImagePyramid& left,
                                    const ImagePyramid& right);
 
-  /// Only around the given inverse depths [1/m], the first success counts. Of the track, px, ray
+  /// Only around the given inverse distances [1/m], the first success counts. Of the track, px, ray
   /// and level are used.
   std::optional<StereoMatch> MatchNear(const Track& track,
-                                       std::span<const double> inverse_depths,
+                                       std::span<const double> inverse_distances,
                                        const ImagePyramid& left,
                                        const ImagePyramid& right);
 
  private:
   struct Candidate {
-    double inverse_depth = 0;
+    double inverse_distance = 0;
     float zncc = -1;
   };
 
   /// The first value of an alignment, and the tracker that does it.
   struct Start {
-    double inverse_depth = 0;
+    double inverse_distance = 0;
     int coarsest_level = 0;
     const PatchTracker& tracker;
   };
@@ -64,8 +64,8 @@ class StereoMatcher {
                                     float* zncc);
   /// Fills candidates_, best first.
   void Search(const Track& track, const ImagePyramid& left, const ImagePyramid& right);
-  /// Inverse depth whose projection is nearest to the pixel, and the distance that is left.
-  bool Triangulate(const UndistortedPoint& ray, const Vector2d& px_right, StereoMatch& match) const;
+  /// Inverse distance whose projection is nearest to the pixel, and the distance that is left.
+  bool Triangulate(const PixelBearing& ray, const Vector2d& px_right, StereoMatch& match) const;
   /// Where the right camera would see it if it had not been turned.
   std::optional<Vector2d> AsCalibrated(const Vector2d& px_right) const;
 

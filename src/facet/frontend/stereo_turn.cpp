@@ -23,18 +23,17 @@ constexpr double kSigma_px = 0.3;
 // In units of sigma: wide at first, so that all good matches take part, then narrow.
 constexpr double kLossWidths[] = {15, 5, 3};
 constexpr int kNumSteps = 5;
-// Careful calibrations drawn at random leave up to 0.5 px, usually 0.2 px.
-constexpr double kLeastBefore_px = 0.55, kLargestShareAfter = 0.5;
+// Careful calibrations drawn at random usually leave 0.2 px.
+constexpr double kLeastBefore_px = 0.5, kLargestShareAfter = 0.5;
 // A turn leaves what the calibration had before it; right images of another moment, which some turn
 // explains in part, leave more.
 constexpr double kLargestAfter_px = 0.5;
 constexpr int kMinMatches = 60;
 
-// Signed distance of the right ray from the epipolar line of the left one, on the plane z = 1.
+// Sine of the angle, with its sign, from the epipolar plane of the left ray to the right one.
 double OffLine(const StereoRays& rays, const SE3& T_C1C0) {
-  const Vector3d line = T_C1C0.p.cross(T_C1C0.q * Vector3d(rays.left.x(), rays.left.y(), 1));
-  const double norm = std::max(std::hypot(line.x(), line.y()), 1e-12);
-  return line.dot(Vector3d(rays.right.x(), rays.right.y(), 1)) / norm;
+  const Vector3d normal = T_C1C0.p.cross(T_C1C0.q * rays.left);
+  return normal.dot(rays.right) / std::max(normal.norm(), 1e-12);
 }
 
 double MedianOffLine(const StereoRig& rig, std::span<const StereoRays> matches) {

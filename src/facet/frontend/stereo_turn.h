@@ -10,16 +10,17 @@
 
 namespace facet {
 
-/// The same point in both images, on the plane z = 1 of each camera.
+/// The same point in both images: unit vectors of each camera.
 struct StereoRays {
-  Vector2d left, right;
+  Vector3d left, right;
 };
 
 struct StereoTurn {
   /// The right camera's axes are turned by this against the calibration, in its own frame [rad].
   /// About its y axis the images hardly tell; that part stays next to nothing.
   Vector3d omega = Vector3d::Zero();
-  /// Medians of the distances from the epipolar lines, in pixels of the mean focal length.
+  /// Medians of the distances from the epipolar lines, as angles, in pixels of the mean focal
+  /// length.
   double before_px = 0, after_px = 0;
   int num_matches = 0;
   /// If it was found along the epipolar lines, by known depths: the shift there [px]; otherwise 0.

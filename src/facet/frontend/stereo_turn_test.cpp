@@ -23,8 +23,8 @@ std::vector<StereoRays> Matches(const StereoRig& rig, int num, Rng& rng) {
     const double z = rng.Uniform(1, 6);
     const Vector3d p_C0(z * rng.Uniform(-0.7, 0.7), z * rng.Uniform(-0.45, 0.45), z);
     const Vector3d p_C1 = rig.T_C1C0() * p_C0;
-    StereoRays rays{p_C0.head<2>() / p_C0.z(), p_C1.head<2>() / p_C1.z()};
-    rays.right += noise * Vector2d(rng.Normal(), rng.Normal());
+    StereoRays rays{p_C0.normalized(), p_C1.normalized()};
+    rays.right += noise * Vector3d(rng.Normal(), rng.Normal(), 0);
     if (rng.Uniform() < 0.15) rays.right.y() += rng.Uniform(-0.01, 0.01);
     matches.push_back(rays);
   }

@@ -100,7 +100,7 @@ void SupportPlaces::FindPlaces(const cv::Mat& left) {
   }
 }
 
-// The inverse depth is linear over a plane in the (undistorted) image. The distortion inside one
+// The inverse distance of a plane is linear in the bearing. What the lens makes of that inside one
 // triangle is neglected: this is only where the search begins.
 void SupportPlaces::PredictInside(const std::array<Vector2d, 3>& px,
                                   const std::array<double, 3>& depths) {
@@ -124,7 +124,7 @@ void SupportPlaces::PredictInside(const std::array<Vector2d, 3>& px,
       const double b1 = (d.x() * v.y() - d.y() * v.x()) / area;
       const double b2 = (u.x() * d.y() - u.y() * d.x()) / area;
       if (b1 < 0 || b2 < 0 || b1 + b2 > 1) continue;
-      query.inverse_depths = {
+      query.inverse_distances = {
           depths[0] + b1 * (depths[1] - depths[0]) + b2 * (depths[2] - depths[0]),
           *farthest,
           *nearest};
@@ -145,39 +145,40 @@ void SupportPlaces::PredictOutside() {
     std::array<KnownDepth, 3> nearest;
     std::partial_sort_copy(known_.begin(), known_.end(), nearest.begin(), nearest.end(), is_nearer);
     const auto& [a, b, c] = nearest;
-    query.inverse_depths = {a.inverse_depth, b.inverse_depth, c.inverse_depth};
-    const auto [low, high] = std::minmax({a.inverse_depth, b.inverse_depth, c.inverse_depth});
+    query.inverse_distances = {a.inverse_distance, b.inverse_distance, c.inverse_distance};
+    const auto [low, high] =
+        std::minmax({a.inverse_distance, b.inverse_distance, c.inverse_distance});
     query.num_depths = high - low > kMinDepthStep ? 3 : 1;
   }
 }
 
 void SupportPlaces::PredictDepths(std::span<const FeatureObservation> features,
-                                  std::span<const double> inverse_depths) {
+                                  std::span<const double> inverse_distances) {
   constexpr double kGridPerPixel = 16;
   known_.clear();
   grid_.clear();
-  for (std::size_t i = 0; i < std::min(features.size(), inverse_depths.size()); ++i) {
-    if (!(inverse_depths[i] > 0)) continue;
-    known_.push_back({features[i].px_left, inverse_depths[i]});
+  for (std::size_t i = 0; i < std::min(features.size(), inverse_distances.size()); ++i) {
+    if (!(inverse_distances[i] > 0)) continue;
+    known_.push_back({features[i].px_left, inverse_distances[i]});
     const Vector2d place = features[i].px_left * kGridPerPixel;
     grid_.push_back({static_cast<std::int32_t>(std::lround(place.x())),
                      static_cast<std::int32_t>(std::lround(place.y()))});
   }
   for (const auto& [a, b, c] : delaunay_.Triangulate(grid_)) {
     const KnownDepth &i = known_[a], &j = known_[b], &k = known_[c];
-    PredictInside({i.px, j.px, k.px}, {i.inverse_depth, j.inverse_depth, k.inverse_depth});
+    PredictInside({i.px, j.px, k.px}, {i.inverse_distance, j.inverse_distance, k.inverse_distance});
   }
   PredictOutside();
 }
 
 const std::vector<DepthQuery>& SupportPlaces::Choose(const cv::Mat& left,
                                                      std::span<const FeatureObservation> features,
-                                                     std::span<const double> inverse_depths) {
+                                                     std::span<const double> inverse_distances) {
   columns_ = (left.cols + options_.cell_px - 1) / options_.cell_px;
   rows_ = (left.rows + options_.cell_px - 1) / options_.cell_px;
   MarkOccupied(features);
   FindPlaces(left);
-  PredictDepths(features, inverse_depths);
+  PredictDepths(features, inverse_distances);
   std::erase_if(queries_, [](const DepthQuery& query) { return query.num_depths == 0; });
   return queries_;
 }

@@ -21,11 +21,11 @@ class SupportPlaces {
   explicit SupportPlaces(const SupportPointOptions& options) : options_(options) {}
 
   /// At most one place for each cell of the image that holds no feature: the one with the strongest
-  /// contrast along the rows, if that is enough. `inverse_depths`: of the features, 0 where not
+  /// contrast along the rows, if that is enough. `inverse_distances`: of the features, 0 where not
   /// known. The result is valid until the next call.
   const std::vector<DepthQuery>& Choose(const cv::Mat& left,
                                         std::span<const FeatureObservation> features,
-                                        std::span<const double> inverse_depths);
+                                        std::span<const double> inverse_distances);
 
  private:
   void MarkOccupied(std::span<const FeatureObservation> features);
@@ -33,14 +33,14 @@ class SupportPlaces {
   Vector2d StrongestPlace(const cv::Mat& left, const cv::Rect& cell);
   void FillDifferences(const cv::Mat& left, const cv::Point& first, int width, int height);
   void PredictDepths(std::span<const FeatureObservation> features,
-                     std::span<const double> inverse_depths);
+                     std::span<const double> inverse_distances);
   void PredictOutside();
   void PredictInside(const std::array<Vector2d, 3>& px, const std::array<double, 3>& depths);
 
-  /// A place in the left image whose inverse depth [1/m] is known.
+  /// A place in the left image whose inverse distance [1/m] is known.
   struct KnownDepth {
     Vector2d px = Vector2d::Zero();
-    double inverse_depth = 0;
+    double inverse_distance = 0;
   };
 
   SupportPointOptions options_;

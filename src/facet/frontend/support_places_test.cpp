@@ -20,10 +20,10 @@ cv::Mat Noise(int width, int height) {
   return image;
 }
 
-/// Four features that span the image; the inverse depth grows along x.
+/// Four features that span the image; the inverse distance grows along x.
 struct Corners {
   std::vector<FeatureObservation> features;
-  std::vector<double> inverse_depths;
+  std::vector<double> inverse_distances;
 
   Corners() {
     for (const Vector2d& px :
@@ -32,7 +32,7 @@ struct Corners {
       feature.landmark = LandmarkId{static_cast<std::int64_t>(features.size())};
       feature.px_left = px;
       features.push_back(feature);
-      inverse_depths.push_back(0.2 + 0.001 * px.x());
+      inverse_distances.push_back(0.2 + 0.001 * px.x());
     }
   }
 };
@@ -40,13 +40,13 @@ struct Corners {
 TEST(SupportPlaces, PredictsTheDepthOfThePlaneBetweenTheFeatures) {
   SupportPlaces places{SupportPointOptions()};
   const Corners corners;
-  const auto& queries = places.Choose(Noise(320, 240), corners.features, corners.inverse_depths);
+  const auto& queries = places.Choose(Noise(320, 240), corners.features, corners.inverse_distances);
   ASSERT_GT(queries.size(), 30u);
   for (const DepthQuery& query : queries) {
     EXPECT_EQ(query.num_depths, 3) << "the corners differ much";
-    EXPECT_NEAR(query.inverse_depths[0], 0.2 + 0.001 * query.px.x(), 1e-9);
-    EXPECT_NEAR(query.inverse_depths[1], 0.518, 1e-9);
-    EXPECT_NEAR(query.inverse_depths[2], 0.201, 1e-9);
+    EXPECT_NEAR(query.inverse_distances[0], 0.2 + 0.001 * query.px.x(), 1e-9);
+    EXPECT_NEAR(query.inverse_distances[1], 0.518, 1e-9);
+    EXPECT_NEAR(query.inverse_distances[2], 0.201, 1e-9);
   }
 }
 
@@ -58,7 +58,8 @@ TEST(SupportPlaces, CellsTakeTurnsAndThoseWithFeaturesHaveNone) {
   const cv::Mat image = Noise(320, 240);
   std::set<std::pair<int, int>> cells;
   for (int turn = 0; turn < 2; ++turn) {
-    for (const DepthQuery& query : places.Choose(image, corners.features, corners.inverse_depths)) {
+    for (const DepthQuery& query :
+         places.Choose(image, corners.features, corners.inverse_distances)) {
       const std::pair cell(static_cast<int>(query.px.x()) / 20,
                            static_cast<int>(query.px.y()) / 20);
       EXPECT_TRUE(cells.insert(cell).second) << "twice in one cell";
@@ -73,13 +74,13 @@ TEST(SupportPlaces, OutsideTheHullTheNearestFeaturesSayHowFar) {
   Corners corners;  // a square in the middle of the image, near on its left side
   for (FeatureObservation& feature : corners.features)
     feature.px_left = Vector2d(160, 120) + 0.3 * (feature.px_left - Vector2d(160, 120));
-  const auto& queries = places.Choose(Noise(320, 240), corners.features, corners.inverse_depths);
+  const auto& queries = places.Choose(Noise(320, 240), corners.features, corners.inverse_distances);
   int num_outside = 0;
   for (const DepthQuery& query : queries) {
     if ((query.px - Vector2d(160, 120)).cwiseAbs().maxCoeff() < 60) continue;
     ++num_outside;
     ASSERT_EQ(query.num_depths, 3);
-    EXPECT_NEAR(query.inverse_depths[0], query.px.x() < 160 ? 0.201 : 0.518, 1e-9);
+    EXPECT_NEAR(query.inverse_distances[0], query.px.x() < 160 ? 0.201 : 0.518, 1e-9);
   }
   EXPECT_GT(num_outside, 40);
 }
@@ -88,7 +89,7 @@ TEST(SupportPlaces, NothingWithoutContrastOrDepth) {
   SupportPlaces places{SupportPointOptions()};
   const Corners corners;
   const cv::Mat grey(240, 320, CV_8UC1, cv::Scalar(90));
-  EXPECT_TRUE(places.Choose(grey, corners.features, corners.inverse_depths).empty());
+  EXPECT_TRUE(places.Choose(grey, corners.features, corners.inverse_distances).empty());
   const std::vector<double> unknown(4, 0.0);
   EXPECT_TRUE(places.Choose(Noise(320, 240), corners.features, unknown).empty());
   EXPECT_TRUE(places.Choose(Noise(320, 240), {}, {}).empty());

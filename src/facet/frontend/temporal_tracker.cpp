@@ -39,7 +39,7 @@ TemporalTracker::TemporalTracker(const CameraModel& camera, const FrontendOption
       reference_tracker_(options.klt, kReferenceParameters) {}
 
 bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& track) const {
-  const std::optional<UndistortedPoint> ray = camera_.Undistort(px);
+  const std::optional<PixelBearing> ray = camera_.BearingOf(px);
   if (!ray) return false;
   const auto x = static_cast<float>(px.x()), y = static_cast<float>(px.y());
   track.patch->Invalidate();
@@ -53,7 +53,7 @@ bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& 
   track.sigma_px = 0;
   track.level = 0;
   track.is_renewed = false;
-  track.inverse_depth.reset();
+  track.inverse_distance.reset();
   track.drift.reset();
   track.keyframe_bearing.reset();
   return true;
@@ -61,20 +61,20 @@ bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& 
 
 std::optional<TemporalTracker::Prediction> TemporalTracker::Predict(const SE3& T_now_prev,
                                                                     const Track& track) const {
-  // Translation known: the motion follows from the depth. Otherwise the point is assumed to go on
-  // as it did, which is written as a translation of a point at unit depth.
+  // Translation known: the motion follows from the distance. Otherwise the point is assumed to go
+  // on as it did, which is written as a translation of a point at unit distance.
   SE3 motion = T_now_prev;
-  double inverse_depth = 0;
+  double inverse_distance = 0;
   Prediction prediction;
-  if (!T_now_prev.p.isZero(0) && track.inverse_depth) {
-    inverse_depth = *track.inverse_depth;
+  if (!T_now_prev.p.isZero(0) && track.inverse_distance) {
+    inverse_distance = *track.inverse_distance;
     prediction.is_close = true;
   } else if (track.drift) {
-    motion.p << *track.drift, 0;
-    inverse_depth = 1;
+    motion.p = *track.drift;
+    inverse_distance = 1;
     prediction.is_close = true;
   }
-  const std::optional<PatchWarp> warp = PredictWarp(track.ray, inverse_depth, motion, camera_);
+  const std::optional<PatchWarp> warp = PredictWarp(track.ray, inverse_distance, motion, camera_);
   if (!warp) return std::nullopt;
   prediction.warp = *warp;
   return prediction;
@@ -114,7 +114,7 @@ bool TemporalTracker::ReturnsToStart(const ImagePyramid& previous,
 
 bool TemporalTracker::Accept(const ImagePyramid& now,
                              const PatchWarp& warp,
-                             const UndistortedPoint& ray,
+                             const PixelBearing& ray,
                              const Alignment& found,
                              bool has_reference,
                              Track& track) {
@@ -130,7 +130,7 @@ bool TemporalTracker::Accept(const ImagePyramid& now,
   std::swap(track.patch, scratch_);
   track.px = Vector2d(warp.x, warp.y);
   track.ray = ray;
-  track.drift = ray.xy - track.rotated_xy;
+  track.drift = ray.bearing - track.rotated_bearing;
   track.sigma_px = found.sigma_px;
   track.level = found.level;
   track.is_renewed = !has_reference;
@@ -152,7 +152,7 @@ TemporalTracker::Outcome TemporalTracker::FollowInRange(const Images& images,
   scratch_->Invalidate();
   frame_tracker_.Extract(images.now, warp.x, warp.y, {kStartLevel, 0}, *scratch_);
   if (!ReturnsToStart(images.previous, track, found.level, warp)) return Outcome::kNotReturned;
-  const std::optional<UndistortedPoint> ray = camera_.Undistort(px);
+  const std::optional<PixelBearing> ray = camera_.BearingOf(px);
   if (!ray) return Outcome::kOutOfView;
   const bool accepted = Accept(images.now, warp, *ray, found, has_reference, track);
   return accepted ? Outcome::kTracked : Outcome::kNotFound;
@@ -202,13 +202,13 @@ TrackingSummary TemporalTracker::Advance(const ImagePyramid& previous,
   for (std::size_t slot = 0; slot < tracks.size(); ++slot) {
     Track& track = tracks[slot];
     if (!track.id.IsValid()) continue;
-    const Vector3d turned = T_now_prev.q * Vector3d(track.ray.xy.x(), track.ray.xy.y(), 1);
+    const Vector3d turned = T_now_prev.q * track.ray.bearing;
     const std::optional<Prediction> prediction = Predict(T_now_prev, track);
-    track.rotated_xy = turned.head<2>() / turned.z();
+    track.rotated_bearing = turned;
     const Outcome outcome = prediction ? Follow(images, *prediction, track) : Outcome::kOutOfView;
-    if (track.inverse_depth) {
-      const double z = turned.z() + *track.inverse_depth * T_now_prev.p.z();
-      if (z > 0) track.inverse_depth = *track.inverse_depth / z;
+    if (track.inverse_distance) {
+      const double ratio = (turned + *track.inverse_distance * T_now_prev.p).norm();
+      if (ratio > 0) track.inverse_distance = *track.inverse_distance / ratio;
     }
     summary.num_tracked += outcome == Outcome::kTracked ? 1 : 0;
     summary.num_out_of_view += outcome == Outcome::kOutOfView ? 1 : 0;

@@ -62,7 +62,7 @@ class TemporalTracker {
   /// needs a new reference, and there is no texture for one.
   bool Accept(const ImagePyramid& now,
               const PatchWarp& warp,
-              const UndistortedPoint& ray,
+              const PixelBearing& ray,
               const Alignment& found,
               bool has_reference,
               Track& track);

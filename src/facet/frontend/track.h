@@ -16,15 +16,15 @@ namespace facet {
 struct Track {
   LandmarkId id;
   Vector2d px = Vector2d::Zero();  ///< in the newest left image
-  UndistortedPoint ray;            ///< of px
+  PixelBearing ray;                ///< of px
   float sigma_px = 0;              ///< from the residuals of the alignment, per axis
   int level = 0;                   ///< finest level of the alignment
-  /// [1/m] along z of the left camera; empty until a right pixel or the estimator told it.
-  std::optional<double> inverse_depth;
-  /// Where the predicted rotation alone puts the point in the newest frame, on the plane z = 1.
-  Vector2d rotated_xy = Vector2d::Zero();
-  /// How far it moved beyond that since the previous frame.
-  std::optional<Vector2d> drift;
+  /// [1/m] from the left camera; empty until a right pixel or the estimator told it.
+  std::optional<double> inverse_distance;
+  /// Bearing at which the predicted rotation alone puts the point in the newest frame.
+  Vector3d rotated_bearing = Vector3d::UnitZ();
+  /// How far its bearing moved beyond that since the previous frame.
+  std::optional<Vector3d> drift;
   /// Bearing in the last keyframe that saw the point there.
   std::optional<Vector3d> keyframe_bearing;
   /// Patch in the newest image, around px.
@@ -36,7 +36,7 @@ struct Track {
   bool is_renewed = false;
 
   /// Unit vector from the left camera to the point.
-  Vector3d Bearing() const { return Vector3d(ray.xy.x(), ray.xy.y(), 1).normalized(); }
+  const Vector3d& Bearing() const { return ray.bearing; }
 };
 
 }  // namespace facet

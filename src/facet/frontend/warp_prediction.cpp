@@ -5,16 +5,29 @@
 
 namespace facet {
 
-std::optional<PatchWarp> PredictWarp(const UndistortedPoint& ray,
+namespace {
+
+// Of a patch at unit distance: how far its points are apart, per pixel. Its surface is not known.
+// Across the ray is best where surfaces lie in all directions, parallel to the image where the
+// camera looks at one straight; half-way between the two costs least where the other one is right.
+Matrix<3, 2> AlongPatch(const PixelBearing& ray) {
+  const Vector3d normal = ray.bearing + Vector3d::UnitZ();
+  const Matrix<3, 2> across = AcrossRay(ray.J_px_bearing);
+  return across - ray.bearing * (normal.transpose() * across) / normal.dot(ray.bearing);
+}
+
+}  // namespace
+
+std::optional<PatchWarp> PredictWarp(const PixelBearing& ray,
                                      double rho,
                                      const SE3& T_to_from,
                                      const CameraModel& camera) {
   const Matrix3d R = T_to_from.R();
-  const Vector3d p = R * Vector3d(ray.xy.x(), ray.xy.y(), 1) + rho * T_to_from.p;
+  const Vector3d p = R * ray.bearing + rho * T_to_from.p;
   Matrix<2, 3> J_px_p;
   const std::optional<Vector2d> px = camera.Project(p, &J_px_p);
   if (!px) return std::nullopt;
-  const Matrix2d A = J_px_p * R.leftCols<2>() * ray.J_xy_px;
+  const Matrix2d A = J_px_p * R * AlongPatch(ray);
   PatchWarp warp;
   warp.a00 = static_cast<float>(A(0, 0));
   warp.a01 = static_cast<float>(A(0, 1));

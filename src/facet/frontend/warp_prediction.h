@@ -10,10 +10,11 @@
 
 namespace facet {
 
-/// Image of a fronto-parallel patch at `ray` with inverse depth rho [1/m] in `camera`, where
-/// T_to_from maps from the camera of the ray. Distortion of both cameras is accounted for. Empty
-/// when the point is not in front of the camera. The place may lie outside the image.
-std::optional<PatchWarp> PredictWarp(const UndistortedPoint& ray,
+/// Image in `camera` of a patch at `ray` and inverse distance rho [1/m], where T_to_from maps from
+/// the camera of the ray. The patch lies half-way between across the ray and parallel to that
+/// camera's image. Distortion of both cameras is accounted for. Empty when the camera does not see
+/// the point. The place may lie outside the image.
+std::optional<PatchWarp> PredictWarp(const PixelBearing& ray,
                                      double rho,
                                      const SE3& T_to_from,
                                      const CameraModel& camera);

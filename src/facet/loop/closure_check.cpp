@@ -165,14 +165,14 @@ int ClosureChecker::AlignPatches(const PlaceQuery& query, const SE3& T_WC) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Point& point = points_[i];
     const Vector3d p_C = T_CW * point.p_W;
-    if (p_C.z() < kMinDepth_m) continue;
+    if (p_C.norm() < kMinDistance_m) continue;
     const auto px = query.camera.Project(p_C);
     if (!px || !query.camera.IsInside(*px, kBorder_px)) continue;
     if (i < num_own_) ++num_visible;
-    const auto ray = query.camera.Undistort(point.record->px.cast<double>());
+    const auto ray = query.camera.BearingOf(point.record->px.cast<double>());
     if (!ray) continue;
     const auto predicted = PredictWarp(*ray,
-                                       1 / static_cast<double>(point.record->p_C.z()),
+                                       1 / static_cast<double>(point.record->p_C.norm()),
                                        T_CW * point.place->T_WC(),
                                        query.camera);
     if (!predicted) continue;

@@ -145,7 +145,7 @@ double PlaceMap::SeenShare(const PlaceRecord& place, const SE3& T_CW, const SE3&
     ++num;
     const Vector3d p_place = place.points[i].p_C.cast<double>();
     const Vector3d p_C = T_CW * (T_WCplace * p_place);
-    if (p_C.z() < kMinDepth_m) continue;
+    if (p_C.norm() < kMinDistance_m) continue;
     const double ratio = p_C.norm() / p_place.norm();
     if (ratio > kMaxRatio || ratio < 1 / kMaxRatio) continue;
     // Seen from too different a side, it looks different.

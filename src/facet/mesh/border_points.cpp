@@ -6,30 +6,36 @@
 
 #include <Eigen/Cholesky>
 
-#include "facet/camera/camera_model.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 namespace {
 
-/// Of an inverse depth, from that of the depth.
+/// Of an inverse distance, from that of the distance.
 double SigmaOfInverse(const MeshPoint& point) {
   constexpr double kMinRelative = 1e-3;
-  const double z = point.p_C.z();
-  return std::max(point.sigma_depth_m / z, kMinRelative) / z;
+  const double distance_m = point.p_C.norm();
+  return std::max(point.sigma_depth_m / distance_m, kMinRelative) / distance_m;
+}
+
+/// Columns: the place itself, and two directions across it.
+Matrix3d FrameOf(const Vector3d& place) {
+  Matrix3d frame;
+  frame << place, TangentBasis(place);
+  return frame;
 }
 
 }  // namespace
 
 // False where there are too few, or one that makes another point superfluous.
-bool BorderPoints::FindNearest(const MeshView& view, const Vector2d& xy) {
+bool BorderPoints::FindNearest(const MeshView& view, const Vector3d& place) {
   nearest_.clear();
   const double reach = limits_.max_distance_px / view.focal_px;
   const double gap = limits_.min_distance_px / view.focal_px;
   for (std::size_t i = 0; i < view.points.size(); ++i) {
     const MeshPoint& point = view.points[i];
-    const double distance2 = (point.xy - xy).squaredNorm();
-    if (!(distance2 <= reach * reach) || !point.p_C.allFinite() || !(point.p_C.z() > kMinDepth_m) ||
-        !std::isfinite(point.sigma_depth_m)) {
+    const double distance2 = (point.bearing - place).squaredNorm();
+    if (!(distance2 <= reach * reach) || !point.IsInView()) {
       continue;
     }
     if (distance2 < gap * gap) return false;
@@ -47,36 +53,37 @@ bool BorderPoints::FindNearest(const MeshView& view, const Vector2d& xy) {
   return true;
 }
 
-// The inverse depth is linear over a plane: weighted least squares with three unknowns, whose
-// covariance says how far the plane may be continued.
-std::optional<MeshPoint> BorderPoints::Continue(const MeshView& view, const Vector2d& xy) {
-  if (!FindNearest(view, xy)) return std::nullopt;
+// The inverse distance of a plane is linear in the bearing: weighted least squares with three
+// unknowns, whose covariance says how far the plane may be continued.
+std::optional<MeshPoint> BorderPoints::Continue(const MeshView& view, const Vector3d& place) {
+  if (!FindNearest(view, place)) return std::nullopt;
+  const Matrix3d frame = FrameOf(place);
   Matrix3d information = Matrix3d::Zero();
   Vector3d sum = Vector3d::Zero();
   for (const Neighbour& neighbour : nearest_) {
     const MeshPoint& point = view.points[neighbour.point];
-    const Vector3d row(1, point.xy.x() - xy.x(), point.xy.y() - xy.y());
+    const Vector3d row = frame.transpose() * point.bearing;
     const double weight = 1 / (SigmaOfInverse(point) * SigmaOfInverse(point));
     information += weight * row * row.transpose();
-    sum += weight / point.p_C.z() * row;
+    sum += weight / point.p_C.norm() * row;
   }
   const Eigen::LLT<Matrix3d> llt(information);
   if (llt.info() != Eigen::Success) return std::nullopt;
   const Vector3d plane = llt.solve(sum);
   for (const Neighbour& neighbour : nearest_) {
     const MeshPoint& point = view.points[neighbour.point];
-    const Vector3d row(1, point.xy.x() - xy.x(), point.xy.y() - xy.y());
-    const double residual = std::abs(row.dot(plane) - 1 / point.p_C.z());
+    const Vector3d row = frame.transpose() * point.bearing;
+    const double residual = std::abs(row.dot(plane) - 1 / point.p_C.norm());
     if (!(residual <= limits_.max_sigmas * SigmaOfInverse(point))) return std::nullopt;
   }
   const double variance = llt.solve(Vector3d::UnitX()).x();
-  const double sigma = std::sqrt(variance);  // of the inverse depth at xy
+  const double sigma = std::sqrt(variance);  // of the inverse distance at the place
   if (!(plane[0] > 0) || !(sigma <= limits_.max_depth_sigma * plane[0])) return std::nullopt;
   MeshPoint point;
-  const double z = 1 / plane[0];
-  point.xy = xy;
-  point.p_C = z * Vector3d(xy.x(), xy.y(), 1);
-  point.sigma_depth_m = z * z * sigma;
+  const double distance_m = 1 / plane[0];
+  point.bearing = place;
+  point.p_C = distance_m * place;
+  point.sigma_depth_m = distance_m * distance_m * sigma;
   point.intensity = view.points[nearest_.front().point].intensity;
   return point;
 }

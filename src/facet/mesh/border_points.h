@@ -17,10 +17,10 @@ struct BorderLimits {
   /// Nearest points that must lie on one plane. With eight, two surfaces rarely look like one.
   int num_neighbours = 8;
   /// No point of the border where another point is nearer, or where fewer than the neighbours are
-  /// within reach.
+  /// within reach; angles, in pixels of the focal length.
   double min_distance_px = 25, max_distance_px = 250;
   double max_sigmas = 2;          ///< deviation of each neighbour from the plane
-  double max_depth_sigma = 0.03;  ///< 1-sigma of the continued depth over the depth
+  double max_depth_sigma = 0.03;  ///< 1-sigma of the continued distance over itself
 };
 
 /// Not thread-safe; keeps its buffers.
@@ -28,17 +28,17 @@ class BorderPoints {
  public:
   explicit BorderPoints(const BorderLimits& limits = {}) : limits_(limits) {}
 
-  /// Depth at a place of the view (on the plane z = 1), continued from the points nearest to it;
-  /// the point has no id. Empty where these are too few, too far away or on no
-  /// plane, or where the plane is known too badly that far out.
-  std::optional<MeshPoint> Continue(const MeshView& view, const Vector2d& xy);
+  /// Distance at a place of the view (unit vector of its camera), continued from the points nearest
+  /// to it; the point has no id. Empty where these are too few, too far away or on no plane, or
+  /// where the plane is known too badly that far out.
+  std::optional<MeshPoint> Continue(const MeshView& view, const Vector3d& place);
 
  private:
   struct Neighbour {
     double distance2 = 0;
     int point = 0;  // of the view
   };
-  bool FindNearest(const MeshView& view, const Vector2d& xy);
+  bool FindNearest(const MeshView& view, const Vector3d& place);
 
   BorderLimits limits_;
   std::vector<Neighbour> nearest_;

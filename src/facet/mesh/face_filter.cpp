@@ -76,8 +76,7 @@ FaceDefect FaceFilter::Judge(const CameraFace& face) const {
   std::array<double, 3> distance{};
   for (int i = 0; i < 3; ++i) {
     distance[i] = face.p_C[i].norm();
-    if (!face.p_C[i].allFinite() || !(face.p_C[i].z() >= kMinDepth_m))
-      return FaceDefect::kNotFinite;
+    if (!face.p_C[i].allFinite() || !(distance[i] >= kMinDistance_m)) return FaceDefect::kNotFinite;
     if (!(face.sigma_depth_m[i] <= limits_.max_depth_sigma * distance[i]))
       return FaceDefect::kUncertain;
   }

@@ -13,7 +13,7 @@ namespace facet {
 /// Why a face is not part of the mesh: the first test that it fails, in their order.
 enum class FaceDefect {
   kNone,       ///< it is part of the mesh
-  kNotFinite,  ///< a NaN, or a vertex that is not in front of the camera
+  kNotFinite,  ///< a NaN, or a vertex that is on the camera
   kUncertain,  ///< a vertex's depth is not known well enough
   kTooLarge,   ///< longest side, absolute or relative to the depth
   kNarrow,     ///< side ratio or smallest angle

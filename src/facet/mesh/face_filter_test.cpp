@@ -28,7 +28,7 @@ TEST(FaceFilter, NamesTheReason) {
   const FaceLimits limits;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(Judge(Face({nan, 0, 2}, {1, 0, 2}, {0, 1, 2}), limits), FaceDefect::kNotFinite);
-  EXPECT_EQ(Judge(Face({0, 0, -1}, {1, 0, 2}, {0, 1, 2}), limits), FaceDefect::kNotFinite);
+  EXPECT_EQ(Judge(Face({0, 0, 0.01}, {1, 0, 2}, {0, 1, 2}), limits), FaceDefect::kNotFinite);
   EXPECT_EQ(Judge(Face({0, 0, 2}, {.2, 0, 2}, {0, .2, 2}, 0.5), limits), FaceDefect::kUncertain);
   EXPECT_EQ(Judge(Face({0, 0, 2}, {2, 0, 2}, {0, 2, 2}), limits), FaceDefect::kTooLarge);
   EXPECT_EQ(Judge(Face({0, 0, 2}, {.4, 0, 2}, {.2, .01, 2}), limits), FaceDefect::kNarrow);

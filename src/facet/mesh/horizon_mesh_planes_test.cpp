@@ -18,7 +18,7 @@ MeshView WallView(std::int64_t frame) {
   view.focal_px = 458;
   for (int i = 0; i < 25; ++i) {
     const Vector3d p(0.3 * (i % 5) - 0.6, 0.3 * (i / 5) - 0.6, 2);
-    view.points.push_back({LandmarkId{i}, p.head<2>() / p.z(), p, 0.01, 100});
+    view.points.push_back({LandmarkId{i}, p.normalized(), p, 0.01, 100});
   }
   return view;
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr double kFocal_px = 458;
 
 MeshPoint PointAt(std::int64_t id, const Vector3d& p_C, double sigma_m = 0.01) {
-  return {LandmarkId{id}, p_C.head<2>() / p_C.z(), p_C, sigma_m, 100};
+  return {LandmarkId{id}, p_C.normalized(), p_C, sigma_m, 100};
 }
 
 /// A view from the origin of W along its z axis.
@@ -318,7 +318,7 @@ TEST(HorizonMesh, NeverThrowsOnNastyInput) {
       MeshPoint point;
       point.id = LandmarkId{rng.Index(15) - 1};
       if (rng.Uniform() < 0.2) point.id.value += kFirstSupportId;
-      point.xy = Vector2d(Nasty(rng), Nasty(rng));
+      point.bearing = Vector3d(Nasty(rng), Nasty(rng), Nasty(rng)).normalized();
       point.p_C = Vector3d(Nasty(rng), Nasty(rng), Nasty(rng));
       point.sigma_depth_m = Nasty(rng);
       view.points.push_back(point);

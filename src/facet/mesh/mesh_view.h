@@ -2,9 +2,11 @@
 // What the mesh is built from: the points that one keyframe sees, as plain data.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "facet/camera/camera_model.h"
 #include "facet/geometry/se3.h"
 #include "facet/map/map_snapshot.h"
 
@@ -21,10 +23,16 @@ inline bool IsSupport(LandmarkId id) {
 /// A point of the left image with a depth.
 struct MeshPoint {
   LandmarkId id;
-  Vector2d xy = Vector2d::Zero();   ///< where it is seen, undistorted, on the plane z = 1
-  Vector3d p_C = Vector3d::Zero();  ///< best estimate, in the left camera [m]
-  double sigma_depth_m = 0;         ///< 1-sigma of the distance; taken for that along z
-  std::uint8_t intensity = 0;       ///< of the image there
+  Vector3d bearing = Vector3d::UnitZ();  ///< where it is seen: unit vector of the left camera
+  Vector3d p_C = Vector3d::Zero();       ///< best estimate, in the left camera [m]
+  double sigma_depth_m = 0;              ///< 1-sigma of the distance
+  std::uint8_t intensity = 0;            ///< of the image there
+
+  /// Whether the estimate has a distance along the bearing: numbers that are not finite have none,
+  /// nor what lies behind the camera that sees it.
+  bool IsInView() const {
+    return p_C.allFinite() && bearing.dot(p_C) >= kMinDistance_m && std::isfinite(sigma_depth_m);
+  }
 };
 
 /// One keyframe's points, in any order; each id at most once. Values that are not finite are

@@ -151,7 +151,7 @@ class Walk {
       const double sigma_m = 0.003 * p_C.z() * p_C.z();
       const Vector3d seen = p_C * (1 + sigma_m * rng.Normal() / p_C.z());
       const LandmarkId id{lap * 100'000 + static_cast<std::int64_t>(i)};
-      view.points.push_back({id, p_C.head<2>() / p_C.z(), seen, sigma_m, 100});
+      view.points.push_back({id, p_C.normalized(), seen, sigma_m, 100});
       known_[id] = {{id, view.T_WC * seen, 5, sigma_m}, view.frame};
     }
     MapSnapshot snapshot;

@@ -11,6 +11,9 @@
 namespace facet {
 namespace {
 
+// What is seen farther from the axis, as |x/z| or |y/z|, has no place on the plane z = 1, and
+// nothing is said about it.
+constexpr double kMaxSlope = 10;
 constexpr double kCell_px = 8;   // side of a cell of the view: larger is faster and coarser
 constexpr int kMaxSide = 400;    // cells
 constexpr int kCellsPerBin = 4;  // along the side of a bin of points
@@ -66,7 +69,7 @@ Vector2d HighOf(const ProjectedFace& face) {
 }  // namespace
 
 ProjectedPoint ProjectPoint(const Vector3d& p_C) {
-  if (!(p_C.z() >= kMinDepth_m)) return {};
+  if (!(p_C.z() >= kMinDistance_m)) return {};
   const double inverse_depth = 1 / p_C.z();
   return {p_C.head<2>() * inverse_depth, inverse_depth};
 }
@@ -75,13 +78,14 @@ void ViewCheck::Begin(const MeshView& view) {
   points_.clear();
   Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   for (const MeshPoint& point : view.points) {
-    if (!point.p_C.allFinite() || !(point.p_C.z() >= kMinDepth_m)) continue;
+    if (!point.p_C.allFinite() || !(point.p_C.z() >= kMinDistance_m)) continue;
     const double q = 1 / point.p_C.z();
     const Vector2d xy = point.p_C.head<2>() * q;
-    if (xy.cwiseAbs().maxCoeff() > 10) continue;
+    if (xy.cwiseAbs().maxCoeff() > kMaxSlope) continue;
     low = low.cwiseMin(xy);
     high = high.cwiseMax(xy);
-    points_.push_back({point.id, xy, q, q * kDepthTolerance + 2 * point.sigma_depth_m * q * q, 0});
+    const double sigma_z_m = point.sigma_depth_m * point.p_C.z() / point.p_C.norm();
+    points_.push_back({point.id, xy, q, q * kDepthTolerance + 2 * sigma_z_m * q * q, 0});
   }
   columns_ = rows_ = 0;
   if (points_.empty()) return;

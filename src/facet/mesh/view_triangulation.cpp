@@ -9,21 +9,22 @@ namespace facet {
 namespace {
 
 constexpr double kGridPerPixel = 16;
-constexpr double kMaxSlope = 10;  // |x/z| or |y/z| of a point that can be triangulated
+constexpr double kMinZ = -0.5;  // of the bearing of a point that can be triangulated: 120 deg
 // Deviation of surrounding points from a face's plane, seen from the corner, up to which they are
 // plane; tracks are some pixels, about a degree, off.
 constexpr double kMaxRescueDeviation_deg = 6;
 
-// Where stereographic projection puts a ray: as the plane z = 1 near the axis, but no direction is
-// stretched away from it, and circles stay circles, so that a triangulation which is Delaunay here
-// is the one of the sphere of rays.
-Vector2d Stereographic(const Vector2d& xy) {
-  return 2 / (1 + std::sqrt(1 + xy.squaredNorm())) * xy;
+// Where stereographic projection puts a bearing: as the plane z = 1 near the axis, but no direction
+// is stretched away from it, and circles stay circles, so that a triangulation which is Delaunay
+// here is the one of the sphere of rays.
+Vector2d Stereographic(const Vector3d& bearing) {
+  return 2 / (1 + bearing.z()) * bearing.head<2>();
 }
 
 bool IsUsable(const MeshPoint& point) {
-  return point.id.IsValid() && point.xy.allFinite() && point.p_C.allFinite() &&
-         std::isfinite(point.sigma_depth_m) && point.xy.cwiseAbs().maxCoeff() <= kMaxSlope;
+  constexpr double kRounding = 1e-6;
+  return point.id.IsValid() && std::abs(point.bearing.norm() - 1) < kRounding &&
+         point.bearing.z() > kMinZ && point.IsInView();
 }
 
 // Limits of faces whose surroundings are plane: those that tell a gap between two surfaces are
@@ -71,7 +72,7 @@ void ViewTriangulation::ListPoints(const MeshView& view) {
   points_.erase(std::unique(points_.begin(), points_.end(), same), points_.end());
   grid_.clear();
   for (const int i : points_) {
-    const Vector2d place = (view.focal_px * kGridPerPixel) * Stereographic(view.points[i].xy);
+    const Vector2d place = (view.focal_px * kGridPerPixel) * Stereographic(view.points[i].bearing);
     grid_.push_back({static_cast<std::int32_t>(std::lround(place.x())),
                      static_cast<std::int32_t>(std::lround(place.y()))});
   }

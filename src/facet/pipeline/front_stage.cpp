@@ -71,7 +71,7 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   }
   tracked.imu = std::move(prediction.imu);
   tracked.times = prediction.times;
-  tracked.used_feedback = prediction.hint.inverse_depth != nullptr;
+  tracked.used_feedback = prediction.hint.inverse_distance != nullptr;
   tracked.frontend = frontend_.Process(frame, prediction.hint, tracked.times);
   ++next_frame_;
   if (!tracked.frontend.in_order) return tracked;
@@ -188,12 +188,12 @@ FrontendHint FrontStage::MakeHint(const ImuInterval& now) {
   hint.p_prev_now = previous.T_WB.q.conjugate() * (next.T_WB.p - previous.T_WB.p);
 
   const SE3 T_C0W = (previous.T_WB * rig_.T_BC[0]).Inverse();
-  inverse_depth_.clear();
+  inverse_distance_.clear();
   for (const LandmarkEstimate& landmark : feedback.landmarks) {
-    const double z = (T_C0W * landmark.p_W).z();
-    if (z > kMinDepth_m) inverse_depth_[landmark.id] = 1.0 / z;
+    const double distance_m = (T_C0W * landmark.p_W).norm();
+    if (distance_m > kMinDistance_m) inverse_distance_[landmark.id] = 1.0 / distance_m;
   }
-  hint.inverse_depth = &inverse_depth_;
+  hint.inverse_distance = &inverse_distance_;
   hint.is_motion_known = !now.samples.empty() && !now.has_hole && !since.has_hole;
   return hint;
 }

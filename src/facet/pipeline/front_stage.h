@@ -79,7 +79,7 @@ class FrontStage {
   int num_strays_ = 0;            ///< in a row, near each other
   Timestamp newest_stray_;        ///< IMU clock
   std::deque<Timestamp> recent_;  ///< of the last kLag frames, IMU clock
-  std::unordered_map<LandmarkId, double> inverse_depth_;
+  std::unordered_map<LandmarkId, double> inverse_distance_;
 };
 
 }  // namespace facet

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/pipeline/loop_stage.h"
 
+#include <algorithm>
+
 namespace facet {
 
 namespace {
 
-/// Of a depth that is known from one stereo pair alone.
-double StereoSigma_m(const StereoRig& rig, const FeatureObservation& feature, double depth_m) {
+/// Of a distance that is known from one stereo pair alone. Along the baseline none is known.
+double StereoSigma_m(const StereoRig& rig, const FeatureObservation& feature, const Vector3d& p_C) {
+  constexpr double kLeastSine = 0.1;
   const double match_px =
       feature.sigma_match_px > 0 ? feature.sigma_match_px : feature.sigma_right_px;
-  return depth_m * depth_m * match_px / (rig.cameras[0].mean_focal_px() * rig.baseline_m());
+  const Vector3d along_C = rig.T_C1C0().Inverse().p.normalized();
+  const double sine = std::max(along_C.cross(p_C.normalized()).norm(), kLeastSine);
+  return p_C.squaredNorm() * match_px / (rig.cameras[0].mean_focal_px() * rig.baseline_m() * sine);
 }
 
 }  // namespace
@@ -63,14 +68,12 @@ void LoopStage::FillView(const cv::Mat& left, const TrackedFrame& frame, const V
                               features[i].px_left,
                               T_CW * landmark->p_W,
                               landmark->sigma_depth_m});
-    } else if (const double rho = frame.frontend.depths.inverse_depths[i]; rho > 0) {
-      const auto ray = view_.camera.Undistort(features[i].px_left);
-      if (!ray) continue;
-      const Vector3d p_C = Vector3d(ray->xy.x(), ray->xy.y(), 1) / rho;
-      view_.points.push_back({features[i].landmark,
-                              features[i].px_left,
-                              p_C,
-                              StereoSigma_m(rig, features[i], 1 / rho)});
+    } else if (const double rho = frame.frontend.depths.inverse_distances[i]; rho > 0) {
+      const auto bearing = view_.camera.Unproject(features[i].px_left);
+      if (!bearing) continue;
+      const Vector3d p_C = *bearing / rho;
+      view_.points.push_back(
+          {features[i].landmark, features[i].px_left, p_C, StereoSigma_m(rig, features[i], p_C)});
     }
   }
 }

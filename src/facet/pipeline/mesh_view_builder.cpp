@@ -12,16 +12,16 @@ namespace {
 
 constexpr double kBorderStep_px = 60;
 
-// Support points whose depth is known worse than this, 1-sigma over depth, would only roughen the
-// surface between the corners. With EuRoC's cameras; where points are farther apart an error in
+// Support points whose distance is known worse than this, 1-sigma over itself, would only roughen
+// the surface between the corners. With EuRoC's cameras; where points are farther apart an error in
 // depth tilts the surface less.
 constexpr double kMaxSupportSigma = 0.06;
 
-std::vector<Vector2d> PlacesOnBorder(const CameraModel& camera) {
+std::vector<Vector3d> PlacesOnBorder(const CameraModel& camera) {
   const double right = camera.width() - 1, bottom = camera.height() - 1;
-  std::vector<Vector2d> places;
+  std::vector<Vector3d> places;
   const auto add = [&](double x, double y) {
-    if (const auto point = camera.Undistort({x, y})) places.push_back(point->xy);
+    if (const auto bearing = camera.Unproject({x, y})) places.push_back(*bearing);
   };
   const int columns = std::max(1, static_cast<int>(std::lround(right / kBorderStep_px)));
   const int rows = std::max(1, static_cast<int>(std::lround(bottom / kBorderStep_px)));
@@ -42,7 +42,7 @@ MeshViewBuilder::MeshViewBuilder(const StereoRig& rig, const MeshOptions& option
     : options_(options),
       rig_(rig),
       max_support_sigma_(kMaxSupportSigma * RelativeViewAngle(rig.cameras[0])) {
-  if (options.border.enabled) border_xy_ = PlacesOnBorder(rig_.cameras[0]);
+  if (options.border.enabled) border_places_ = PlacesOnBorder(rig_.cameras[0]);
 }
 
 const MeshView& MeshViewBuilder::Build(const FrontendResult& keyframe,
@@ -74,30 +74,32 @@ void MeshViewBuilder::AddObservations(const FrontendResult& keyframe, const MapS
       if (options_.unknown_corners && feature.px_right) AddUnknownCorner(feature, intensity);
       continue;
     }
-    const auto undistorted = (now_ ? *now_ : rig_).cameras[0].Undistort(feature.px_left);
-    if (!undistorted) continue;
+    const auto bearing = (now_ ? *now_ : rig_).cameras[0].Unproject(feature.px_left);
+    if (!bearing) continue;
     view_.points.push_back(
-        {feature.landmark, undistorted->xy, T_CW * known->p_W, known->sigma_depth_m, intensity});
+        {feature.landmark, *bearing, T_CW * known->p_W, known->sigma_depth_m, intensity});
   }
 }
 
 void MeshViewBuilder::AddUnknownCorner(const FeatureObservation& feature, std::uint8_t intensity) {
   const auto seen = Triangulate(feature.px_left, *feature.px_right);
-  if (!seen || !(seen->depth.inverse_depth > 0)) return;
-  const double z = 1 / seen->depth.inverse_depth;
-  const double sigma_m = z * z * feature.sigma_right_px / seen->depth.px_per_inverse_depth;
+  if (!seen || !(seen->stereo.inverse_distance > 0)) return;
+  const double distance_m = 1 / seen->stereo.inverse_distance;
+  const double sigma_m =
+      distance_m * distance_m * feature.sigma_right_px / seen->stereo.px_per_inverse_distance;
   view_.points.push_back(
-      {NextSupportId(), seen->xy, z * Vector3d(seen->xy.x(), seen->xy.y(), 1), sigma_m, intensity});
+      {NextSupportId(), seen->bearing, distance_m * seen->bearing, sigma_m, intensity});
 }
 
 std::optional<MeshViewBuilder::StereoPoint> MeshViewBuilder::Triangulate(
     const Vector2d& px, const Vector2d& px_right) const {
   const StereoRig& rig = now_ ? *now_ : rig_;
-  const auto left = rig.cameras[0].Undistort(px), right = rig.cameras[1].Undistort(px_right);
+  const auto left = rig.cameras[0].Unproject(px);
+  const auto right = rig.cameras[1].BearingOf(px_right);
   if (!left || !right) return std::nullopt;
-  const auto depth = TriangulateOnRay(left->xy, *right, rig.T_C1C0());
-  if (!depth) return std::nullopt;
-  return StereoPoint{left->xy, *depth};
+  const auto stereo = TriangulateOnRay(*left, *right, rig.T_C1C0());
+  if (!stereo) return std::nullopt;
+  return StereoPoint{*left, *stereo};
 }
 
 void MeshViewBuilder::AddSupport(const std::vector<SupportPoint>& support) {
@@ -105,26 +107,23 @@ void MeshViewBuilder::AddSupport(const std::vector<SupportPoint>& support) {
   for (SupportPoint point : support) {
     if (now_) {
       const auto found = Triangulate(point.px, point.px_right);
-      if (!found || !(found->depth.inverse_depth > 0)) continue;
-      point.xy = found->xy;
-      point.inverse_depth = found->depth.inverse_depth;
+      if (!found || !(found->stereo.inverse_distance > 0)) continue;
+      point.bearing = found->bearing;
+      point.inverse_distance = found->stereo.inverse_distance;
     }
-    const double z = 1 / point.inverse_depth;
-    const double sigma_m = z * z * point.sigma_inverse_depth;
-    if (!(sigma_m <= max_support_sigma_ * z)) continue;
-    view_.points.push_back({NextSupportId(),
-                            point.xy,
-                            z * Vector3d(point.xy.x(), point.xy.y(), 1),
-                            sigma_m,
-                            point.intensity});
+    const double distance_m = 1 / point.inverse_distance;
+    const double sigma_m = distance_m * distance_m * point.sigma_inverse_distance;
+    if (!(sigma_m <= max_support_sigma_ * distance_m)) continue;
+    view_.points.push_back(
+        {NextSupportId(), point.bearing, distance_m * point.bearing, sigma_m, point.intensity});
   }
   view_.end_match = LandmarkId{next_support_id_};
 }
 
 void MeshViewBuilder::AddBorder() {
   found_.clear();
-  for (const Vector2d& xy : border_xy_) {
-    if (const auto point = border_.Continue(view_, xy)) found_.push_back(*point);
+  for (const Vector3d& place : border_places_) {
+    if (const auto point = border_.Continue(view_, place)) found_.push_back(*point);
   }
   for (MeshPoint& point : found_) {
     point.id = NextSupportId();

@@ -29,8 +29,8 @@ class MeshViewBuilder {
 
  private:
   struct StereoPoint {
-    Vector2d xy;  // on the plane z = 1 of the left camera
-    StereoDepth depth;
+    Vector3d bearing;  // unit vector of the left camera
+    StereoDistance stereo;
   };
 
   void AddObservations(const FrontendResult& keyframe, const MapSnapshot& snapshot);
@@ -44,8 +44,8 @@ class MeshViewBuilder {
   MeshOptions options_;
   StereoRig rig_;                         // the calibration that was given
   std::shared_ptr<const StereoRig> now_;  // at present; null: that one
-  double max_support_sigma_;              // of depth, over depth
-  std::vector<Vector2d> border_xy_;  // places on the image's border, undistorted; empty: not used
+  double max_support_sigma_;              // of the distance, over itself
+  std::vector<Vector3d> border_places_;   // bearings on the image's border; empty: not used
   BorderPoints border_;
   std::vector<MeshPoint> found_;  // buffer of AddBorder
   MeshView view_;

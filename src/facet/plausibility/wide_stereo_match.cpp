@@ -40,8 +40,8 @@ std::vector<StereoRays> MatchWidely(const StereoRig& rig,
     if (!tracker.Begin(left_pyramid, px, track)) continue;
     const auto match = matcher.Match(track, left_pyramid, right_pyramid);
     if (!match) continue;
-    const auto ray = rig.cameras[1].Undistort(match->px);
-    if (ray) matches.push_back({track.ray.xy, ray->xy});
+    const auto bearing = rig.cameras[1].Unproject(match->px);
+    if (bearing) matches.push_back({track.ray.bearing, *bearing});
   }
   return matches;
 }

@@ -20,14 +20,15 @@ constexpr double kMiddle = 0.5 * (kCell - 1);
 
 void ImageTurner::FindRays() {
   rays_.create(
-      (camera_.height() + kCell - 1) / kCell, (camera_.width() + kCell - 1) / kCell, CV_32FC2);
+      (camera_.height() + kCell - 1) / kCell, (camera_.width() + kCell - 1) / kCell, CV_32FC3);
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   for (int y = 0; y < rays_.rows; ++y) {
     for (int x = 0; x < rays_.cols; ++x) {
-      const auto ray = camera_.Undistort(Vector2d(kCell * x + kMiddle, kCell * y + kMiddle));
-      rays_.at<cv::Vec2f>(y, x) =
-          ray ? cv::Vec2f(static_cast<float>(ray->xy.x()), static_cast<float>(ray->xy.y()))
-              : cv::Vec2f(kNone, kNone);
+      const auto ray = camera_.Unproject(Vector2d(kCell * x + kMiddle, kCell * y + kMiddle));
+      rays_.at<cv::Vec3f>(y, x) = ray ? cv::Vec3f(static_cast<float>(ray->x()),
+                                                  static_cast<float>(ray->y()),
+                                                  static_cast<float>(ray->z()))
+                                      : cv::Vec3f(kNone, kNone, kNone);
     }
   }
 }
@@ -40,9 +41,9 @@ void ImageTurner::Turn(const Matrix3d& R_image_wanted, cv::Mat& image) {
   constexpr float kOutside = -1e5F;
   shifts_.create(rays_.size(), CV_32FC2);
   for (int y = 0; y < rays_.rows; ++y) {
-    const cv::Vec2f* rays = rays_.ptr<cv::Vec2f>(y);
+    const cv::Vec3f* rays = rays_.ptr<cv::Vec3f>(y);
     for (int x = 0; x < rays_.cols; ++x) {
-      const Vector3d ray(rays[x][0], rays[x][1], 1);
+      const Vector3d ray(rays[x][0], rays[x][1], rays[x][2]);
       const auto px = ray.allFinite() ? camera_.Project(R_image_wanted * ray) : std::nullopt;
       shifts_.at<cv::Vec2f>(y, x) =
           px ? cv::Vec2f(static_cast<float>(px->x() - (kCell * x + kMiddle)),

@@ -27,7 +27,7 @@ class ImageTurner {
   void FindRays();
 
   CameraModel camera_;
-  cv::Mat rays_;  ///< x/z and y/z, of one pixel in the middle of each cell; NaN: there is no ray
+  cv::Mat rays_;  ///< bearing of one pixel in the middle of each cell; NaN: there is none
   cv::Mat shifts_, map_, turned_;
 };
 

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/render/camera_rays.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "facet/camera/wide_lens.h"
 
 namespace facet {
 namespace {
 
-bool IsFisheye(DistortionModel model) {
-  return model != DistortionModel::kNone && model != DistortionModel::kRadialTangential &&
-         model != DistortionModel::kRational;
-}
-
 // The light of a ray at an angle from the axis, as a share of that along it: the cosine of the
 // angle at which it meets the pupil, times the solid angle that a pixel covers there. That is cos^4
 // where a plane is projected, and more where angles are.
-double Illumination(DistortionModel model, double tangent_2) {
-  const double cosine_2 = 1 / (1 + tangent_2);
-  if (!IsFisheye(model)) return cosine_2 * cosine_2;
-  const double angle = std::atan(std::sqrt(tangent_2));
-  return angle > 0 ? std::sqrt(cosine_2) * std::sin(angle) / angle : 1;
+// Beyond 60 deg the pupil of a fisheye turns along, or nothing would arrive from beside it.
+double Illumination(DistortionModel model, const Vector3d& bearing) {
+  constexpr double kLeastPupil = 0.5;
+  const double cosine = bearing.z();
+  if (!IsWideLens(model)) return std::pow(cosine, 4);
+  const double sine = bearing.head<2>().norm(), angle = std::atan2(sine, cosine);
+  return angle > 0 ? std::max(cosine, kLeastPupil) * sine / angle : 1;
 }
 
 }  // namespace
@@ -32,17 +33,15 @@ CameraRays::CameraRays(const CameraModel& camera, const PixelOfModel& pixel_of_m
       rays_(static_cast<std::size_t>(camera.width() * camera.height())) {
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      const auto point = camera.Undistort(pixel_of_model(Vector2d(x, y)));
-      if (!point) continue;  // outside the field of view: stays black
+      const std::optional<PixelBearing> seen = camera.BearingOf(pixel_of_model(Vector2d(x, y)));
+      if (!seen) continue;  // outside the field of view: stays black
       Ray& ray = rays_[static_cast<std::size_t>(y * width_ + x)];
-      ray.x = static_cast<float>(point->xy.x());
-      ray.y = static_cast<float>(point->xy.y());
-      ray.x_dx = static_cast<float>(point->J_xy_px(0, 0));
-      ray.x_dy = static_cast<float>(point->J_xy_px(0, 1));
-      ray.y_dx = static_cast<float>(point->J_xy_px(1, 0));
-      ray.y_dy = static_cast<float>(point->J_xy_px(1, 1));
+      const Matrix<3, 2> by_pixel = AcrossRay(seen->J_px_bearing);
+      ray.direction = seen->bearing.cast<float>();
+      ray.by_x = by_pixel.col(0).cast<float>();
+      ray.by_y = by_pixel.col(1).cast<float>();
       ray.vignette =
-          static_cast<float>(Illumination(camera.intrinsics().distortion, point->xy.squaredNorm()));
+          static_cast<float>(Illumination(camera.intrinsics().distortion, seen->bearing));
       ray.is_valid = true;
     }
   }

@@ -10,7 +10,7 @@
 
 namespace facet {
 
-/// Rays on the plane z = 1 of the camera. Thread-safe (immutable).
+/// Thread-safe (immutable).
 class CameraRays {
  public:
   explicit CameraRays(const CameraModel& camera);
@@ -20,13 +20,12 @@ class CameraRays {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// Ray through pixel (x, y) plus an offset of at most a few pixels, as xy on z = 1. The offset is
-  /// carried there by the derivative of the undistortion, with an error below 0.01 px for offsets
+  /// Direction, of any length, through pixel (x, y) plus an offset of at most a few pixels. The
+  /// offset is carried there by the derivative of the lens, with an error below 0.01 px for offsets
   /// up to 1 px.
-  Eigen::Vector2f At(int x, int y, const Eigen::Vector2f& offset_px) const {
+  Eigen::Vector3f At(int x, int y, const Eigen::Vector2f& offset_px) const {
     const Ray& ray = rays_[static_cast<std::size_t>(y * width_ + x)];
-    return {ray.x + ray.x_dx * offset_px.x() + ray.x_dy * offset_px.y(),
-            ray.y + ray.y_dx * offset_px.x() + ray.y_dy * offset_px.y()};
+    return ray.direction + offset_px.x() * ray.by_x + offset_px.y() * ray.by_y;
   }
   bool IsValid(int x, int y) const {
     return rays_[static_cast<std::size_t>(y * width_ + x)].is_valid;
@@ -44,7 +43,8 @@ class CameraRays {
   CameraRays(const CameraModel& camera, const PixelOfModel& pixel_of_model);
 
   struct Ray {
-    float x = 0, y = 0, x_dx = 0, x_dy = 0, y_dx = 0, y_dy = 0;
+    Eigen::Vector3f direction = Eigen::Vector3f::Zero();
+    Eigen::Vector3f by_x = Eigen::Vector3f::Zero(), by_y = Eigen::Vector3f::Zero();  // per pixel
     float vignette = 0;
     bool is_valid = false;
   };

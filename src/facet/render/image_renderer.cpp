@@ -87,11 +87,10 @@ void ImageRenderer::Fill(const CameraRays& camera,
   static const PatternTurns turns;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const int column = std::min(x + lane * step_px, camera.width() - 1);
-    const Eigen::Vector2f xy = camera.At(column, y, turns.Turn(column, y, offset_px));
+    const Eigen::Vector3f ray_C = camera.At(column, y, turns.Turn(column, y, offset_px));
     for (int k = 0; k < 3; ++k) {
       packet.origin[k][lane] = view.p_WC(k);
-      packet.direction[k][lane] =
-          view.R_WC(k, 0) * xy.x() + view.R_WC(k, 1) * xy.y() + view.R_WC(k, 2);
+      packet.direction[k][lane] = view.R_WC.row(k).dot(ray_C);
     }
   }
   rays_.Intersect(packet);

@@ -189,8 +189,7 @@ TEST(ImageRendererTest, RaysBesidePixelCentresGoWhereTheCameraModelSays) {
     for (int y = 0; y < model.height(); y += 7) {
       for (int x = 0; x < model.width(); x += 7) {
         const Eigen::Vector2f offset(0.7F, -0.7F);
-        const Eigen::Vector2f xy = camera.At(x, y, offset);
-        const auto px = model.Project({xy.x(), xy.y(), 1});
+        const auto px = model.Project(camera.At(x, y, offset).cast<double>());
         ASSERT_TRUE(px);
         const double error = (*px - Vector2d(x, y) - offset.cast<double>()).norm();
         sum += error, largest = std::max(largest, error), ++count;
@@ -259,11 +258,11 @@ TEST(CameraRaysTest, ALensMisfitMovesTheRays) {
   const CameraRays exact(camera), displaced(camera, misfit);
   for (const Vector2d& px : {Vector2d(20, 30), Vector2d(376, 240), Vector2d(730, 460)}) {
     const int x = static_cast<int>(px.x()), y = static_cast<int>(px.y());
-    const Eigen::Vector2f xy = displaced.At(x, y, {0, 0});
-    const auto arrives = camera.Project(Vector3d(xy.x(), xy.y(), 1));
+    const Eigen::Vector3f ray_C = displaced.At(x, y, {0, 0});
+    const auto arrives = camera.Project(ray_C.cast<double>());
     ASSERT_TRUE(arrives);
     EXPECT_LT((*arrives + misfit.At(*arrives) - px).norm(), 1e-3) << px.transpose();
-    EXPECT_NE(exact.At(x, y, {0, 0}), xy);
+    EXPECT_NE(exact.At(x, y, {0, 0}), ray_C);
   }
 }
 

@@ -38,7 +38,7 @@ std::vector<Viewpoint> ListViewpoints(const StereoRig& rig,
 bool IsSeen(const Viewpoint& view, const RayScene& rays, const Vector3d& p_W, const Vector3d& n_W) {
   constexpr double kMinCosine = 0.05;  // a surface seen edge-on is not seen
   const Vector3d p_C = view.T_CW * p_W;
-  if (p_C.z() < 0.05) return false;
+  if (p_C.norm() < kMinDistance_m) return false;
   const Vector3d to_view = view.p_WC - p_W;
   if (std::abs(n_W.dot(to_view)) < kMinCosine * to_view.norm()) return false;
   const auto px = view.camera->Project(p_C);

@@ -14,7 +14,7 @@ namespace facet {
 namespace {
 
 // Nearer points have no place in a stereo front end.
-constexpr double kMinDepth = 0.25;  // m
+constexpr double kNearest_m = 0.25;
 
 // How many lost points are remembered for redetection.
 constexpr std::size_t kMaxLost = 2000;
@@ -102,7 +102,7 @@ class TrackSimulator {
   std::optional<Vector2d> See(int c, const SE3& T_WB, const Vector3d& p_W) const {
     const SE3 T_WC = T_WB * rig_.T_BC[c];
     const Vector3d p_C = T_WC.Inverse() * p_W;
-    if (p_C.z() < kMinDepth) return std::nullopt;
+    if (p_C.norm() < kNearest_m) return std::nullopt;
     const auto px = rig_.cameras[c].Project(p_C);
     if (!px || !rig_.cameras[c].IsInside(*px, options_.border_px)) return std::nullopt;
     if (!scene_.IsVisible(T_WC.p, p_W)) return std::nullopt;

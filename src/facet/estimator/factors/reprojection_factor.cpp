@@ -13,8 +13,8 @@ namespace facet {
 
 namespace {
 
-// A point behind the camera counts as this far off, in sigmas and widths of the loss: as bad as
-// any, but finite.
+// A point that is not near the measured ray counts as this far off, in sigmas and widths of the
+// loss: as bad as any, but finite.
 constexpr double kBehindSigma = 30.0;
 constexpr double kBehindWidths = 10.0;
 // Translations between two frames that are shorter than this share of the stereo baseline count as

@@ -31,8 +31,9 @@ class ReprojectionFactor {
   /// Of the left and the right camera; of the left one only if only that one sees the landmark.
   using Errors = std::array<std::optional<Vector2d>, 2>;
 
-  /// Residuals in sigmas of the front end; empty if the point is not in front of the camera. Of the
-  /// right camera, if the match has a noise of its own: what the match is off.
+  /// Residuals in sigmas of the front end; empty if the point is not near the measured ray, or out
+  /// of the lens's view. Of the right camera, if the match has a noise of its own: what the match
+  /// is off.
   Errors ErrorsOf(const HostedPoint& point) const { return FromPixelErrors(PixelErrors(point)); }
 
   /// Times the above: the residual in the sigmas that count. Not 1 for the landmarks of pipeline SP

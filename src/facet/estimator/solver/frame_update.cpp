@@ -10,7 +10,6 @@
 #include "facet/base/median.h"
 #include "facet/estimator/factors/imu_factor.h"
 #include "facet/estimator/factors/landmark_factors.h"
-#include "facet/estimator/factors/reprojection_factor.h"
 #include "facet/estimator/factors/robust_loss.h"
 #include "facet/estimator/window/dead_reckoning.h"
 #include "facet/geometry/so3.h"
@@ -135,7 +134,6 @@ FrameUpdater::View FrameUpdater::ViewOf(const NavState& reference,
   return view;
 }
 
-// Of the direction h of the camera, in sigmas.
 Vector2d FrameUpdater::ErrorOf(const WindowObservation& observation,
                                int camera,
                                const Vector3d& h) const {
@@ -185,6 +183,7 @@ InnovationTest FrameUpdater::TestInnovations(const std::vector<PreparedObservati
   InnovationTest test;
   test.agrees.assign(observations.size(), 0);
   test.contradicts.assign(observations.size(), 0);
+  test.is_witness.assign(observations.size(), 0);
   const Matrix<6, 6> P = Reckon({reference_, reference_motion_covariance_}, imu.measured, walk_)
                              .covariance.topLeftCorner<6, 6>();
   const NavState predicted = imu.measured.Predict(reference_);
@@ -204,6 +203,7 @@ InnovationTest FrameUpdater::TestInnovations(const std::vector<PreparedObservati
     ++test.num_tested;
     test.num_contradicting += contradicts ? 1 : 0;
     if (!landmark.is_witness) continue;
+    test.is_witness[i] = 1;
     ++test.num_witnesses;
     test.num_contradicting_witnesses += contradicts ? 1 : 0;
   }

@@ -26,6 +26,7 @@ struct InnovationTest {
   std::vector<char> agrees;
   /// By observation: its landmark has moved, or is mistaken for another one.
   std::vector<char> contradicts;
+  std::vector<char> is_witness;  ///< by observation
 };
 
 struct FrameUpdateResult {
@@ -98,8 +99,9 @@ class FrameUpdater {
   };
 
   View ViewOf(const NavState& reference, const NavState& frame, const ImuLink& imu) const;
-  /// False if the point is behind the camera.
+  /// Of the direction h of the camera, by the present calibration, in sigmas.
   Vector2d ErrorOf(const WindowObservation& observation, int camera, const Vector3d& h) const;
+  /// False if the landmark is not predicted near the measured ray.
   bool Linearize(const Match& match, int camera, const View& view, double scale, Rows& rows) const;
   std::vector<Match> FindMatches(const std::vector<PreparedObservation>& observations) const;
   /// Median of the norms of the whitened left errors.

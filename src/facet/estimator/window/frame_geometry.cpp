@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/window/frame_geometry.h"
 
-#include <Eigen/LU>
-
 #include "facet/geometry/so3.h"
 
 namespace facet {
@@ -96,13 +94,12 @@ Vector2d FrameGeometry::LensShift_px(const WindowObservation& observation, int c
                            Deviation(camera));
 }
 
-// Across the bearing, where the pixel's derivative is invertible.
 Vector3d FrameGeometry::MeasuredBearing(const WindowObservation& observation, int camera) const {
   const MeasuredRay& ray = observation.rays[camera];
   if (!has_calibration_) return ray.bearing;
-  const Matrix<2, 3> J = observation.sigma_px[camera] * ray.whitening;
-  const Vector2d across = (J * J.transpose()).inverse() * LensShift_px(observation, camera);
-  return (ray.bearing - J.transpose() * across).normalized();
+  const Matrix<2, 3> J_px_bearing = observation.sigma_px[camera] * ray.whitening;
+  const Vector3d moved = AcrossRay(J_px_bearing) * LensShift_px(observation, camera);
+  return (ray.bearing - moved).normalized();
 }
 
 }  // namespace facet

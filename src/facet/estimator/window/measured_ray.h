@@ -8,10 +8,6 @@
 
 namespace facet {
 
-/// A point that is predicted farther than this from a measured bearing, as the cosine of the angle
-/// where its direction has unit length, is nowhere near it: it is beside or behind.
-inline constexpr double kMinCosine = 0.05;
-
 /// Directions are those of the camera. A direction h is at `whitening * h / bearing.dot(h)` sigmas:
 /// its distance from the bearing on the plane that touches the unit sphere there. For a pixel that
 /// is predicted where it was measured this is the error in pixels to first order.
@@ -20,8 +16,12 @@ struct MeasuredRay {
   /// 1/sigma * d pixel / d direction at the bearing. Times the bearing it is zero.
   Matrix<2, 3> whitening = Matrix<2, 3>::Zero();
 
-  /// h: any length. Whether error and derivative exist there.
-  bool IsNear(const Vector3d& h) const { return bearing.dot(h) >= kMinCosine; }
+  /// h: a direction of about unit length. What is predicted nearly 90 deg away, or beyond, is
+  /// nowhere near the bearing, and has no error.
+  bool IsNear(const Vector3d& h) const {
+    constexpr double kLeastCosine = 0.05;
+    return bearing.dot(h) >= kLeastCosine;
+  }
 
   Vector2d Error(const Vector3d& h) const { return whitening * h / bearing.dot(h); }
 

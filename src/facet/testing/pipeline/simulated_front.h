@@ -38,7 +38,7 @@ class SimulatedFront {
       return a.landmark < b.landmark;
     });
     tracked.frontend.depths.intensities.assign(observations.features.size(), 128);
-    tracked.frontend.depths.inverse_depths.assign(observations.features.size(), 0);
+    tracked.frontend.depths.inverse_distances.assign(observations.features.size(), 0);
     return tracked;
   }
 

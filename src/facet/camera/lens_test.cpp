@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "facet/camera/lens_models.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
 #include "facet/camera/camera_model.h"
+#include "facet/camera/plane_lens.h"
+#include "facet/camera/wide_lens.h"
 #include "facet/testing/lens_examples.h"
 #include "facet/testing/numeric_jacobian.h"
 
@@ -18,14 +18,15 @@ Vector2d PixelOf(const CameraIntrinsics& k, const Vector2d& m) {
 }
 
 // Each against the projection of a point in space as its paper has it, which knows no plane z = 1.
-TEST(LensModelsTest, AgreeWithTheFormulasOfTheirPapers) {
+TEST(LensTest, AgreeWithTheFormulasOfTheirPapers) {
   const CameraIntrinsics ds = testing::LensExample(DistortionModel::kDoubleSphere);
   const CameraIntrinsics eucm = testing::LensExample(DistortionModel::kExtendedUnified);
   const CameraIntrinsics omni = testing::LensExample(DistortionModel::kUnified);
   const CameraIntrinsics fov = testing::LensExample(DistortionModel::kFieldOfView);
   Rng rng(3);
   for (int i = 0; i < 100; ++i) {
-    const Vector3d p(rng.Uniform(-3, 3), rng.Uniform(-2, 2), rng.Uniform(1, 4));
+    const Vector3d p(rng.Uniform(-3, 3), rng.Uniform(-2, 2), rng.Uniform(-0.2, 4));
+    if (p.head<2>().norm() > 3 * std::abs(p.z()) && p.z() > 0.3) continue;
     const double R2 = p.head<2>().squaredNorm(), R = std::sqrt(R2);
 
     double xi = ds.coefficients[0], alpha = ds.coefficients[1];
@@ -49,14 +50,14 @@ TEST(LensModelsTest, AgreeWithTheFormulasOfTheirPapers) {
     EXPECT_LT((*CameraModel(omni).Project(p) - expected).norm(), 1e-9);
 
     const double w = fov.coefficients[0];
-    const double seen = std::atan(2 * R / p.z() * std::tan(w / 2)) / w;
+    const double seen = std::atan2(2 * R * std::tan(w / 2), p.z()) / w;
     expected = PixelOf(fov, p.head<2>() * (seen / R));
     EXPECT_LT((*CameraModel(fov).Project(p) - expected).norm(), 1e-9);
   }
 }
 
 // The formula of OpenCV's documentation.
-TEST(LensModelsTest, TheRationalModelIsThatOfOpenCv) {
+TEST(LensTest, TheRationalModelIsThatOfOpenCv) {
   for (const CameraIntrinsics& k : testing::LensExamples()) {
     if (k.distortion != DistortionModel::kRational) continue;
     const auto& c = k.coefficients;
@@ -71,7 +72,7 @@ TEST(LensModelsTest, TheRationalModelIsThatOfOpenCv) {
 }
 
 // With these coefficients two models are the same lens.
-TEST(LensModelsTest, SpecialCasesAgree) {
+TEST(LensTest, SpecialCasesAgree) {
   CameraIntrinsics unified = testing::LensExample(DistortionModel::kUnified);
   const double xi = unified.coefficients[4];
   unified.coefficients = {0, 0, 0, 0, xi};
@@ -95,7 +96,7 @@ TEST(LensModelsTest, SpecialCasesAgree) {
   EXPECT_NEAR(CameraModel(unified).mean_focal_px(), CameraModel(extended).mean_focal_px(), 1e-9);
 }
 
-TEST(LensModelsTest, PixelsPerRadianAreThoseAtTheAxis) {
+TEST(LensTest, PixelsPerRadianAreThoseAtTheAxis) {
   for (const CameraIntrinsics& k : testing::LensExamples()) {
     const CameraModel camera(k);
     const double step = 1e-6;
@@ -105,28 +106,78 @@ TEST(LensModelsTest, PixelsPerRadianAreThoseAtTheAxis) {
   }
 }
 
-TEST(LensModelsTest, DerivativesByTheFirstFourCoefficients) {
+TEST(LensTest, DerivativesByTheFirstFourCoefficients) {
   for (const CameraIntrinsics& k : testing::LensExamples()) {
-    if (k.distortion == DistortionModel::kNone ||
-        k.distortion == DistortionModel::kRadialTangential ||
-        k.distortion == DistortionModel::kEquidistant) {
-      continue;
-    }
-    for (const Vector2d& xy : {Vector2d(0.5, -0.3), Vector2d(-0.1, 0.9), Vector2d(0, 0)}) {
+    const bool is_wide = IsWideLens(k.distortion);
+    for (const Vector3d& h : {Vector3d(0.5, -0.3, 1),
+                              Vector3d(-0.2, 1.8, 2),
+                              Vector3d(0, 0, 1),
+                              Vector3d(0.9, 0.3, -0.1)}) {
+      if (!is_wide && h.z() < 0) continue;
       const auto distort = [&](const Vector4d& change) {
         CameraIntrinsics changed = k;
         for (std::size_t i = 0; i < 4; ++i) {
           if (i < NumCoefficients(k.distortion))
             changed.coefficients[i] += change(static_cast<Eigen::Index>(i));
         }
-        return DistortThroughLens(changed, xy, nullptr);
+        return is_wide ? *ProjectThroughWideLens(changed, h, nullptr)
+                       : DistortThroughPlaneLens(changed, h.hnormalized(), nullptr);
       };
-      testing::ExpectJacobian<2, 4>(LensCoefficientJacobian(k, xy), distort, 1e-6);
+      const Matrix<2, 4> J = is_wide ? WideLensCoefficientJacobian(k, h)
+                                     : PlaneLensCoefficientJacobian(k, h.hnormalized());
+      testing::ExpectJacobian<2, 4>(J, distort, 1e-6);
     }
   }
 }
 
-TEST(LensModelsTest, CoefficientsThatNoLensHasAreRefused) {
+// Rays beside and behind the camera, which a wide lens sees.
+TEST(LensTest, WideLensesSeeBesideThemselves) {
+  int num_lenses = 0;
+  for (const CameraIntrinsics& k : testing::LensExamples()) {
+    if (!IsWideLens(k.distortion)) continue;
+    const CameraModel camera(k);
+    const double end_deg = camera.max_angle() * 180 / M_PI;
+    if (end_deg < 95) continue;
+    ++num_lenses;
+    for (const double angle_deg : {80.0, 88.0, 90.0, 92.0, 94.0, end_deg - 1}) {
+      const double angle = angle_deg * M_PI / 180;
+      const Vector3d ray(0.6 * std::sin(angle), -0.8 * std::sin(angle), std::cos(angle));
+      Matrix<2, 3> J;
+      const auto px = camera.Project(2.5 * ray, &J);
+      ASSERT_TRUE(px) << angle_deg;
+      const auto f = [&](const Vector3d& d) { return *camera.Project(2.5 * ray + d); };
+      testing::ExpectJacobian<2, 3>(J, f, 1e-6);
+      const auto back = camera.BearingOf(*px);
+      ASSERT_TRUE(back) << angle_deg;
+      EXPECT_LT((back->bearing - ray).norm(), 1e-9) << angle_deg;
+    }
+  }
+  EXPECT_GE(num_lenses, 3);
+}
+
+// A lens of TUM-VI's kind: 190 deg, and every pixel of its image circle has a ray.
+TEST(LensTest, AFisheyeOf190DegreesSeesItsWholeCircle) {
+  const CameraIntrinsics k{512,
+                           512,
+                           191,
+                           191,
+                           255,
+                           257,
+                           DistortionModel::kEquidistant,
+                           {0.0034, 0.0007, -0.002, 0.0002}};
+  const CameraModel camera(k);
+  EXPECT_GT(camera.max_angle(), 100 * M_PI / 180);
+  for (int i = 0; i < 64; ++i) {
+    const double turn = 2 * M_PI * i / 64, angle = 95 * M_PI / 180;
+    const Vector3d ray(
+        std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn), std::cos(angle));
+    const auto px = camera.Project(ray);
+    ASSERT_TRUE(px);
+    EXPECT_LT((*camera.Unproject(*px) - ray).norm(), 1e-9);
+  }
+}
+
+TEST(LensTest, CoefficientsThatNoLensHasAreRefused) {
   const auto complaint = [](DistortionModel model, std::size_t index, double value) {
     CameraIntrinsics k = testing::LensExample(model);
     k.coefficients[index] = value;
@@ -145,7 +196,7 @@ TEST(LensModelsTest, CoefficientsThatNoLensHasAreRefused) {
     EXPECT_EQ(CameraModel::WhatIsWrong(k), "");
 }
 
-TEST(LensModelsTest, TheViewEndsAtAPole) {
+TEST(LensTest, TheViewEndsAtAPole) {
   CameraIntrinsics pole = testing::LensExample(DistortionModel::kRational);
   pole.coefficients = {0, 0, 0, 0, 0, -0.5, 0, 0};  // at a radius of the square root of 2
   ASSERT_EQ(CameraModel::WhatIsWrong(pole), "");
