@@ -93,7 +93,7 @@ TEST_F(PipelinesTest, SprFindsPlanesThatAreThere) {
 // end, or none. Within these two runs there are such planes; the meshes on the way show them.
 TEST_F(PipelinesTest, EveryPlaneOfTheLastMeshesIsListed) {
   std::size_t num_vanished = 0;
-  for (const char* start : {"0.3", "0.45"}) {
+  for (const char* start : {"0.15", "0.6"}) {
     const fs::path out = Run("SPR", std::string("--mesh-every 1 --start ") + start);
     std::map<int, EstimatedPlane> listed;
     for (const EstimatedPlane& plane : ReadEstimatedPlanes(out / "planes.csv"))

@@ -171,7 +171,14 @@ def test_what_cannot_be_judged_is_refused(sequence, result):
 def test_trajectories_are_written_and_read(result, tmp_path):
     trajectory = result.trajectory
     trajectory.write(tmp_path / "copy.tum")
-    assert (tmp_path / "copy.tum").read_bytes() == (result.path / "trajectory.tum").read_bytes()
+    # Quaternions are normalised where they are read, which may move their last digit.
+    copy, original = ((folder / name).read_text().splitlines()
+                      for folder, name in ((tmp_path, "copy.tum"), (result.path, "trajectory.tum")))
+    assert copy[0] == original[0] and len(copy) == len(original)
+    for line, before in zip(copy[1:], original[1:]):
+        assert line.split()[:4] == before.split()[:4]
+        np.testing.assert_allclose([float(word) for word in line.split()[4:]],
+                                   [float(word) for word in before.split()[4:]], rtol=0, atol=1.1e-12)
     with pytest.raises(ValueError, match="stamps must rise"):
         facet.Trajectory(trajectory.t_ns[::-1], trajectory.p, trajectory.q).write(tmp_path / "no.tum")
     with pytest.raises(ValueError, match="unit length"):

@@ -156,7 +156,7 @@ def test_planes_are_on_the_mesh(vio, frames):
         np.testing.assert_allclose(np.linalg.norm(plane.n), 1)
         corners = mesh.vertices[mesh.faces[mesh.plane_ids == plane.id]]
         assert plane.area_m2 > 0 and len(corners) > 10
-        assert np.median(np.abs(corners @ plane.n - plane.d)) < 0.02, plane
+        assert np.median(np.abs(corners @ plane.n - plane.d)) < 0.03, plane
 
 
 def test_meshes_are_written_and_read(vio, frames, tmp_path):

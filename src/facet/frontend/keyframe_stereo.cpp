@@ -98,16 +98,20 @@ std::optional<StereoTurn> KeyframeStereo::SeekTurn(Timestamp t,
   return watch_.Add(t, rig_, MatchWidely(left, tracks));
 }
 
-// To first order.
+// By how much a turn about AxisAcross moves a point: to first order. What is seen along the
+// baseline or the axis hardly moves.
 DisparityShift KeyframeStereo::ShiftOf(std::span<const Track> tracks) {
+  constexpr double kLeastCosine = 0.2;
   const Vector3d along = rig_.T_C1C0().p.normalized();
+  const Vector3d ahead = (Vector3d::UnitZ() - along.z() * along).normalized();
   angles_.clear();
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (!matches_[i] || !depths_before_[i]) continue;
     const auto bearing = rig_.cameras[1].Unproject(matches_[i]->px);
-    if (!bearing) continue;
+    const double cosine = bearing ? bearing->dot(ahead) : 0;
+    if (cosine < kLeastCosine) continue;
     const double change = matches_[i]->inverse_distance - *depths_before_[i];
-    angles_.push_back(change * rig_.baseline_m() * along.cross(*bearing).norm());
+    angles_.push_back(change * rig_.baseline_m() * along.cross(*bearing).squaredNorm() / cosine);
   }
   DisparityShift shift;
   shift.num = static_cast<int>(angles_.size());
