@@ -134,7 +134,6 @@ std::string WhatIsWrongAt(const CameraIntrinsics& k, const Vector2d& px, double 
          << (is_wide ? max_argument : std::atan(max_argument)) / kDegree << " deg from the axis";
     return text.str();
   }
-  const Vector2d direction = xy_d.normalized();
   const double radius = is_wide ? std::tan(std::min(*argument, std::atan(kMaxRadius))) : *argument;
   if (!(kMostMagnified * radius >= xy_d.norm())) {
     text << "no lens distorts so much: half way to the border the image would be magnified more "
@@ -142,14 +141,10 @@ std::string WhatIsWrongAt(const CameraIntrinsics& k, const Vector2d& px, double 
          << kMostMagnified << " times";
     return text.str();
   }
-  const Vector2d there = is_wide
-                             ? ProjectThroughWideLens(k,
-                                                      Vector3d(direction.x() * std::sin(*argument),
-                                                               direction.y() * std::sin(*argument),
-                                                               std::cos(*argument)),
-                                                      nullptr)
-                                   .value_or(xy_d)
-                             : Distort(k, *argument * direction, nullptr);
+  const Vector2d there =
+      is_wide ? ProjectThroughWideLens(k, *BearingRadially(k, xy_d, max_argument), nullptr)
+                    .value_or(xy_d)
+              : Distort(k, *UndistortRadially(k, xy_d, max_argument), nullptr);
   const Vector2d px_off = (there - xy_d).cwiseProduct(Vector2d(k.fx, k.fy));
   if (px_off.norm() <= kMostSkew * std::max(k.width, k.height)) return {};
   text << "no lens is so skew: the last two coefficients move a point half way to the border by "

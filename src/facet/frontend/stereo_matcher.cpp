@@ -43,7 +43,6 @@ void NeglectSlightShape(PatchWarp& warp) {
 StereoMatcher::StereoMatcher(const StereoRig& rig, const FrontendOptions& options)
     : right_camera_(rig.cameras[1]),
       T_C1C0_(rig.T_C1C0()),
-      baseline_focal_px_(rig.baseline_m() * rig.cameras[1].mean_focal_px()),
       options_(options.stereo),
       tracker_(options.klt, kParameters),
       near_tracker_(options.klt, kNearParameters, kNearMinUpdate_px) {}
@@ -129,8 +128,9 @@ void StereoMatcher::Search(const Track& track,
   const Vector3d bearing_C1 = T_C1C0_.q * track.ray.bearing;
   const std::optional<Vector2d> nearest =
       right_camera_.Project(bearing_C1 + max_inverse_distance * T_C1C0_.p);
-  const double length_px = nearest ? (*nearest - Vector2d(far->x, far->y)).norm()
-                                   : baseline_focal_px_ * max_inverse_distance;
+  const double length_px =
+      nearest ? (*nearest - Vector2d(far->x, far->y)).norm()
+              : right_camera_.mean_focal_px() * T_C1C0_.p.norm() * max_inverse_distance;
   const int steps = std::max(1, static_cast<int>(std::ceil(length_px / step_px)));
   for (int i = 0; i <= steps; ++i) {
     const double rho = max_inverse_distance * i / steps;

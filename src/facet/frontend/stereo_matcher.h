@@ -72,7 +72,6 @@ class StereoMatcher {
   CameraModel right_camera_;
   SE3 T_C1C0_;
   std::optional<Quaterniond> turn_;  // of the right camera: from its axes to the calibrated ones
-  double baseline_focal_px_;
   StereoMatcherOptions options_;
   PatchTracker tracker_, near_tracker_;
   std::vector<Candidate> samples_;     // along the epipolar line
