@@ -106,7 +106,7 @@ class Node {
   }
 
   ros::NodeHandle global_, own_{"~"};
-  const Parameters parameters_;
+  const robot::NodeParameters parameters_;
   RosListener listener_;
   std::unique_ptr<robot::RobotNode> robot_;
   // Decoding images must not hold up the IMU, so each has a queue and a thread.
@@ -129,7 +129,7 @@ int Run() {
     const Node node;
     ros::spin();
     return 0;
-  } catch (const CalibrationError& error) {
+  } catch (const robot::CalibrationError& error) {
     return Complain(error, kInput);
   } catch (const api::Error& error) {
     return Complain(error, kUsage);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <utility>
 
 namespace facet {
@@ -46,67 +45,13 @@ geometry_msgs::Quaternion ToQuaternion(const std::array<double, 4>& wxyz) {
   return q;
 }
 
-std_msgs::ColorRGBA Colour(float r, float g, float b) {
+std_msgs::ColorRGBA ToColour(const robot::Colour& c) {
   std_msgs::ColorRGBA colour;
-  colour.r = r;
-  colour.g = g;
-  colour.b = b;
-  colour.a = 1;
+  colour.r = c[0];
+  colour.g = c[1];
+  colour.b = c[2];
+  colour.a = c[3];
   return colour;
-}
-
-std_msgs::ColorRGBA Colour(const std::array<std::uint8_t, 3>& c) {
-  constexpr float kFull = 255;
-  return Colour(static_cast<float>(c[0]) / kFull,
-                static_cast<float>(c[1]) / kFull,
-                static_cast<float>(c[2]) / kFull);
-}
-
-std_msgs::ColorRGBA ColourOfPlane(std::int64_t id) {
-  constexpr std::array<std::array<std::uint8_t, 3>, 6> kColours = {{{{230, 75, 50}},
-                                                                    {{50, 150, 230}},
-                                                                    {{75, 200, 75}},
-                                                                    {{230, 180, 25}},
-                                                                    {{180, 75, 200}},
-                                                                    {{50, 200, 180}}}};
-  return Colour(
-      kColours[static_cast<std::size_t>(std::max<std::int64_t>(id, 0)) % kColours.size()]);
-}
-
-Marker EmptyMarker(std_msgs::Header header, const std::string& name, std::int32_t id) {
-  Marker marker;
-  marker.header = std::move(header);
-  marker.ns = name;
-  marker.id = id;
-  marker.pose.orientation.w = 1;
-  marker.frame_locked = true;
-  return marker;
-}
-
-Marker Outline(const std_msgs::Header& header, const api::Plane& plane) {
-  Marker marker = EmptyMarker(header, "outline", static_cast<std::int32_t>(plane.id));
-  marker.type = Marker::LINE_STRIP;
-  marker.scale.x = 0.02;
-  marker.color = ColourOfPlane(plane.id);
-  for (const api::Vec3& corner : plane.outline)
-    marker.points.push_back(ToPoint(corner));
-  marker.points.push_back(marker.points.front());
-  return marker;
-}
-
-Marker Label(const std_msgs::Header& header, const api::Plane& plane) {
-  Marker marker = EmptyMarker(header, "label", static_cast<std::int32_t>(plane.id));
-  marker.type = Marker::TEXT_VIEW_FACING;
-  marker.scale.z = 0.2;
-  marker.color = ColourOfPlane(plane.id);
-  marker.text = plane.label + " " + std::to_string(plane.id);
-  const double share = 1 / static_cast<double>(plane.outline.size());
-  for (const api::Vec3& corner : plane.outline) {
-    marker.pose.position.x += share * corner[0];
-    marker.pose.position.y += share * corner[1];
-    marker.pose.position.z += share * corner[2];
-  }
-  return marker;
 }
 
 sensor_msgs::PointField Field(const char* name, std::uint32_t offset) {
@@ -231,83 +176,50 @@ nav_msgs::Path ToPath(const std::vector<robot::PathPose>& path, const FrameNames
   return message;
 }
 
-// A list of triangles has each corner anew for each face.
-Marker ToMarker(std_msgs::Header header,
-                const std::string& name,
-                std::int32_t id,
-                const api::Mesh& mesh) {
-  Marker marker = EmptyMarker(std::move(header), name, id);
-  if (mesh.faces.empty()) {
-    marker.action = Marker::DELETE;
-    return marker;
-  }
-  marker.type = Marker::TRIANGLE_LIST;
-  marker.scale.x = marker.scale.y = marker.scale.z = 1;
-  marker.color = Colour(0.7F, 0.7F, 0.7F);
-  const bool has_colours = mesh.colours.size() == mesh.vertices.size();
-  marker.points.reserve(3 * mesh.faces.size());
-  if (has_colours) marker.colors.reserve(3 * mesh.faces.size());
-  for (const auto& face : mesh.faces) {
-    for (const int corner : face) {
-      const auto i = static_cast<std::size_t>(corner);
-      marker.points.push_back(ToPoint(mesh.vertices[i]));
-      if (has_colours) marker.colors.push_back(Colour(mesh.colours[i]));
-    }
-  }
-  return marker;
+Marker ToMarker(const robot::Marker& marker, const FrameNames& frames) {
+  Marker message;
+  message.header = Header(marker.t_ns, frames.odom);
+  message.ns = marker.name;
+  message.id = marker.id;
+  message.type = marker.type;
+  message.action = marker.action;
+  message.pose.position = ToPoint(marker.position);
+  message.pose.orientation.w = 1;
+  message.scale = ToVector(marker.scale);
+  message.color = ToColour(marker.colour);
+  message.frame_locked = true;
+  message.text = marker.text;
+  message.points.reserve(marker.points.size());
+  for (const api::Vec3& point : marker.points)
+    message.points.push_back(ToPoint(point));
+  message.colors.reserve(marker.colours.size());
+  for (const robot::Colour& colour : marker.colours)
+    message.colors.push_back(ToColour(colour));
+  return message;
 }
 
-// rgb is the three bytes 0x00RRGGBB in the place of a float, as PCL and rviz read it.
-sensor_msgs::PointCloud2 ToPoints(std_msgs::Header header, const api::Mesh& mesh) {
-  constexpr std::uint32_t kFloat = 4;
-  const bool has_colours = !mesh.vertices.empty() && mesh.colours.size() == mesh.vertices.size();
-  sensor_msgs::PointCloud2 cloud;
-  cloud.header = std::move(header);
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(mesh.vertices.size());
-  cloud.fields = {Field("x", 0), Field("y", kFloat), Field("z", 2 * kFloat)};
-  if (has_colours) cloud.fields.push_back(Field("rgb", 3 * kFloat));
-  cloud.point_step = kFloat * static_cast<std::uint32_t>(cloud.fields.size());
-  cloud.row_step = cloud.point_step * cloud.width;
-  cloud.is_dense = true;
-  cloud.data.resize(cloud.row_step);
-  std::uint8_t* place = cloud.data.data();
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i, place += cloud.point_step) {
-    std::array<float, 3> xyz{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      xyz[axis] = static_cast<float>(mesh.vertices[i][axis]);
-    std::memcpy(place, xyz.data(), sizeof xyz);
-    if (!has_colours) continue;
-    const auto& [r, g, b] = mesh.colours[i];
-    const std::uint32_t rgb = std::uint32_t{r} << 16 | std::uint32_t{g} << 8 | b;
-    std::memcpy(place + sizeof xyz, &rgb, sizeof rgb);
-  }
-  return cloud;
-}
-
-visualization_msgs::MarkerArray ToMarkers(const robot::PlanesOutput& output,
+visualization_msgs::MarkerArray ToMarkers(const std::vector<robot::Marker>& markers,
                                           const FrameNames& frames) {
   visualization_msgs::MarkerArray array;
-  const std_msgs::Header header = Header(output.t_ns, frames.odom);
-  for (const api::Plane& plane : output.planes) {
-    if (plane.outline.empty()) continue;
-    array.markers.push_back(Outline(header, plane));
-    array.markers.push_back(Label(header, plane));
-  }
-  for (const std::int64_t id : output.removed) {
-    for (const char* name : {"outline", "label"}) {
-      Marker removal = EmptyMarker(header, name, static_cast<std::int32_t>(id));
-      removal.action = Marker::DELETE;
-      array.markers.push_back(removal);
-    }
-  }
+  for (const robot::Marker& marker : markers)
+    array.markers.push_back(ToMarker(marker, frames));
   return array;
 }
 
-Marker RemovalOfAll(const FrameNames& frames) {
-  Marker marker = EmptyMarker(Header(0, frames.odom), "", 0);
-  marker.action = Marker::DELETEALL;
-  return marker;
+sensor_msgs::PointCloud2 ToPoints(std_msgs::Header header, const api::Mesh& mesh) {
+  constexpr std::uint32_t kFloat = 4;
+  robot::PointRows rows = robot::ToPointRows(mesh);
+  sensor_msgs::PointCloud2 cloud;
+  cloud.header = std::move(header);
+  cloud.height = 1;
+  cloud.width = rows.num_points;
+  cloud.fields = {Field("x", 0), Field("y", kFloat), Field("z", 2 * kFloat)};
+  if (rows.has_colours) cloud.fields.push_back(Field("rgb", 3 * kFloat));
+  cloud.point_step = rows.bytes_per_point;
+  cloud.row_step = cloud.point_step * cloud.width;
+  cloud.is_dense = true;
+  cloud.data = std::move(rows.bytes);
+  return cloud;
 }
 
 diagnostic_msgs::DiagnosticStatus ToStatus(const robot::Diagnosis& diagnosis,

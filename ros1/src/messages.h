@@ -20,15 +20,14 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "facet/robot/image_pairer.h"
+#include "facet/robot/marker.h"
+#include "facet/robot/node_parameters.h"
 #include "facet/robot/robot_output.h"
 
 namespace facet {
 namespace ros1 {
 
-/// REP 105.
-struct FrameNames {
-  std::string map = "map", odom = "odom", base = "base_link";
-};
+using robot::FrameNames;
 
 // ---- what comes
 
@@ -51,18 +50,11 @@ geometry_msgs::PoseWithCovarianceStamped ToPose(const robot::PoseOutput& output,
                                                 const FrameNames& frames);
 nav_msgs::Path ToPath(const std::vector<robot::PathPose>& path, const FrameNames& frames);
 
-/// A list of triangles; one without any is a marker that removes the one before.
-visualization_msgs::Marker ToMarker(std_msgs::Header header,
-                                    const std::string& name,
-                                    std::int32_t id,
-                                    const api::Mesh& mesh);
+visualization_msgs::Marker ToMarker(const robot::Marker& marker, const FrameNames& frames);
+visualization_msgs::MarkerArray ToMarkers(const std::vector<robot::Marker>& markers,
+                                          const FrameNames& frames);
 /// The vertices: x y z and, where they have colours, rgb.
 sensor_msgs::PointCloud2 ToPoints(std_msgs::Header header, const api::Mesh& mesh);
-/// Outline and label of each plane, and the removal of those that are gone.
-visualization_msgs::MarkerArray ToMarkers(const robot::PlanesOutput& output,
-                                          const FrameNames& frames);
-/// Removes all markers of a topic.
-visualization_msgs::Marker RemovalOfAll(const FrameNames& frames);
 
 diagnostic_msgs::DiagnosticStatus ToStatus(const robot::Diagnosis& diagnosis,
                                            const std::string& node);

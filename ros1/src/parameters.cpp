@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "parameters.h"
 
-#include <optional>
-#include <set>
+#include <string>
 #include <vector>
 
 namespace facet {
@@ -10,122 +9,49 @@ namespace ros1 {
 
 namespace {
 
-/// Reads one parameter after the other, and remembers which there are.
-class Reader {
+/// ROS's parameter server.
+class Server : public robot::ParameterSource {
  public:
-  explicit Reader(const ros::NodeHandle& node) : node_(node) {}
+  explicit Server(const ros::NodeHandle& node) : node_(node) {}
 
-  /// Leaves `value` as it is where the parameter is not set.
-  template <class T>
-  void Read(const std::string& name, T& value) {
-    known_.insert(name);
-    if (node_.hasParam(name) && !node_.getParam(name, value))
-      throw api::Error("~" + name + " is of the wrong type");
+  bool Get(const std::string& name, bool& value) const override { return GetAny(name, value); }
+  bool Get(const std::string& name, int& value) const override { return GetAny(name, value); }
+  bool Get(const std::string& name, double& value) const override { return GetAny(name, value); }
+  bool Get(const std::string& name, std::string& value) const override {
+    return GetAny(name, value);
+  }
+  bool Get(const std::string& name, std::vector<double>& value) const override {
+    return GetAny(name, value);
+  }
+  bool Get(const std::string& name, std::vector<std::string>& value) const override {
+    return GetAny(name, value);
   }
 
-  /// Seven numbers: x y z qx qy qz qw. True if it is set.
-  bool Read(const std::string& name, api::Pose& pose) {
-    std::vector<double> numbers;
-    Read(name, numbers);
-    if (numbers.empty()) return false;
-    if (numbers.size() != 7) throw api::Error("~" + name + " must be [x, y, z, qx, qy, qz, qw]");
-    pose.p = {{numbers[0], numbers[1], numbers[2]}};
-    pose.q = {{numbers[6], numbers[3], numbers[4], numbers[5]}};
-    return true;
-  }
-
-  /// Throws where one is set that nobody has read: it is misspelt.
-  void RefuseOthers() const {
-    std::vector<std::string> names;
-    node_.getParamNames(names);
+  std::vector<std::string> Names() const override {
+    std::vector<std::string> all, own;
+    node_.getParamNames(all);
     const std::string prefix = node_.getNamespace() + "/";
-    for (const std::string& name : names) {
-      if (name.compare(0, prefix.size(), prefix) != 0) continue;
-      const std::string own = name.substr(prefix.size());
-      if (known_.count(own) == 0)
-        throw api::Error("~" + own + " is not a parameter; there are: " + Known());
+    for (const std::string& name : all) {
+      if (name.compare(0, prefix.size(), prefix) == 0) own.push_back(name.substr(prefix.size()));
     }
+    return own;
   }
 
  private:
-  std::string Known() const {
-    std::string text;
-    for (const std::string& name : known_)
-      text += (text.empty() ? "" : ", ") + name;
-    return text;
+  template <class T>
+  bool GetAny(const std::string& name, T& value) const {
+    if (!node_.hasParam(name)) return false;
+    if (!node_.getParam(name, value)) throw api::Error("~" + name + " is of the wrong type");
+    return true;
   }
 
   const ros::NodeHandle& node_;
-  std::set<std::string> known_;
 };
-
-/// Files with a calibration, or what CameraInfo does not tell.
-struct CalibrationSource {
-  std::string cameras;
-  bool has_mount = false;
-};
-
-CalibrationSource ReadSource(Reader& reader, api::CameraMount& mount) {
-  CalibrationSource source;
-  reader.Read("calibration", source.cameras);
-  reader.Read("imu_calibration", mount.imu_noise);
-  source.has_mount = reader.Read("T_imu_left", mount.T_BC);
-  api::Pose T_left_right;
-  if (reader.Read("T_left_right", T_left_right)) mount.T_C0C1 = T_left_right;
-  reader.Read("rectified", mount.are_rectified);
-  return source;
-}
-
-/// Empty where CameraInfo is to be used.
-std::optional<api::Calibration> OpenCalibration(const CalibrationSource& source,
-                                                const std::string& imu_noise) {
-  if (source.cameras.empty() && !source.has_mount)
-    throw api::Error("set ~calibration (Kalibr's camchain.yaml), or ~T_imu_left for camera_info");
-  if (source.cameras.empty()) return std::nullopt;
-  try {
-    return api::ReadCalibration(source.cameras, imu_noise);
-  } catch (const api::Error& error) {
-    throw CalibrationError(std::string("~calibration: ") + error.what());
-  }
-}
-
-int ReadQueue(Reader& reader, const std::string& name, int value) {
-  reader.Read(name, value);
-  if (value < 1) throw api::Error("~" + name + " must be 1 or more");
-  return value;
-}
 
 }  // namespace
 
-Parameters ReadParameters(const ros::NodeHandle& node) {
-  Parameters parameters;
-  robot::RobotOptions& options = parameters.robot;
-  Reader reader(node);
-  reader.Read("T_base_imu", options.T_base_imu);
-  reader.Read("config", options.config_file);
-  reader.Read("set", options.overrides);
-  reader.Read("start", options.is_started);
-  reader.Read("smoothing_s", options.smoothing_s);
-  reader.Read("max_age_s", options.max_age_s);
-  reader.Read("max_waiting_pairs", options.max_waiting_pairs);
-  reader.Read("two_threads", options.two_threads);
-  reader.Read("pair_tolerance_s", options.pair_tolerance_s);
-  reader.Read("sample_bits", options.sample_bits);
-  reader.Read("silence_s", options.silence_s);
-  reader.Read("scene_period_s", options.scene_period_s);
-  reader.Read("path_period_s", options.path_period_s);
-  reader.Read("map_frame", parameters.frames.map);
-  reader.Read("odom_frame", parameters.frames.odom);
-  reader.Read("base_frame", parameters.frames.base);
-  reader.Read("compressed", parameters.has_compressed_images);
-  reader.Read("publish_tf", parameters.publishes_tf);
-  reader.Read("publish_map_tf", parameters.publishes_map_tf);
-  parameters.imu_queue = ReadQueue(reader, "imu_queue", parameters.imu_queue);
-  parameters.image_queue = ReadQueue(reader, "image_queue", parameters.image_queue);
-  const CalibrationSource source = ReadSource(reader, options.mount);
-  reader.RefuseOthers();
-  options.calibration = OpenCalibration(source, options.mount.imu_noise);
-  return parameters;
+robot::NodeParameters ReadParameters(const ros::NodeHandle& node) {
+  return robot::ReadParameters(Server(node));
 }
 
 }  // namespace ros1

@@ -19,7 +19,7 @@ constexpr std::uint32_t kOdometryQueue = 400, kPoseQueue = 200, kSceneQueue = 10
 
 RosListener::RosListener(ros::NodeHandle& global,
                          ros::NodeHandle& own,
-                         const Parameters& parameters,
+                         const robot::NodeParameters& parameters,
                          std::function<void()> on_map_subscriber)
     : frames_(parameters.frames), publishes_tf_(parameters.publishes_tf) {
   odometry_ = own.advertise<nav_msgs::Odometry>("odometry", kOdometryQueue);
@@ -66,22 +66,22 @@ void RosListener::OnPath(const std::vector<robot::PathPose>& path) {
 
 void RosListener::OnMesh(const api::Mesh& horizon) {
   const std_msgs::Header header = Header(horizon.t_ns, frames_.odom);
-  if (mesh_.getNumSubscribers() > 0) mesh_.publish(ToMarker(header, "horizon", 0, horizon));
+  if (mesh_.getNumSubscribers() > 0)
+    mesh_.publish(ToMarker(robot::MeshMarker(horizon.t_ns, "horizon", 0, horizon), frames_));
   if (points_.getNumSubscribers() > 0) points_.publish(ToPoints(header, horizon));
 }
 
 void RosListener::OnMap(std::int64_t t_ns, const std::vector<robot::MapPartOutput>& parts) {
-  const std_msgs::Header header = Header(t_ns, frames_.odom);
   for (const robot::MapPartOutput& part : parts)
-    map_.publish(ToMarker(header, "map", part.id, part.mesh));
+    map_.publish(ToMarker(robot::MeshMarker(t_ns, "map", part.id, part.mesh), frames_));
 }
 
 void RosListener::OnPlanes(const robot::PlanesOutput& planes) {
-  planes_.publish(ToMarkers(planes, frames_));
+  planes_.publish(ToMarkers(robot::PlaneMarkers(planes), frames_));
 }
 
 void RosListener::OnClear() {
-  const visualization_msgs::Marker removal = RemovalOfAll(frames_);
+  const visualization_msgs::Marker removal = ToMarker(robot::RemovalOfAll(), frames_);
   mesh_.publish(removal);
   map_.publish(removal);
   visualization_msgs::MarkerArray removals;

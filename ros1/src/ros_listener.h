@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "messages.h"
-#include "parameters.h"
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 
@@ -22,7 +21,7 @@ class RosListener : public robot::RobotListener {
   /// `on_map_subscriber` is called when somebody begins to listen to the map.
   RosListener(ros::NodeHandle& global,
               ros::NodeHandle& own,
-              const Parameters& parameters,
+              const robot::NodeParameters& parameters,
               std::function<void()> on_map_subscriber);
 
   void OnOdometry(const robot::OdometryOutput& odometry) override;

@@ -60,7 +60,8 @@ TEST(Ros1MessagesTest, StampsOfOdometryAreThoseOfTheSample) {
 }
 
 TEST(Ros1MessagesTest, AMeshIsAListOfTriangles) {
-  const visualization_msgs::Marker marker = ToMarker(Header(5, "odom"), "map", 7, TwoTriangles());
+  const visualization_msgs::Marker marker =
+      ToMarker(robot::MeshMarker(5, "map", 7, TwoTriangles()), {});
   EXPECT_EQ(marker.type, visualization_msgs::Marker::TRIANGLE_LIST);
   EXPECT_EQ(marker.action, visualization_msgs::Marker::ADD);
   EXPECT_EQ(marker.id, 7);
@@ -69,7 +70,7 @@ TEST(Ros1MessagesTest, AMeshIsAListOfTriangles) {
   EXPECT_EQ(marker.points[5].z, 2.5);
   EXPECT_EQ(marker.colors[1].g, 1);
   EXPECT_EQ(marker.pose.orientation.w, 1);
-  const visualization_msgs::Marker none = ToMarker(Header(5, "odom"), "map", 7, api::Mesh());
+  const visualization_msgs::Marker none = ToMarker(robot::MeshMarker(5, "map", 7, api::Mesh()), {});
   EXPECT_EQ(none.action, visualization_msgs::Marker::DELETE);
 }
 
@@ -92,7 +93,7 @@ TEST(Ros1MessagesTest, PlanesAreOutlinesAndLabelsAndGoAgain) {
   plane.id = 3;
   plane.label = "floor";
   plane.outline = {{{0, 0, 0}}, {{2, 0, 0}}, {{2, 2, 0}}, {{0, 2, 0}}};
-  const auto markers = ToMarkers({5, {plane}, {8}}, {}).markers;
+  const auto markers = ToMarkers(robot::PlaneMarkers({5, {plane}, {8}}), {}).markers;
   ASSERT_EQ(markers.size(), 4u);
   EXPECT_EQ(markers[0].points.size(), 5u) << "closed";
   EXPECT_EQ(markers[1].text, "floor 3");
