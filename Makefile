@@ -4,7 +4,7 @@ PREFIX ?= /usr/local
 SEQUENCE ?=
 DATA ?=
 
-.PHONY: all setup setup-test build demo test test-long bench format docs viewer deb ros1 install clean
+.PHONY: all setup setup-test build demo test test-long bench format docs viewer deb ros1 dds install clean
 all: build
 
 setup:  ## install the Debian packages that the program needs and that are missing
@@ -45,6 +45,10 @@ deb:  ## the Debian packages facet, libfacet-dev and python3-facet in build/pack
 ros1:  ## the node for ROS 1, build/ros1/facet_ros; installs what is missing of ROS
 	@scripts/setup.sh ros1
 	@scripts/build.sh $(PRESET) facet_node
+
+dds:  ## build/facet-dds, the node of ROS 2 on Cyclone DDS, without ROS; installs what is missing
+	@scripts/setup.sh dds
+	@scripts/build.sh $(PRESET) facet-dds
 
 install: setup  ## make install PREFIX=...
 	@scripts/build.sh $(PRESET) installable

@@ -44,6 +44,8 @@ RANK = {
     "bench": 10,
     "python": 11,
     "ros1": 11,
+    "ros2": 11,
+    "dds": 11,
     "studies": 11,
 }
 # Folders with sub-folders, lowest first; sub-folders in one set are siblings. What lies in the folder itself
@@ -124,8 +126,8 @@ def complaints(root, path):
 
 def main():
     root = Path(__file__).resolve().parent.parent
-    files = [p for top in ("src", "apps", "bench", "python", "ros1", "studies") for p in sorted((root / top).rglob("*"))
-             if p.suffix in (".h", ".cpp")]
+    files = [p for top in ("src", "apps", "bench", "python", "ros1", "ros2", "dds", "studies") for p in sorted((root / top).rglob("*"))
+             if p.suffix in (".h", ".cpp") and "node_modules" not in p.parts]
     found = [text for path in files for text in complaints(root, path)]
     for text in found:
         print(text, file=sys.stderr)

@@ -2,7 +2,7 @@
 # scripts/format.sh: formats every C++ file in place. --check: changes nothing, lists what would change and fails.
 set -eu
 cd "$(dirname "$0")/.."
-files=$(find src apps bench studies python ros1 examples -name '*.h' -o -name '*.cpp' | sort)
+files=$(find src apps bench studies python ros1 ros2 dds examples -name '*.h' -o -name '*.cpp' | sort)
 if [ "${1:-}" != --check ]; then
   echo "$files" | xargs clang-format -i
   exit 0

@@ -169,6 +169,8 @@ class Index:
         for path in self.files:
             if path.parts[0] in ("bench", "studies", "scripts", "ros1"):
                 found |= self.options_of(path.stem) or set()
+            if path.parts[0] == "dds" and path.suffix == ".cpp":
+                found |= set(re.findall(r"\"(--[a-z][\w-]*)\"", self.text(path)))
         return found
 
     # Option keys.

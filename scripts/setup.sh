@@ -1,7 +1,7 @@
 #!/bin/sh
-# scripts/setup.sh [test|deb|ros1]: installs the Debian packages that the program and the demo are built with, and with "test"
+# scripts/setup.sh [test|deb|ros1|dds]: installs the Debian packages that the program and the demo are built with, and with "test"
 # those of the Python package, tests, benchmarks and checks, too; with "deb" those that Debian packages are made with;
-# with "ros1" those of the node for ROS 1 and of its test.
+# with "ros1" those of the node for ROS 1 and of its test; with "dds" those of the node on Cyclone DDS.
 # Does nothing, quickly, when all are there.
 set -eu
 
@@ -15,14 +15,15 @@ python3 python3-numpy python3-matplotlib"
 case "${1:-}" in
   "") ;;
   test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev clang-format clang-tidy
-pybind11-dev python3-dev python3-pytest python3-venv python3-yaml" ;;
+pybind11-dev python3-dev python3-pytest python3-venv python3-yaml python3-pil cyclonedds-dev cyclonedds-tools" ;;
+  dds) packages="$packages cyclonedds-dev cyclonedds-tools" ;;
   deb) packages="$packages debhelper dh-python lintian pybind11-dev python3-dev" ;;
   ros1) packages="$packages libroscpp-dev libdiagnostic-msgs-dev libgeometry-msgs-dev libnav-msgs-dev libsensor-msgs-dev
 libstd-msgs-dev libstd-srvs-dev libtf2-msgs-dev libvisualization-msgs-dev ros-core python3-rospy python3-rosbag
 python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-std-srvs python3-tf2-msgs
 python3-visualization-msgs python3-pil" ;;
   *)
-    echo "usage: scripts/setup.sh [test|deb|ros1]" >&2
+    echo "usage: scripts/setup.sh [test|deb|ros1|dds]" >&2
     exit 2
     ;;
 esac

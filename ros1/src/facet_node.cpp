@@ -8,13 +8,17 @@
 #include <memory>
 #include <string>
 
-#include "messages.h"
 #include "parameters.h"
 #include "ros_listener.h"
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/Imu.h>
 #include <std_srvs/Trigger.h>
 
+#include "facet/robot/make_messages.h"
 #include "facet/robot/robot_node.h"
 
 namespace facet {
@@ -50,7 +54,9 @@ class Node {
     imu_ = imu_nodes_.subscribe<sensor_msgs::Imu>(
         "imu",
         imu_size,
-        [this](const sensor_msgs::ImuConstPtr& message) { robot_->AddImu(ToSample(*message)); },
+        [this](const sensor_msgs::ImuConstPtr& message) {
+          robot_->AddImu(robot::ToSample(*message));
+        },
         ros::VoidConstPtr(),
         no_delay);
     for (int camera = 0; camera < 2; ++camera)
@@ -59,23 +65,34 @@ class Node {
 
   void SubscribeCamera(int camera, const std::string& side, const ros::TransportHints& hints) {
     if (parameters_.has_compressed_images) {
-      SubscribeImages<sensor_msgs::CompressedImage>(camera, side + "/image_raw/compressed", hints);
+      SubscribeImages<sensor_msgs::CompressedImage>(
+          camera,
+          side + "/image_raw/compressed",
+          [](const auto& message) { return robot::ToCompressedImage(message); },
+          hints);
     } else {
-      SubscribeImages<sensor_msgs::Image>(camera, side + "/image_raw", hints);
+      SubscribeImages<sensor_msgs::Image>(
+          camera,
+          side + "/image_raw",
+          [](const auto& message) { return robot::ToRawImage(message); },
+          hints);
     }
     infos_[camera] = image_nodes_.subscribe<sensor_msgs::CameraInfo>(
         side + "/camera_info", 10, [this, camera](const sensor_msgs::CameraInfoConstPtr& message) {
-          robot_->AddCameraInfo(camera, ToCameraInfo(*message));
+          robot_->AddCameraInfo(camera, robot::ToCameraInfo(*message));
         });
   }
 
-  template <class Message>
-  void SubscribeImages(int camera, const std::string& topic, const ros::TransportHints& hints) {
+  template <class Message, class Convert>
+  void SubscribeImages(int camera,
+                       const std::string& topic,
+                       Convert convert,
+                       const ros::TransportHints& hints) {
     images_[camera] = image_nodes_.subscribe<Message>(
         topic,
         static_cast<std::uint32_t>(parameters_.image_queue),
-        [this, camera](const boost::shared_ptr<const Message>& message) {
-          robot_->AddImage(camera, ToImage(message));
+        [this, camera, convert](const boost::shared_ptr<const Message>& message) {
+          robot_->AddImage(camera, convert(message));
         },
         ros::VoidConstPtr(),
         hints);

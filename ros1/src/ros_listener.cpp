@@ -3,9 +3,17 @@
 
 #include <utility>
 
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <nav_msgs/Path.h>
 #include <ros/console.h>
 #include <ros/this_node.h>
+#include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include "facet/robot/make_messages.h"
 
 namespace facet {
 namespace ros1 {
@@ -42,52 +50,51 @@ RosListener::RosListener(ros::NodeHandle& global,
 // Nothing corrects the drift of the odometry yet.
 void RosListener::PublishMapTransform() {
   tf_static_ = ros::NodeHandle().advertise<tf2_msgs::TFMessage>("/tf_static", 1, true);
-  tf2_msgs::TFMessage message;
-  message.transforms = {ToTransform(Header(0, frames_.map), frames_.odom, api::Pose())};
-  tf_static_.publish(message);
+  tf_static_.publish(
+      robot::ToTransforms<tf2_msgs::TFMessage>(0, frames_.map, frames_.odom, api::Pose()));
 }
 
 void RosListener::OnOdometry(const robot::OdometryOutput& odometry) {
-  const nav_msgs::Odometry message = ToOdometry(odometry, frames_);
-  odometry_.publish(message);
-  if (!publishes_tf_) return;
-  tf2_msgs::TFMessage transforms;
-  transforms.transforms = {ToTransform(message.header, frames_.base, odometry.T_odom_base)};
-  tf_.publish(transforms);
+  odometry_.publish(robot::ToOdometry<nav_msgs::Odometry>(odometry, frames_));
+  if (publishes_tf_)
+    tf_.publish(robot::ToTransforms<tf2_msgs::TFMessage>(
+        odometry.t_ns, frames_.odom, frames_.base, odometry.T_odom_base));
 }
 
 void RosListener::OnPose(const robot::PoseOutput& pose) {
-  pose_.publish(ToPose(pose, frames_));
+  pose_.publish(robot::ToPose<geometry_msgs::PoseWithCovarianceStamped>(pose, frames_));
 }
 
 void RosListener::OnPath(const std::vector<robot::PathPose>& path) {
-  path_.publish(ToPath(path, frames_));
+  path_.publish(robot::ToPath<nav_msgs::Path>(path, frames_));
 }
 
 void RosListener::OnMesh(const api::Mesh& horizon) {
-  const std_msgs::Header header = Header(horizon.t_ns, frames_.odom);
   if (mesh_.getNumSubscribers() > 0)
-    mesh_.publish(ToMarker(robot::MeshMarker(horizon.t_ns, "horizon", 0, horizon), frames_));
-  if (points_.getNumSubscribers() > 0) points_.publish(ToPoints(header, horizon));
+    mesh_.publish(robot::ToMarker<visualization_msgs::Marker>(
+        robot::MeshMarker(horizon.t_ns, "horizon", 0, horizon), frames_));
+  if (points_.getNumSubscribers() > 0)
+    points_.publish(robot::ToPoints<sensor_msgs::PointCloud2>(horizon, frames_));
 }
 
 void RosListener::OnMap(std::int64_t t_ns, const std::vector<robot::MapPartOutput>& parts) {
   for (const robot::MapPartOutput& part : parts)
-    map_.publish(ToMarker(robot::MeshMarker(t_ns, "map", part.id, part.mesh), frames_));
+    map_.publish(robot::ToMarker<visualization_msgs::Marker>(
+        robot::MeshMarker(t_ns, "map", part.id, part.mesh), frames_));
 }
 
 void RosListener::OnPlanes(const robot::PlanesOutput& planes) {
-  planes_.publish(ToMarkers(robot::PlaneMarkers(planes), frames_));
+  planes_.publish(
+      robot::ToMarkers<visualization_msgs::MarkerArray>(robot::PlaneMarkers(planes), frames_));
 }
 
 void RosListener::OnClear() {
-  const visualization_msgs::Marker removal = ToMarker(robot::RemovalOfAll(), frames_);
-  mesh_.publish(removal);
-  map_.publish(removal);
-  visualization_msgs::MarkerArray removals;
-  removals.markers = {removal};
+  const auto removals =
+      robot::ToMarkers<visualization_msgs::MarkerArray>({robot::RemovalOfAll()}, frames_);
+  mesh_.publish(removals.markers.front());
+  map_.publish(removals.markers.front());
   planes_.publish(removals);
-  path_.publish(ToPath({}, frames_));
+  OnPath({});
 }
 
 void RosListener::OnLog(robot::LogLevel level, const std::string& text) {
@@ -117,9 +124,9 @@ bool RosListener::WantsScene() const {
 }
 
 void RosListener::Publish(const robot::Diagnosis& diagnosis) {
-  diagnostic_msgs::DiagnosticArray message;
+  auto message =
+      robot::ToDiagnostics<diagnostic_msgs::DiagnosticArray>(diagnosis, ros::this_node::getName());
   message.header.stamp = ros::Time::now();
-  message.status = {ToStatus(diagnosis, ros::this_node::getName())};
   diagnostics_.publish(message);
 }
 

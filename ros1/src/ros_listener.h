@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "messages.h"
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 
+#include "facet/robot/node_parameters.h"
 #include "facet/robot/robot_output.h"
 
 namespace facet {
@@ -41,7 +41,7 @@ class RosListener : public robot::RobotListener {
  private:
   void PublishMapTransform();
 
-  const FrameNames frames_;
+  const robot::FrameNames frames_;
   const bool publishes_tf_;
   ros::Publisher odometry_, pose_, path_, mesh_, points_, map_, planes_;
   ros::Publisher tf_, tf_static_, diagnostics_;

@@ -1,9 +1,12 @@
-"""What the node has published against the result folder of `facet run` on the same bag."""
+"""What a node of ROS has published against the result folder of `facet run` on the same data."""
 
+import copy
 import csv
 from pathlib import Path
 
 import numpy as np
+
+ADD, DELETE = 0, 2  # visualization_msgs/Marker
 
 
 def stamp(message):
@@ -117,7 +120,7 @@ def compare_odometry(odometry, result, imu_stamps):
 
 def compare_meshes(heard, result):
     """Faces and points of every keyframe that was published; nearly all are."""
-    meshes = {stamp(m): len(m.points) // 3 for m in heard["mesh"] if m.action == m.ADD}
+    meshes = {stamp(m): len(m.points) // 3 for m in heard["mesh"] if m.action == ADD}
     points = {stamp(m): m.width for m in heard["points"]}
     full = {t: size for t, size in result.meshes.items() if size[1] > 0}
     if len(meshes) < 0.8 * len(full):
@@ -137,9 +140,9 @@ def compare_planes(heard, result):
     shown = set()
     for array in heard["planes"]:
         for marker in array.markers:
-            if marker.action == marker.ADD:
+            if marker.action == ADD:
                 shown.add(marker.id)
-            elif marker.action == marker.DELETE:
+            elif marker.action == DELETE:
                 shown.discard(marker.id)
     if shown - result.planes:
         yield f"planes {sorted(shown - result.planes)} are not among the run's {sorted(result.planes)}"
@@ -164,3 +167,44 @@ def compare(heard, result, imu_stamps):
     """A line for each difference."""
     return [*compare_poses(heard["pose"], result), *compare_odometry(heard["odometry"], result, imu_stamps),
             *compare_meshes(heard, result), *compare_planes(heard, result), *compare_transforms(heard)]
+
+
+def unseen_changes(heard, result, imu_stamps):
+    """Changes single numbers of what was heard, one at a time, and yields the names of the changes that `compare` does not
+    see: a comparison that finds nothing proves nothing, unless it finds what is there."""
+    def change_position(poses):
+        poses[50].pose.pose.position.y += 1e-6
+
+    def change_rotation(poses):
+        poses[50].pose.pose.orientation.x += 1e-5
+
+    def change_covariance(poses):
+        covariance = list(poses[50].pose.covariance)
+        covariance[28] *= 1.01
+        poses[50].pose.covariance = covariance
+
+    def change_stamp(poses):
+        poses[50].header.stamp.nsecs += 1
+
+    def change_faces(meshes):
+        message = [m for m in meshes if m.points][3]
+        message.points = message.points[3:]
+
+    def lose_state(odometry):
+        del odometry[200]
+
+    def turn_twist(odometry):
+        for message in odometry:
+            v = message.twist.twist.linear
+            v.x, v.y = v.y, -v.x
+
+    def change_parent(transforms):
+        transforms[10].transforms[0].header.frame_id = "map"
+
+    for topic, change in (("pose", change_position), ("pose", change_rotation), ("pose", change_covariance),
+                          ("pose", change_stamp), ("mesh", change_faces), ("odometry", lose_state),
+                          ("odometry", turn_twist), ("/tf", change_parent)):
+        changed = {**heard, topic: copy.deepcopy(heard[topic])}
+        change(changed[topic])
+        if not compare(changed, result, imu_stamps):
+            yield change.__name__

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "dds_listener.h"
+
+#include <chrono>
+#include <cstdio>
+
+namespace facet::dds {
+
+namespace {
+
+// Two seconds of the IMU; ten of poses; a whole map in parts. Mesh and map have a thread that may
+// wait.
+constexpr Quality kOdometry{true, false, 400, 0}, kPose{true, false, 200, 0};
+constexpr Quality kScene{true, false, 10, 1000}, kMap{true, false, 5000, 1000};
+constexpr Quality kLatched{true, true, 1, 0}, kDiagnostics{true, false, 10, 0};
+
+std::int64_t MachineTime_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+DdsListener::DdsListener(const Entity& participant,
+                         const NodeNames& names,
+                         const robot::NodeParameters& parameters)
+    : name_(names.node),
+      frames_(parameters.frames),
+      odometry_(
+          participant, nav_msgs_msg_dds__Odometry__desc, names.Topic("~/odometry"), kOdometry),
+      pose_(participant,
+            geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc,
+            names.Topic("~/pose"),
+            kPose),
+      path_(participant, nav_msgs_msg_dds__Path__desc, names.Topic("~/path"), kLatched),
+      mesh_(participant, visualization_msgs_msg_dds__Marker__desc, names.Topic("~/mesh"), kScene),
+      points_(participant, sensor_msgs_msg_dds__PointCloud2__desc, names.Topic("~/points"), kScene),
+      map_(participant, visualization_msgs_msg_dds__Marker__desc, names.Topic("~/map"), kMap),
+      planes_(participant,
+              visualization_msgs_msg_dds__MarkerArray__desc,
+              names.Topic("~/planes"),
+              kLatched),
+      diagnostics_(participant,
+                   diagnostic_msgs_msg_dds__DiagnosticArray__desc,
+                   names.Topic("/diagnostics"),
+                   kDiagnostics) {
+  if (parameters.publishes_tf)
+    tf_.emplace(participant, tf2_msgs_msg_dds__TFMessage__desc, names.Topic("/tf"), kOdometry);
+  if (!parameters.publishes_map_tf) return;
+  // Nothing corrects the drift of the odometry yet.
+  tf_static_.emplace(
+      participant, tf2_msgs_msg_dds__TFMessage__desc, names.Topic("/tf_static"), kLatched);
+  TransformStamped identity = ToTransform(0, frames_.map, frames_.odom, api::Pose());
+  Write(*tf_static_, ToTransforms(identity));
+}
+
+template <class Message>
+void DdsListener::Write(const Writer<Message>& writer, const Message& message) {
+  if (!writer.Write(message)) ++num_dropped_;
+}
+
+void DdsListener::OnOdometry(const robot::OdometryOutput& odometry) {
+  Write(odometry_, ToOdometry(odometry, frames_));
+  if (!tf_) return;
+  TransformStamped transform =
+      ToTransform(odometry.t_ns, frames_.odom, frames_.base, odometry.T_odom_base);
+  Write(*tf_, ToTransforms(transform));
+}
+
+void DdsListener::OnPose(const robot::PoseOutput& pose) {
+  Write(pose_, ToPose(pose, frames_));
+}
+
+void DdsListener::OnPath(const std::vector<robot::PathPose>& path) {
+  Write(path_, PathMessage(path, frames_).message);
+}
+
+void DdsListener::OnMesh(const api::Mesh& horizon) {
+  if (mesh_.HasReader()) {
+    const robot::Marker marker = robot::MeshMarker(horizon.t_ns, "horizon", 0, horizon);
+    Write(mesh_, MarkerMessage(marker, frames_).message);
+  }
+  if (points_.HasReader()) Write(points_, PointsMessage(horizon, frames_).message);
+}
+
+void DdsListener::OnMap(std::int64_t t_ns, const std::vector<robot::MapPartOutput>& parts) {
+  for (const robot::MapPartOutput& part : parts) {
+    const robot::Marker marker = robot::MeshMarker(t_ns, "map", part.id, part.mesh);
+    Write(map_, MarkerMessage(marker, frames_).message);
+  }
+}
+
+void DdsListener::OnPlanes(const robot::PlanesOutput& planes) {
+  const std::vector<robot::Marker> markers = robot::PlaneMarkers(planes);
+  Write(planes_, MarkersMessage(markers, frames_).message);
+}
+
+void DdsListener::OnClear() {
+  const std::vector<robot::Marker> removal = {robot::RemovalOfAll()};
+  const MarkersMessage removals(removal, frames_);
+  Write(mesh_, removals.markers.front());
+  Write(map_, removals.markers.front());
+  Write(planes_, removals.message);
+  OnPath({});
+}
+
+void DdsListener::OnLog(robot::LogLevel level, const std::string& text) {
+  const char* const kNames[] = {"INFO", "WARN", "ERROR"};
+  std::fprintf(
+      stderr, "[%s] [%s]: %s\n", kNames[static_cast<int>(level)], name_.c_str(), text.c_str());
+}
+
+bool DdsListener::WantsOdometry() const {
+  return odometry_.HasReader() || (tf_ && tf_->HasReader());
+}
+
+bool DdsListener::WantsMesh() const {
+  return mesh_.HasReader() || points_.HasReader();
+}
+
+bool DdsListener::WantsScene() const {
+  return map_.HasReader() || planes_.HasReader();
+}
+
+void DdsListener::Publish(robot::Diagnosis diagnosis) {
+  diagnosis.values.emplace_back("dropped messages", std::to_string(num_dropped_.load()));
+  Write(diagnostics_, DiagnosticMessage(diagnosis, name_, MachineTime_ns()).message);
+}
+
+}  // namespace facet::dds
