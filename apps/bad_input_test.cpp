@@ -206,7 +206,7 @@ TEST_F(BadInputTest, ValueOutOfRange) {
                 "frontend.max_features = '-3' is out of range, allowed: ",
                 "--set frontend.max_features=-3");
   ExpectFailure(2, "must be an integer", "--set frontend.max_features=many");
-  ExpectFailure(2, "allowed: auto | avx2 | sse2 | scalar", "--set frontend.klt.simd=avx512");
+  ExpectFailure(2, "allowed: auto | avx2 | sse2 | neon | scalar", "--set frontend.klt.simd=avx512");
   ExpectFailure(2, "key.path=value is expected", "--set frontend.max_features");
 }
 

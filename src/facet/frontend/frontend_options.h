@@ -12,7 +12,7 @@ namespace facet {
 struct KltOptions {
   /// Images in the pyramid, the full image included. More follow faster motion.
   int num_levels = 4;
-  /// Instruction set: auto, avx2, sse2 or scalar. The results are bit-identical.
+  /// Instruction set: auto, avx2, sse2, neon or scalar. The results are bit-identical.
   std::string simd = "auto";
 
   template <class Visitor>
@@ -24,7 +24,7 @@ struct KltOptions {
         "images of the pyramid, each half as large as the one before; large images get one more");
     v.Choice("simd",
              simd,
-             {"auto", "avx2", "sse2", "scalar"},
+             {"auto", "avx2", "sse2", "neon", "scalar"},
              "instruction set of the tracker; the results are the same");
   }
 };

@@ -143,10 +143,13 @@ bool CanSampleGradient(const ImageLevel& image, float x, float y) {
 const PatchKernels* FindPatchKernels(const std::string& name) {
   const PatchKernels* const sse2 = internal::Sse2Kernels();
   const PatchKernels* const avx2 = internal::Avx2Kernels();
+  const PatchKernels* const neon = internal::NeonKernels();
   if (name == "scalar") return &kScalarKernels;
   if (name == "sse2") return sse2;
   if (name == "avx2") return avx2;
+  if (name == "neon") return neon;
   if (name != "auto") return nullptr;
+  if (neon != nullptr) return neon;
   if (avx2 != nullptr) return avx2;
   return sse2 != nullptr ? sse2 : &kScalarKernels;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The inner loops of patch tracking, in three variants with bit-identical results: every variant
+// The inner loops of patch tracking, in four variants with bit-identical results: every variant
 // does the same roundings in the same order (8 running sums per dot product, fixed final order, no
 // fused multiply-add).
 #pragma once
@@ -59,7 +59,7 @@ struct PatchKernels {
   void (*combine)(const float* rows, const float* factors, int num_rows, float* out);
 };
 
-/// "scalar", "sse2", "avx2", or "auto" for the fastest that this machine has. Null for an unknown
+/// "scalar", "sse2", "avx2", "neon", or "auto" for the fastest that this machine has. Null for an unknown
 /// name and for a variant that this machine cannot run.
 const PatchKernels* FindPatchKernels(const std::string& name);
 
@@ -68,6 +68,8 @@ namespace internal {
 const PatchKernels* Sse2Kernels();
 /// Null where this machine has no such instructions.
 const PatchKernels* Avx2Kernels();
+/// Null on all but 64 bit ARM.
+const PatchKernels* NeonKernels();
 }  // namespace internal
 
 }  // namespace facet
