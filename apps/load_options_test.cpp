@@ -34,8 +34,9 @@ std::string MessageOf(const std::string& override) {
 }
 
 TEST(LoadOptionsTest, UnknownInstructionSetsAreRefusedWithTheOnesThatThereAre) {
-  EXPECT_THAT(MessageOf("frontend.klt.simd=avx512"),
-              HasSubstr("'avx512' is not one of these, allowed: auto | avx2 | sse2 | neon | scalar"));
+  EXPECT_THAT(
+      MessageOf("frontend.klt.simd=avx512"),
+      HasSubstr("'avx512' is not one of these, allowed: auto | avx2 | sse2 | neon | scalar"));
   EXPECT_EQ(MessageOf("frontend.klt.simd=auto"), "no error");
 }
 

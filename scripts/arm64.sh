@@ -4,13 +4,16 @@
 # The packages for ARM are unpacked below build-arm64/sysroot, never installed. Exit code 77 and the reason where a tool is
 # missing: apt-get install g++-aarch64-linux-gnu qemu-user-static mmdebstrap.
 set -eu
-cd "$(dirname "$0")/.."
 tests=.
 if [ "${1:-}" = --tests ]; then
   tests=$2
   shift 2
 fi
-sequence=${1:-${FACET_DATA_DIR:-../shared/data}/euroc_mh01_handheld}
+if [ $# -gt 0 ]; then
+  sequence=$(cd "$1" && pwd)
+fi
+cd "$(dirname "$0")/.."
+sequence=${sequence:-${FACET_DATA_DIR:-../shared/data}/euroc_mh01_handheld}
 for tool in aarch64-linux-gnu-g++ qemu-aarch64-static mmdebstrap; do
   if ! command -v "$tool" >/dev/null; then
     echo "skipped: there is no $tool (Debian: apt-get install g++-aarch64-linux-gnu qemu-user-static mmdebstrap)"

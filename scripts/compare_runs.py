@@ -37,6 +37,9 @@ def main():
     if set(a) != set(b) or not a:
         print(f"{len(set(a) ^ set(b))} stamps are in one of them only, {len(set(a) & set(b))} in both")
         return 1
+    if not all(math.isfinite(value) for poses in (a, b) for row in poses.values() for value in row):
+        print("a pose has a value that is not finite")
+        return 1
     metres = [math.dist(a[stamp][:3], b[stamp][:3]) for stamp in a]
     degrees = [turn(a[stamp][3:], b[stamp][3:]) for stamp in a]
     print(f"{len(a)} poses: positions {max(metres):.2g} m apart at most, {statistics.median(metres):.2g} m in the median; "

@@ -30,6 +30,8 @@ def main():
         assert compare(folder, ([same, other], [same, turned]), "--max-metres", "0.0005")[0] == 1
         code, text = compare(folder, ([same], [same, other]))
         assert code == 1 and "1 stamps" in text, text
+        code, text = compare(folder, ([same, other], [same, other.replace("0 0 0 0", "nan 0 0 0")]))
+        assert code == 1 and "not finite" in text, text
         assert compare(folder, ([], []))[0] == 1, "no poses are not equal poses"
     print("compare_runs: all as expected")
 

@@ -84,21 +84,24 @@ YamlParameters::YamlParameters(YamlParameters&&) noexcept = default;
 
 void YamlParameters::Set(const std::string& name, const std::string& value) {
   try {
-    values_->nodes[name] = YAML::Load(value);
+    const YAML::Node node = YAML::Load(value);
+    if (!node.IsNull()) values_->nodes[name] = node;
   } catch (const YAML::Exception& error) {
     throw api::Error("-p " + name + ":=" + value + ": " + error.what());
   }
 }
 
-// The aliases of YAML could make a small file endless, and no parameter needs them: yaml-cpp keeps
-// them as references, and nothing here follows one twice.
 void YamlParameters::ReadFile(const std::string& file, const NodeNames& names) {
-  YAML::Node root;
   try {
-    root = YAML::LoadFile(file);
+    ReadNodes(YAML::LoadFile(file), file, names);
   } catch (const YAML::Exception& error) {
     throw api::Error(file + ": " + error.what());
   }
+}
+
+void YamlParameters::ReadNodes(const YAML::Node& root,
+                               const std::string& file,
+                               const NodeNames& names) {
   if (!root.IsMap()) throw api::Error(file + ": a map of nodes is wanted");
   bool is_for_us = false;
   for (const std::string& key : {std::string("/**"), names.node, Absolute(names.node, names)}) {
@@ -107,8 +110,9 @@ void YamlParameters::ReadFile(const std::string& file, const NodeNames& names) {
     const YAML::Node own = node.IsMap() ? node["ros__parameters"] : YAML::Node();
     if (!own.IsMap()) throw api::Error(file + ": " + key + " has no ros__parameters");
     is_for_us = true;
-    for (const auto& entry : own)
-      values_->nodes[entry.first.as<std::string>()] = entry.second;
+    for (const auto& entry : own) {
+      if (!entry.second.IsNull()) values_->nodes[entry.first.as<std::string>()] = entry.second;
+    }
   }
   if (!is_for_us) throw api::Error(file + ": nothing for a node \"" + names.node + "\" or \"/**\"");
 }
@@ -140,7 +144,7 @@ bool YamlParameters::Get(const std::string& name, std::vector<std::string>& valu
 std::vector<std::string> YamlParameters::Names() const {
   std::vector<std::string> names;
   for (const auto& [name, node] : values_->nodes) {
-    if (name != "reliable" && name != "use_sim_time") names.push_back(name);
+    if (!robot::IsOfMiddleware(name)) names.push_back(name);
   }
   return names;
 }

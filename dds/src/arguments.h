@@ -10,6 +10,10 @@
 
 #include "facet/robot/node_parameters.h"
 
+namespace YAML {
+class Node;
+}
+
 namespace facet::dds {
 
 /// Names of topics and services as ROS 2 resolves them, and as it calls them in DDS.
@@ -31,7 +35,7 @@ class YamlParameters : public robot::ParameterSource {
   ~YamlParameters() override;
   YamlParameters(YamlParameters&&) noexcept;
 
-  /// Throws api::Error where `value` is no YAML.
+  /// Nothing where `value` is empty. Throws api::Error where it is no YAML.
   void Set(const std::string& name, const std::string& value);
   /// What a file of ROS 2 has for the node: "/**" or its name, then "ros__parameters". Throws
   /// api::Error.
@@ -43,10 +47,12 @@ class YamlParameters : public robot::ParameterSource {
   bool Get(const std::string& name, std::string& value) const override;
   bool Get(const std::string& name, std::vector<double>& value) const override;
   bool Get(const std::string& name, std::vector<std::string>& value) const override;
-  /// Without those of the middleware: `reliable`, `use_sim_time`.
+  /// Without those of the middleware.
   std::vector<std::string> Names() const override;
 
  private:
+  void ReadNodes(const YAML::Node& root, const std::string& file, const NodeNames& names);
+
   struct Values;
   std::unique_ptr<Values> values_;
 };

@@ -9,9 +9,9 @@ namespace facet::dds {
 namespace {
 
 // Two seconds of the IMU; ten of poses; a whole map in parts. Mesh and map have a thread that may
-// wait.
+// wait, but also hold up a restart while they do.
 constexpr Quality kOdometry{true, false, 400, 0}, kPose{true, false, 200, 0};
-constexpr Quality kScene{true, false, 10, 1000}, kMap{true, false, 5000, 1000};
+constexpr Quality kScene{true, false, 10, 50}, kMap{true, false, 5000, 50};
 constexpr Quality kLatched{true, true, 1, 0}, kDiagnostics{true, false, 10, 0};
 
 std::int64_t MachineTime_ns() {
@@ -25,7 +25,7 @@ std::int64_t MachineTime_ns() {
 DdsListener::DdsListener(const Entity& participant,
                          const NodeNames& names,
                          const robot::NodeParameters& parameters)
-    : name_(names.node),
+    : name_(names.Resolve("~")),
       frames_(parameters.frames),
       odometry_(
           participant, nav_msgs_msg_dds__Odometry__desc, names.Topic("~/odometry"), kOdometry),
@@ -56,8 +56,10 @@ DdsListener::DdsListener(const Entity& participant,
 }
 
 template <class Message>
-void DdsListener::Write(const Writer<Message>& writer, const Message& message) {
-  if (!writer.Write(message)) ++num_dropped_;
+bool DdsListener::Write(const Writer<Message>& writer, const Message& message) {
+  const bool is_written = writer.Write(message);
+  if (!is_written) ++num_dropped_;
+  return is_written;
 }
 
 void DdsListener::OnOdometry(const robot::OdometryOutput& odometry) {
@@ -87,7 +89,10 @@ void DdsListener::OnMesh(const api::Mesh& horizon) {
 void DdsListener::OnMap(std::int64_t t_ns, const std::vector<robot::MapPartOutput>& parts) {
   for (const robot::MapPartOutput& part : parts) {
     const robot::Marker marker = robot::MeshMarker(t_ns, "map", part.id, part.mesh);
-    Write(map_, MarkerMessage(marker, frames_).message);
+    // Who does not take one part does not take the others; all of them are told again later.
+    if (Write(map_, MarkerMessage(marker, frames_).message)) continue;
+    lacks_map_ = true;
+    return;
   }
 }
 
@@ -100,7 +105,7 @@ void DdsListener::OnClear() {
   const std::vector<robot::Marker> removal = {robot::RemovalOfAll()};
   const MarkersMessage removals(removal, frames_);
   Write(mesh_, removals.markers.front());
-  Write(map_, removals.markers.front());
+  if (!Write(map_, removals.markers.front())) lacks_map_ = true;
   Write(planes_, removals.message);
   OnPath({});
 }

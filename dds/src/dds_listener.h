@@ -37,14 +37,17 @@ class DdsListener : public robot::RobotListener {
   /// With the number of samples that were dropped so far.
   void Publish(robot::Diagnosis diagnosis);
   dds_entity_t map_writer() const { return map_.handle(); }
+  /// Whether a part of the map was dropped since the last call: the map has to be told once more.
+  bool TakeLackOfMap() { return lacks_map_.exchange(false); }
 
  private:
   template <class Message>
-  void Write(const Writer<Message>& writer, const Message& message);
+  bool Write(const Writer<Message>& writer, const Message& message);
 
   const std::string name_;
   const robot::FrameNames frames_;
   std::atomic<std::int64_t> num_dropped_{0};
+  std::atomic<bool> lacks_map_{false};
   Writer<Odometry> odometry_;
   Writer<PoseWithCovarianceStamped> pose_;
   Writer<Path> path_;

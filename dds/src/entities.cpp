@@ -59,13 +59,24 @@ Entity& Entity::operator=(Entity&& other) noexcept {
 }
 
 Entity OpenParticipant() {
-  dds_domainid_t domain = DDS_DOMAIN_DEFAULT;
+  dds_domainid_t domain = 0;
   if (const char* text = std::getenv("ROS_DOMAIN_ID"); text != nullptr && *text != '\0') {
     const char* end = text + std::strlen(text);
     const auto [rest, error] = std::from_chars(text, end, domain);
     if (error != std::errc() || rest != end || domain > kLastDomain)
       throw api::Error(std::string("ROS_DOMAIN_ID must be from 0 to 232, not ") + text);
   }
+  // Without this a writer that one reader does not answer stops after 30 kB, for all readers.
+  std::string configuration =
+      "<CycloneDDS><Domain><Internal><Watermarks><WhcHigh>8 MB</WhcHigh>"
+      "<WhcHighInit>8 MB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks></Internal>"
+      "</Domain></CycloneDDS>";
+  if (const char* more = std::getenv("CYCLONEDDS_URI"); more != nullptr && *more != '\0')
+    configuration += std::string(",") + more;
+  const dds_entity_t created = dds_create_domain(domain, configuration.c_str());
+  if (created < 0 && created != DDS_RETCODE_PRECONDITION_NOT_MET)
+    throw api::Error(std::string("DDS: no domain; is CYCLONEDDS_URI right? (") +
+                     dds_strretcode(-created) + ")");
   return Entity(dds_create_participant(domain, nullptr, nullptr), "participant");
 }
 
@@ -102,7 +113,7 @@ void Dispatcher::AddReader(dds_entity_t reader, std::function<void()> take) {
 void Dispatcher::OnNewReader(dds_entity_t writer, std::function<void()> act) {
   Add(writer, DDS_PUBLICATION_MATCHED_STATUS, [writer, act = std::move(act)] {
     dds_publication_matched_status_t status;
-    if (dds_get_publication_matched_status(writer, &status) >= 0 && status.current_count_change > 0)
+    if (dds_get_publication_matched_status(writer, &status) >= 0 && status.total_count_change > 0)
       act();
   });
 }
@@ -135,6 +146,16 @@ void Dispatcher::Run(const std::function<void()>& tick, double period_s) {
       if (act >= 0) acts_[static_cast<std::size_t>(act)]();
     }
   }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (error_) std::rethrow_exception(error_);
+}
+
+void Dispatcher::Fail(std::exception_ptr error) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!error_) error_ = std::move(error);
+  }
+  Stop();
 }
 
 void Dispatcher::Stop() {

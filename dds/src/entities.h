@@ -5,8 +5,10 @@
 
 #include <atomic>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,7 +35,7 @@ class Entity {
   dds_entity_t handle_ = 0;
 };
 
-/// In the domain that ROS_DOMAIN_ID names, else in the one that Cyclone DDS is configured for.
+/// In the domain that ROS_DOMAIN_ID names, else in 0, with the configuration of CYCLONEDDS_URI.
 /// Throws api::Error.
 Entity OpenParticipant();
 
@@ -129,6 +131,9 @@ class Dispatcher {
   void Run(const std::function<void()>& tick = {}, double period_s = 1);
   /// From any thread.
   void Stop();
+  bool is_stopped() const { return is_stopped_; }
+  /// The same, and Run throws this.
+  void Fail(std::exception_ptr error);
 
  private:
   void Add(dds_entity_t entity, std::uint32_t status, std::function<void()> act);
@@ -136,6 +141,8 @@ class Dispatcher {
   Entity guard_, waitset_;
   std::vector<std::function<void()>> acts_;
   std::atomic<bool> is_stopped_{false};
+  std::mutex mutex_;
+  std::exception_ptr error_;
 };
 
 }  // namespace facet::dds

@@ -5,12 +5,17 @@
 //   left/image_raw, right/image_raw (or .../compressed), imu, left/camera_info, right/camera_info
 //     -> ~/odometry, ~/pose, ~/path, ~/mesh, ~/points, ~/map, ~/planes, /tf, /tf_static,
 //     /diagnostics
+#include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "arguments.h"
@@ -47,6 +52,7 @@ class TriggerService {
     while (const auto call = calls_.Take()) {
       const robot::RobotNode::Answer answer = (node.*act_)();
       std::string text = answer.text;
+      WaitForCaller();
       answers_.Write({call->client, call->number, answer.is_done, text.data()});
     }
   }
@@ -54,6 +60,12 @@ class TriggerService {
   dds_entity_t handle() const { return calls_.handle(); }
 
  private:
+  // A call may be here before the caller's ear for answers is known.
+  void WaitForCaller() const {
+    for (int i = 0; i < 20 && !answers_.HasReader(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+
   Act act_;
   Reader<TriggerRequest> calls_;
   Writer<TriggerResponse> answers_;
@@ -76,8 +88,8 @@ class Node {
       main_events_.AddReader(service.handle(), [this, &service] { service.Answer(robot_); });
     main_events_.OnNewReader(listener_.map_writer(), [this] { robot_.RepeatMap(); });
     // Decoding images must not hold up the IMU, so each has a thread.
-    imu_thread_ = std::thread([this] { imu_events_.Run(); });
-    image_thread_ = std::thread([this] { image_events_.Run(); });
+    imu_thread_ = std::thread([this] { Serve(imu_events_); });
+    image_thread_ = std::thread([this] { Serve(image_events_); });
   }
 
   ~Node() {
@@ -87,13 +99,27 @@ class Node {
     image_thread_.join();
   }
 
+  /// Throws what a thread of the node has thrown.
   void Run() {
-    main_events_.Run([this] { listener_.Publish(robot_.Diagnose()); }, kDiagnosticsPeriod_s);
+    main_events_.Run(
+        [this] {
+          listener_.Publish(robot_.Diagnose());
+          if (listener_.TakeLackOfMap()) robot_.RepeatMap();
+        },
+        kDiagnosticsPeriod_s);
   }
 
   void Stop() { main_events_.Stop(); }
 
  private:
+  void Serve(Dispatcher& events) {
+    try {
+      events.Run();
+    } catch (...) {
+      main_events_.Fail(std::current_exception());
+    }
+  }
+
   void Subscribe() {
     Listen<Imu>(imu_events_,
                 sensor_msgs_msg_dds__Imu__desc,
@@ -105,19 +131,14 @@ class Node {
   }
 
   void SubscribeCamera(int camera, const std::string& side) {
-    const auto add = [this, camera](const auto& message) {
-      robot_.AddImage(camera, ToImage(message));
-    };
     const int queue = parameters_.image_queue;
     if (parameters_.has_compressed_images) {
-      Listen<CompressedImage>(image_events_,
-                              sensor_msgs_msg_dds__CompressedImage__desc,
-                              side + "/image_raw/compressed",
-                              queue,
-                              add);
+      SubscribeImages<CompressedImage>(camera,
+                                       sensor_msgs_msg_dds__CompressedImage__desc,
+                                       side + "/image_raw/compressed",
+                                       queue);
     } else {
-      Listen<Image>(
-          image_events_, sensor_msgs_msg_dds__Image__desc, side + "/image_raw", queue, add);
+      SubscribeImages<Image>(camera, sensor_msgs_msg_dds__Image__desc, side + "/image_raw", queue);
     }
     Listen<CameraInfo>(image_events_,
                        sensor_msgs_msg_dds__CameraInfo__desc,
@@ -128,19 +149,55 @@ class Node {
                        });
   }
 
+  template <class Message>
+  void SubscribeImages(int camera,
+                       const dds_topic_descriptor_t& type,
+                       const std::string& name,
+                       int queue) {
+    auto reader = Open<Message>(type, name, queue);
+    take_image_[camera] = [reader]() -> std::optional<robot::ReceivedImage> {
+      if (const auto message = reader->Take()) return ToImage(message);
+      return std::nullopt;
+    };
+    image_events_.AddReader(reader->handle(), [this] { TakeImages(); });
+  }
+
+  // Of what waits, the oldest first: with a backlog, images of one camera alone would be given up
+  // before their partners come.
+  void TakeImages() {
+    while (!image_events_.is_stopped()) {
+      for (int camera = 0; camera < 2; ++camera) {
+        if (!next_image_[camera] && take_image_[camera])
+          next_image_[camera] = take_image_[camera]();
+      }
+      if (!next_image_[0] && !next_image_[1]) return;
+      const int camera =
+          !next_image_[0] || (next_image_[1] && next_image_[1]->t_ns < next_image_[0]->t_ns) ? 1
+                                                                                             : 0;
+      const robot::ReceivedImage image = *std::exchange(next_image_[camera], std::nullopt);
+      robot_.AddImage(camera, image);
+    }
+  }
+
   template <class Message, class Use>
   void Listen(Dispatcher& events,
               const dds_topic_descriptor_t& type,
               const std::string& name,
               int queue,
               Use use) {
-    const Quality quality{is_reliable_, false, queue, 0};
-    auto reader =
-        std::make_shared<Reader<Message>>(participant_, type, names_.Topic(name), quality);
+    auto reader = Open<Message>(type, name, queue);
     events.AddReader(reader->handle(), [reader, use] {
       while (const auto message = reader->Take())
         use(message);
     });
+  }
+
+  template <class Message>
+  std::shared_ptr<Reader<Message>> Open(const dds_topic_descriptor_t& type,
+                                        const std::string& name,
+                                        int queue) const {
+    const Quality quality{is_reliable_, false, queue, 0};
+    return std::make_shared<Reader<Message>>(participant_, type, names_.Topic(name), quality);
   }
 
   const NodeNames names_;
@@ -149,6 +206,8 @@ class Node {
   Entity participant_;
   DdsListener listener_;
   robot::RobotNode robot_;
+  std::array<std::function<std::optional<robot::ReceivedImage>()>, 2> take_image_;
+  std::array<std::optional<robot::ReceivedImage>, 2> next_image_;
   Dispatcher imu_events_, image_events_, main_events_;
   std::vector<TriggerService> services_ = Services();
   std::thread imu_thread_, image_thread_;

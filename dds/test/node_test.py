@@ -168,8 +168,8 @@ class Flight:
 class Ears:
     """What a node publishes, in a process of its own."""
 
-    def __init__(self, test, name):
-        self.file = test.folder / f"{name}.heard"
+    def __init__(self, test, name, label=""):
+        self.file = test.folder / f"{name}{label}.heard"
         self.name = name
         self.records, self.begin = RecordFile(self.file), {}
         self.names = {self.topic(topic): topic for topic in [*OUTPUTS, *GLOBALS]}
@@ -177,7 +177,7 @@ class Ears:
         words = []
         for topic, kind in [*OUTPUTS.items(), *GLOBALS.items()]:
             words += [self.topic(topic) + ("!" if topic in LATCHED else ""), kind]
-        self.process = test.start([test.arguments.peer, "listen", self.file, *words], f"{name}.ears.txt")
+        self.process = test.start([test.arguments.peer, "listen", self.file, *words], f"{name}{label}.ears.txt")
 
     def topic(self, topic):
         return f"rt{topic}" if topic in GLOBALS else f"rt/{self.name}/{topic}"
@@ -210,7 +210,7 @@ class Ears:
 class NodeTest:
     def __init__(self, arguments, folder):
         self.arguments, self.folder, self.processes = arguments, folder, []
-        self.environment = dict(os.environ, CYCLONEDDS_URI=CYCLONE, ROS_DOMAIN_ID=str(random.randrange(1, 200)))
+        self.environment = dict(os.environ, CYCLONEDDS_URI=CYCLONE, ROS_DOMAIN_ID=str(random.randrange(1, 100)))
 
     def start(self, command, log):
         with open(self.folder / log, "w") as out:
@@ -248,10 +248,13 @@ class NodeTest:
         check(node.poll() is None, f"{name} has ended: {(self.folder / f'{name}.txt').read_text()}")
         return node, ears
 
-    def play(self, ears, file, num_pairs):
+    def play(self, ears, file, num_pairs, in_the_middle=None):
         """Until the node is done with all pairs. Returns its diagnostics."""
         before = int(ears.values()["done pairs"])
         player = self.start([self.arguments.peer, "play", file, "1"], "play.txt")
+        if in_the_middle:
+            time.sleep(SECONDS / 2)
+            in_the_middle()
         wait_for(lambda: player.poll() is not None, "the player does not end", 60)
         check(player.returncode == 0, f"dds_peer play: {(self.folder / 'play.txt').read_text()}")
         wait_for(lambda: int(ears.values()["done pairs"]) >= before + num_pairs, "pairs are missing", 30)
@@ -271,7 +274,8 @@ class NodeTest:
         file = flight.write(self.folder / "raw.records")
         result = self.run_facet(flight.write_folder(self.arguments.sequence, self.folder / "raw"), self.folder / "run")
         node, ears = self.start_node("facet", {"calibration": self.arguments.sequence})
-        values = self.play(ears, file, len(flight.frame_stamps))
+        late = []
+        values = self.play(ears, file, len(flight.frame_stamps), lambda: late.append(Ears(self, "facet", "_late")))
         check(int(values["images"]) == 2 * len(flight.frame_stamps), f"{values['images']} images came")
         check(int(values["IMU samples"]) == len(flight.imu_stamps), f"{values['IMU samples']} IMU samples came")
         for name in ("dropped pairs", "pairs without IMU", "lone images", "bad images", "dropped IMU samples",
@@ -286,11 +290,33 @@ class NodeTest:
         check(heard["path"] and len(heard["path"][-1].poses) > 50, "no path")
         for change in unseen_changes(heard, result, flight.imu_stamps):
             check(False, f"the comparison does not see {change}")
+        self.test_late_listener(late[0], heard)
         self.test_codec(ears)
         check(self.stop(node) == 0, "the node ends with an error")
         self.stop(ears.process)
         print(f"{len(heard['pose'])} poses, {len(heard['odometry'])} states, {len(heard['mesh'])} meshes, "
               f"{len(heard['map'])} parts of the map; latency at most {values['largest latency [ms]']} ms")
+
+    def test_late_listener(self, late, heard):
+        """Who comes in the middle is told the path, the planes, the fixed transform, and all of the map."""
+        messages = late.take()
+        check(map_of(messages) == map_of(heard) and map_of(heard), "another map than who was there from the beginning")
+        check(len(messages["path"][-1].poses) == len(heard["path"][-1].poses), "another path")
+        check([t.child_frame_id for m in messages["/tf_static"] for t in m.transforms] == ["odom"], "no fixed transform")
+        check(0 < len(messages["pose"]) < len(heard["pose"]), f"{len(messages['pose'])} poses of the past")
+        self.stop(late.process)
+
+    def test_best_effort(self):
+        """As drivers send and the node listens where nothing else is said."""
+        flight = Flight(self.arguments.sequence, SECONDS_DAMAGED, is_compressed=True)
+        file = flight.write(self.folder / "best_effort.records")
+        node, ears = self.start_node("facet_best_effort", {"calibration": self.arguments.sequence, "compressed": "true",
+                                                           "reliable": "false"}, "/compressed")
+        values = self.play(ears, file, len(flight.frame_stamps) * 4 // 5)
+        check(int(values["images"]) > 1.6 * len(flight.frame_stamps), f"only {values['images']} images came")
+        check(len(ears.take()["pose"]) > len(flight.frame_stamps) // 2, "hardly a pose")
+        check(self.stop(node) == 0, "the node ends with an error")
+        self.stop(ears.process)
 
     def test_codec(self, ears):
         """An independent codec with ROS 2's own definitions reads the same numbers."""
@@ -389,6 +415,12 @@ def plain(value):
     return {key: plain(inner) for key, inner in vars(value).items()} if hasattr(value, "__dict__") else value
 
 
+def map_of(messages):
+    """{id: number of corners} of the parts that are shown at the end."""
+    parts = {marker.id: len(marker.points) for marker in messages["map"]}
+    return {number: corners for number, corners in parts.items() if corners > 0}
+
+
 def position(message):
     p = message.pose.pose.position
     return np.array([p.x, p.y, p.z])
@@ -426,6 +458,7 @@ def main():
         test.test_arguments()
         test.test_outputs()
         test.test_damage()
+        test.test_best_effort()
     finally:
         for process in test.processes:
             if process.poll() is None:

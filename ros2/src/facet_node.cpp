@@ -44,7 +44,7 @@ class Node : public rclcpp::Node, public robot::RobotListener {
   Node()
       : rclcpp::Node("facet",
                      rclcpp::NodeOptions().automatically_declare_parameters_from_overrides(true)) {
-    get_parameter("reliable", is_reliable_);
+    Parameters(*this).Get("reliable", is_reliable_);
     if (parameters_.publishes_map_tf)
       tf_static_->publish(
           robot::ToTransforms<TFMessage>(0, frames_.map, frames_.odom, api::Pose()));
@@ -99,7 +99,8 @@ class Node : public rclcpp::Node, public robot::RobotListener {
     if (level == robot::LogLevel::kError) RCLCPP_ERROR(get_logger(), "%s", text.c_str());
   }
   bool WantsOdometry() const override {
-    return odometry_->get_subscription_count() + tf_->get_subscription_count() > 0;
+    return odometry_->get_subscription_count() > 0 ||
+           (parameters_.publishes_tf && tf_->get_subscription_count() > 0);
   }
   bool WantsMesh() const override {
     return mesh_->get_subscription_count() + points_->get_subscription_count() > 0;
@@ -162,7 +163,8 @@ class Node : public rclcpp::Node, public robot::RobotListener {
   }
 
   void EverySecond() {
-    auto message = robot::ToDiagnostics<DiagnosticArray>(robot_->Diagnose(), get_name());
+    auto message =
+        robot::ToDiagnostics<DiagnosticArray>(robot_->Diagnose(), get_fully_qualified_name());
     message.header.stamp = rclcpp::Clock(RCL_SYSTEM_TIME).now();
     diagnostics_->publish(message);
     const std::size_t num = map_->get_subscription_count();

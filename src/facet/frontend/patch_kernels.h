@@ -59,8 +59,8 @@ struct PatchKernels {
   void (*combine)(const float* rows, const float* factors, int num_rows, float* out);
 };
 
-/// "scalar", "sse2", "avx2", "neon", or "auto" for the fastest that this machine has. Null for an unknown
-/// name and for a variant that this machine cannot run.
+/// "scalar", "sse2", "avx2", "neon", or "auto" for the fastest that this machine has. Null for an
+/// unknown name and for a variant that this machine cannot run.
 const PatchKernels* FindPatchKernels(const std::string& name);
 
 namespace internal {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// For 64 bit ARM, where NEON is always there. Like its siblings it must not be compiled with contraction to fused
-// multiply-add.
+// For 64 bit ARM, where NEON is always there. Like its siblings it must not be compiled with
+// contraction to fused multiply-add.
 #include "facet/frontend/patch_kernels.h"
 
 #if defined(__aarch64__)
 
-#include <arm_neon.h>
-
 #include <cstddef>
 #include <cstring>
+
+#include <arm_neon.h>
 
 namespace facet::internal {
 namespace {
@@ -138,8 +138,7 @@ void SampleGradientColumns(
       vst1q_f32(values + r * kLanes, centre);
       vst1q_f32(grad_x + r * kLanes, vmulq_f32(half, vsubq_f32(right, left)));
     }
-    if (r >= 1)
-      vst1q_f32(grad_y + (r - 1) * kLanes, vmulq_f32(half, vsubq_f32(centre, before)));
+    if (r >= 1) vst1q_f32(grad_y + (r - 1) * kLanes, vmulq_f32(half, vsubq_f32(centre, before)));
     before = previous;
     previous = centre;
     above = below;
@@ -165,8 +164,7 @@ void DotRows(const float* values, const float* rows, int num_rows, float* out) {
     float32x4_t low = vdupq_n_f32(0), high = low;
     for (int i = 0; i < kPatchSize; i += kLanes) {
       low = vaddq_f32(low, vmulq_f32(vld1q_f32(values + i), vld1q_f32(rows + i)));
-      high = vaddq_f32(high,
-                       vmulq_f32(vld1q_f32(values + i + kHalf), vld1q_f32(rows + i + kHalf)));
+      high = vaddq_f32(high, vmulq_f32(vld1q_f32(values + i + kHalf), vld1q_f32(rows + i + kHalf)));
     }
     out[k] = SumLanes(low, high);
   }

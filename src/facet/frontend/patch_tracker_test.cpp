@@ -170,7 +170,7 @@ TEST(PatchTracker, RefusesFlatAndOutsidePatches) {
 TEST(PatchTracker, ChecksItsOptions) {
   EXPECT_THROW(PatchTracker(KltOptions{}, 5), CheckError);
   KltOptions unknown;
-  unknown.simd = "neon";
+  unknown.simd = "mmx";
   EXPECT_THROW(PatchTracker(unknown, 4), CheckError);
 }
 
@@ -233,7 +233,7 @@ void ExpectSameBits(const PatchKernels& a, const PatchKernels& b) {
 TEST(PatchKernels, AllVariantsGiveTheSameBits) {
   const PatchKernels* scalar = FindPatchKernels("scalar");
   ASSERT_NE(scalar, nullptr);
-  for (const char* name : {"sse2", "avx2", "auto"}) {
+  for (const char* name : {"sse2", "avx2", "neon", "auto"}) {
     const PatchKernels* other = FindPatchKernels(name);
     if (other == nullptr) continue;  // not on this machine
     SCOPED_TRACE(name);
@@ -249,7 +249,7 @@ TEST(PatchKernels, SampleTouchesNothingOutsideTheImage) {
     pixels[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(i);
   const ImageLevel image = {pixels.get(), 40, 40, 30};
   AlignedPatch out[3];
-  for (const char* name : {"scalar", "sse2", "avx2"}) {
+  for (const char* name : {"scalar", "sse2", "avx2", "neon"}) {
     const PatchKernels* kernels = FindPatchKernels(name);
     if (kernels == nullptr) continue;
     for (float y = 0; y < 30; y += 0.25F) {

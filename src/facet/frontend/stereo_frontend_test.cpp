@@ -316,7 +316,7 @@ TEST_F(FrontendTest, RepeatsItselfExactlyWithEveryInstructionSet) {
   FrontendOptions options = Options();
   options.klt.simd = "scalar";
   const std::vector<FrontendResult> reference = Run(options, 9);
-  for (const char* simd : {"scalar", "sse2", "avx2"}) {
+  for (const char* simd : {"scalar", "sse2", "avx2", "neon"}) {
     if (FindPatchKernels(simd) == nullptr) continue;
     SCOPED_TRACE(simd);
     options.klt.simd = simd;

@@ -104,6 +104,7 @@ class RisingRows {
 
   std::vector<Row> Finish() {
     strays_.End(Taker(), Leaver());
+    rows_.shrink_to_fit();
     return std::move(rows_);
   }
 

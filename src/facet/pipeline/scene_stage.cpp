@@ -84,9 +84,10 @@ void SceneStage::KeepExpiredFaces() {
 }
 
 std::optional<TriangleMesh> SceneStage::Map(MapMemory& memory) const {
+  memory = map_.memory();
+  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
   const SurfaceMap map = WithHorizon(map_, horizon_);
   memory = map.memory();
-  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
   TriangleMesh mesh = ExtractSurface(map);
   if (planes_) UseCurrentPlaneIds(planes_->Records(), mesh.plane_ids);
   return mesh;

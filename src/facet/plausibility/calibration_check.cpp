@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/plausibility/calibration_check.h"
 
+#include <utility>
+
 namespace facet {
 namespace {
 
@@ -29,7 +31,7 @@ Turn Integrate(const std::vector<ImuSample>& samples) {
 }  // namespace
 
 CalibrationCheck::CalibrationCheck(const StereoRig& rig)
-    : images_(rig.cameras[0]), gyroscope_(rig.T_BC[0].q) {}
+    : images_(std::in_place, rig.cameras[0]), gyroscope_(rig.T_BC[0].q) {}
 
 std::string CalibrationCheck::Add(const cv::Mat& left, const ImuInterval& imu) {
   if (is_decided_) return {};
@@ -45,7 +47,10 @@ std::string CalibrationCheck::Add(const cv::Mat& left, const ImuInterval& imu) {
 }
 
 std::string CalibrationCheck::FromImages(const cv::Mat& left, const ImuInterval& imu) {
-  if (gyroscope_.IsConvinced() || num_followed_ > kMaxFollowed) return {};
+  if (gyroscope_.IsConvinced() || num_followed_ > kMaxFollowed) {
+    images_.reset();
+    return {};
+  }
   const Turn moved = Integrate(imu.samples);
   if (left.empty() || imu.has_hole || moved.duration_s <= 0) {
     is_following_ = false;
@@ -53,7 +58,7 @@ std::string CalibrationCheck::FromImages(const cv::Mat& left, const ImuInterval&
   }
   std::string text;
   if (is_following_) {
-    const double share = images_.Follow(left);
+    const double share = images_->Follow(left);
     ++num_followed_;
     turn_.gyro_B += moved.angle;
     turn_.duration_s += moved.duration_s;
@@ -62,7 +67,7 @@ std::string CalibrationCheck::FromImages(const cv::Mat& left, const ImuInterval&
     if (share > kUselessShare) text = EndTurn();
   }
   if (text.empty() && gyroscope_.IsOfUse(moved.angle / moved.duration_s)) {
-    images_.Begin(left);
+    images_->Begin(left);
     is_following_ = true;
     turn_ = SharedTurn();
   }
@@ -70,7 +75,7 @@ std::string CalibrationCheck::FromImages(const cv::Mat& left, const ImuInterval&
 }
 
 std::string CalibrationCheck::EndTurn() {
-  const std::optional<TwoViewRotation> rotation = images_.Estimate();
+  const std::optional<TwoViewRotation> rotation = images_->Estimate();
   if (!rotation) return {};
   turn_.image = *rotation;
   const std::string words = gyroscope_.Add(turn_);

@@ -4,6 +4,7 @@
 // errors are its business (calibration/calibration_deviation.h).
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <opencv2/core.hpp>
@@ -35,7 +36,7 @@ class CalibrationCheck {
   std::string FromImages(const cv::Mat& left, const ImuInterval& imu);
   std::string EndTurn();
 
-  ImageRotation images_;
+  std::optional<ImageRotation> images_;  ///< until nothing more is to be learnt from them
   GyroscopeCheck gyroscope_;
   SpecificForceCheck specific_force_;
   bool is_decided_ = false;

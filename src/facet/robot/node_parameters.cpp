@@ -90,6 +90,11 @@ int ReadQueue(Reader& reader, const std::string& name, int value) {
 
 }  // namespace
 
+bool IsOfMiddleware(const std::string& name) {
+  return name == "reliable" || name == "use_sim_time" || name == "start_type_description_service" ||
+         name.rfind("qos_overrides.", 0) == 0;
+}
+
 NodeParameters ReadParameters(const ParameterSource& source) {
   NodeParameters parameters;
   RobotOptions& options = parameters.robot;

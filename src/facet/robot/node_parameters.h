@@ -46,6 +46,10 @@ class ParameterSource {
   virtual std::vector<std::string> Names() const = 0;
 };
 
+/// Parameters that a middleware has besides those of the node: `reliable`, and what every node of
+/// ROS 2 may have.
+bool IsOfMiddleware(const std::string& name);
+
 /// Throws api::Error, or CalibrationError, naming the parameter: also one that is not known.
 NodeParameters ReadParameters(const ParameterSource& source);
 
