@@ -122,6 +122,11 @@ void AddOptions(CLI::App& command, RunArguments& a) {
                   a.mesh_format,
                   "ply; or glb: meshes/ in that format, and mesh.glb and map.glb besides the .ply")
       ->check(CLI::IsMember({"ply", "glb"}));
+  command.add_option(
+      "--map", a.map, "folder with a map of places that --save-map wrote: finds the run in it");
+  command.add_option("--save-map",
+                     a.save_map,
+                     "folder for the map of places, with that of --map if the run was found in it");
   AddViewOptions(command, a);
   auto* quiet = command.add_flag("--quiet", a.quiet, "no progress bar");
   command.add_flag("--verbose", a.verbose, "debug log")->excludes(quiet);

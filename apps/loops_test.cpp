@@ -1,5 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A flight that returns to places, with and without recognising them.
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -61,6 +68,63 @@ TEST_F(LoopsTest, PlacesAreRecognisedAndTheOdometryStaysTheSame) {
   };
   EXPECT_LT(ate_mm("with/trajectory_map.tum"), 1.1 * ate_mm("with/trajectory.tum") + 0.5);
   EXPECT_LT(ate_mm("with/trajectory_final.tum"), 1.1 * ate_mm("with/trajectory.tum") + 0.5);
+}
+
+TEST_F(LoopsTest, ALaterRunIsFoundInTheSavedMapOrSaysThatItIsNot) {
+  const std::string map = Path("map");
+  Run("first", "--duration 14 --save-map " + map);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "map" / "places.facetmap"));
+  // The same room from another moment on, whose world begins elsewhere.
+  Run("later", "--start 6 --duration 6 --map " + map);
+  const auto known = nlohmann::json::parse(Read("later/summary.json"))["loops"]["known_map"];
+  ASSERT_TRUE(known["localised_s"].is_number()) << known;
+  EXPECT_LT(known["localised_s"], 3.0);
+  EXPECT_EQ(known["ambiguous"], false);
+  // Both trajectories are in the map of the first run.
+  std::map<std::string, std::array<double, 3>> first;
+  const auto read = [&](const std::string& name, auto use) {
+    std::istringstream lines(Read(name));
+    for (std::string line; std::getline(lines, line);) {
+      std::istringstream words(line);
+      std::string stamp;
+      std::array<double, 3> p{};
+      if (words >> stamp >> p[0] >> p[1] >> p[2]) use(stamp, p);
+    }
+  };
+  read("first/trajectory_final.tum",
+       [&](const std::string& stamp, const auto& p) { first[stamp] = p; });
+  int num = 0;
+  read("later/trajectory_map.tum", [&](const std::string& stamp, const auto& p) {
+    if (first.count(stamp) == 0) return;
+    ++num;
+    const auto& q = first.at(stamp);
+    EXPECT_LT(std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]), 0.03) << stamp;
+  });
+  EXPECT_GT(num, 40);
+  // Poses from before it was found are in no map.
+  EXPECT_LT(Read("later/trajectory_map.tum").size(), Read("later/trajectory.tum").size());
+
+  // Too short to be sure of anything: the map is saved as it was.
+  const std::string before = Read("map/places.facetmap");
+  const ProgramRun run = RunFacet("run " + Path("room") +
+                                  " --quiet --set mesh.enabled=false --pipeline S --duration 0.7 "
+                                  "--start 18 --map " +
+                                  map + " --save-map " + map + " --out " + Path("short"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, ::testing::HasSubstr("was not found in the map"));
+  EXPECT_TRUE(Read("map/places.facetmap") == before);
+  EXPECT_EQ(Read("short/trajectory_map.tum").find("14"), std::string::npos) << "a pose in the map";
+}
+
+TEST(SavedMapTest, AMapThatIsNoneIsRefused) {
+  const TempFolder folder;
+  const ProgramRun none = RunFacet("run recording --map " + (folder / "nowhere").string());
+  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_THAT(none.err, ::testing::HasSubstr("--save-map"));
+  WriteText(folder / "map/places.facetmap", "FACETMAP but not really");
+  const ProgramRun damaged = RunFacet("run recording --map " + (folder / "map").string());
+  EXPECT_EQ(damaged.exit_code, 3);
+  EXPECT_THAT(damaged.err, ::testing::HasSubstr("places.facetmap"));
 }
 
 }  // namespace

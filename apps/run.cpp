@@ -35,6 +35,7 @@
 #include "facet/io/ply_writer.h"
 #include "facet/io/result_folder.h"
 #include "facet/io/result_writer.h"
+#include "facet/io/saved_map_file.h"
 #include "facet/pipeline/threaded_vio.h"
 #include "facet/pipeline/vio_pipeline.h"
 #include "facet/recording/open_recording.h"
@@ -55,7 +56,21 @@ VioOptions ChooseOptions(const RunArguments& arguments) {
   const LoadedOptions loaded = LoadOptions(arguments.config, overrides);
   for (const std::string& notice : loaded.notices)
     Tell(arguments, "note", notice);
-  return loaded.options;
+  VioOptions options = loaded.options;
+  options.keeps_map = !arguments.save_map.empty();
+  if (!arguments.map.empty())
+    options.known_map = std::make_shared<SavedMap>(ReadSavedMap(arguments.map));
+  options.loops.enabled = options.loops.enabled || options.keeps_map || options.known_map;
+  return options;
+}
+
+void WarnOfUnknownPlace(const RunArguments& arguments, RunRecord& record) {
+  if (!record.loops || !record.loops->has_known_map || record.loops->localised) return;
+  record.warnings.push_back("the run was not found in the map of " + arguments.map +
+                            (record.loops->is_ambiguous
+                                 ? ": it looks like more than one place there"
+                                 : ": nothing that was seen looks like it") +
+                            (record.loops->map ? "; the map is saved without this run" : ""));
 }
 
 std::unique_ptr<Recording> OpenForRun(const RunArguments& arguments) {
@@ -84,6 +99,7 @@ std::string GivenBesideParameters(const RunArguments& arguments) {
   if (range.realtime) given += " --realtime";
   add("--calibration", arguments.calibration);
   add("--imu-calibration", arguments.imu_calibration);
+  add("--map", arguments.map);
   for (const std::string& topic : arguments.topics)
     add("--topics", topic);
   // A name with a line break would end the comment.
@@ -420,12 +436,16 @@ void RunCommand(const RunArguments& arguments) {
   for (const std::string& warning :
        InflationWarnings(recording.calibration()->imu_noise, options.estimator.imu))
     run.record.warnings.push_back(warning);
+  WarnOfUnknownPlace(arguments, run.record);
   DescribeRun(recording, options, arguments, run.record);
   WriteResult(folder.staging(), run.record);
   if (arguments.mesh_format == "glb") WriteGlbMeshes(folder.staging(), run.record);
   if (partial) MoveMeshes(mesh_files.folder(), folder.staging() / "meshes");
   folder.Commit();
   if (partial) partial->Remove();
+  // Of a run that is stopped, too.
+  if (run.record.loops && run.record.loops->map)
+    WriteSavedMap(arguments.save_map, *run.record.loops->map);
   for (const std::string& warning : run.record.warnings) {
     if (warning != run.message) Tell(arguments, "warning", warning);
   }

@@ -38,8 +38,10 @@ struct RunArguments {
   /// For other programs than `facet`. Hears each note and warning, which otherwise go to stderr.
   std::function<void(const std::string& text)> on_message;
   std::function<void(int done, int total)> on_frame;  ///< called after each frame
-  std::string publish;  // port for Foxglove, on the viewer's server, or empty: not published
-  std::string record;   // MCAP file of the same messages, or empty
+  std::string publish;   // port for Foxglove, on the viewer's server, or empty: not published
+  std::string map;       // folder with the map of places of earlier runs, or empty
+  std::string save_map;  // folder for the map of places with this run, or empty
+  std::string record;    // MCAP file of the same messages, or empty
 };
 
 /// `facet run`. Throws InputError, ConfigError, OutputError or RunEndedError.

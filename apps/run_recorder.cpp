@@ -15,6 +15,7 @@ FrameRecord MakeFrameRecord(const VioOutput& output) {
   f.segment = output.segment;
   f.state = output.state;
   f.T_MW = output.T_MW;
+  f.is_in_map = output.is_in_map;
   f.sigma_p = output.sigma_p;
   f.sigma_theta = output.sigma_theta;
   f.sigma_v = output.sigma_v;

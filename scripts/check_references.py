@@ -46,7 +46,8 @@ DATE = r"\b20\d\d-\d\d(?:-\d\d)?\b|\b(?:January|February|March|April|May|June|Ju
 # Programs of others: their options are not ours to check.
 FOREIGN = r"cmake|ctest|git|perf|timeout|taskset|callgrind|valgrind|clang-format|clang-tidy|apt-get|gcc|sbatch|g\+\+"
 FOREIGN_FILES = {"immintrin.h", "OpenCVConfig.cmake"}
-FOREIGN_NAMES = {"normal_distribution", "common_interfaces", "rmw_cyclonedds_cpp", "ros_discovery_info"}
+FOREIGN_NAMES = {"normal_distribution", "common_interfaces", "rmw_cyclonedds_cpp", "ros_discovery_info", "ROS_LOCALHOST_ONLY",
+                 "ROS_AUTOMATIC_DISCOVERY_RANGE"}
 PLACEHOLDER = r"[a-z](?:_\w+)?\.\w+"  # x.cpp and x_test.cpp stand for any file
 DATA_SUFFIXES = ("csv", "json", "md", "ply", "png", "tum", "yaml", "yml", "txt", "html", "svg", "py", "sh", "h", "cpp",
                  "cmake", "glb", "obj", "jpg")

@@ -198,6 +198,14 @@ Json Summary(const RunRecord& run) {
                      {"closures", run.loops->NumAccepted()},
                      {"memory_mb", run.loops->memory_mb},
                      {"cpu_s", 1e-3 * run.loops->cpu_ms}};
+    if (run.loops->has_known_map) {
+      auto& known = json["loops"]["known_map"];
+      known["places"] = run.loops->num_known_places;
+      known["localised_s"] = nullptr;
+      if (run.loops->localised && !frames.empty())
+        known["localised_s"] = ToSeconds(*run.loops->localised - frames.front().t);
+      known["ambiguous"] = run.loops->is_ambiguous;
+    }
   }
   json["resets"] = run.num_resets;
   json["segments"] = SegmentsSummary(frames);
@@ -221,7 +229,7 @@ std::vector<StampedPose> RunRecord::CausalTrajectory() const {
 std::vector<StampedPose> RunRecord::CausalMapTrajectory() const {
   std::vector<StampedPose> poses;
   for (const FrameRecord& f : frames) {
-    if (f.has_pose) poses.push_back({f.t, f.T_MW * f.state.T_WB});
+    if (f.has_pose && f.is_in_map) poses.push_back({f.t, f.T_MW * f.state.T_WB});
   }
   return poses;
 }

@@ -22,9 +22,10 @@ struct FrameRecord {
   Timestamp t;  ///< of the left image
   bool is_keyframe = false;
   bool has_pose = false;
-  int segment = 0;  ///< of the pose: the stretches between losses, from 0 on
-  NavState state;   ///< causal; meaningless without a pose
-  SE3 T_MW;         ///< to the map, as known then
+  int segment = 0;        ///< of the pose: the stretches between losses, from 0 on
+  NavState state;         ///< causal; meaningless without a pose
+  SE3 T_MW;               ///< to the map, as known then
+  bool is_in_map = true;  ///< whether it was
   Vector3d sigma_p = Vector3d::Zero();
   Vector3d sigma_theta = Vector3d::Zero();
   Vector3d sigma_v = Vector3d::Zero();

@@ -2,6 +2,8 @@
 // What the map of places knows at the end of a run.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "facet/loop/place_map.h"
@@ -11,7 +13,12 @@ namespace facet {
 struct LoopResult {
   std::vector<MapCorrection> corrections;  ///< in order of time
   std::vector<ClosureRecord> closures;     ///< everything that was compared
-  int num_places = 0;
+  int num_places = 0;                      ///< with those of runs before
+  int num_known_places = 0;                ///< of runs before
+  bool has_known_map = false;
+  std::optional<Timestamp> localised;  ///< the keyframe by which the run was found in the known map
+  bool is_ambiguous = false;           ///< it looks like more than one place there
+  std::shared_ptr<const SavedMap> map;  ///< if it is to be kept
   double memory_mb = 0;
   double cpu_ms = 0;  ///< of all the work on places
 

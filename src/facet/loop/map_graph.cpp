@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
@@ -24,50 +25,72 @@ Vector3d TurnBack(double yaw_rad, const Vector3d& x) {
 
 }  // namespace
 
+MapGraph::MapGraph(GraphState state) : state_(std::move(state)) {
+  for (const GraphEdge& edge : state_.edges)
+    FACET_CHECK(edge.first >= 0 && edge.first < edge.second && edge.second < num_nodes());
+}
+
+int MapGraph::AddSession(const Vector3d& p_W) {
+  // Weak enough to say nothing, and enough for the equations to have a solution.
+  constexpr double kAnywhere_m = 1e4, kAnyHeading_rad = 100;
+  const Vector<4> sigma(kAnyHeading_rad, kAnywhere_m, kAnywhere_m, kAnywhere_m);
+  const int node = AddNode(p_W, sigma.cwiseAbs2().asDiagonal());
+  state_.nodes[node].T_MW = UprightPose();
+  return node;
+}
+
+void MapGraph::Place(int first_node, const UprightPose& T_MW) {
+  FACET_CHECK(first_node >= 0);
+  for (int node = first_node; node < num_nodes(); ++node)
+    state_.nodes[node].T_MW = T_MW;
+}
+
 int MapGraph::AddNode(const Vector3d& p_W, const Matrix4d& drift) {
-  Node node;
+  GraphNode node;
   node.p_W = p_W;
   const int index = num_nodes();
   if (index > 0) {
-    const Node& previous = nodes_.back();
+    const GraphNode& previous = state_.nodes.back();
     node.T_MW = previous.T_MW;
     GraphEdge edge;
     edge.first = index - 1;
     edge.second = index;
     edge.p_first = p_W - previous.p_W;
     edge.covariance = drift;
-    node.edge_to_previous = static_cast<int>(edges_.size());
-    edges_.push_back(edge);
+    node.edge_to_previous = static_cast<int>(state_.edges.size());
+    state_.edges.push_back(edge);
   }
-  nodes_.push_back(node);
+  state_.nodes.push_back(node);
   return index;
 }
 
 void MapGraph::MoveNode(int node, const Vector3d& p_W) {
   FACET_CHECK(node >= 0 && node < num_nodes());
-  const Vector3d moved = p_W - nodes_[node].p_W;
-  nodes_[node].p_W = p_W;
-  if (nodes_[node].edge_to_previous >= 0) edges_[nodes_[node].edge_to_previous].p_first += moved;
-  if (node + 1 < num_nodes()) edges_[nodes_[node + 1].edge_to_previous].p_first -= moved;
+  const Vector3d moved = p_W - state_.nodes[node].p_W;
+  state_.nodes[node].p_W = p_W;
+  if (state_.nodes[node].edge_to_previous >= 0)
+    state_.edges[state_.nodes[node].edge_to_previous].p_first += moved;
+  if (node + 1 < num_nodes())
+    state_.edges[state_.nodes[node + 1].edge_to_previous].p_first -= moved;
 }
 
 void MapGraph::AddClosure(const GraphEdge& edge) {
   FACET_CHECK(edge.first >= 0 && edge.first < edge.second && edge.second < num_nodes());
-  edges_.push_back(edge);
-  edges_.back().is_closure = true;
+  state_.edges.push_back(edge);
+  state_.edges.back().is_closure = true;
 }
 
 Vector3d MapGraph::BetweenBodies(const GraphEdge& edge) const {
-  const Node &a = nodes_[edge.first], &b = nodes_[edge.second];
+  const GraphNode &a = state_.nodes[edge.first], &b = state_.nodes[edge.second];
   return b.T_MW * b.p_W - a.T_MW * a.p_W;
 }
 
 Vector<4> MapGraph::Error(const GraphEdge& edge) const {
-  const Node &a = nodes_[edge.first], &b = nodes_[edge.second];
+  const GraphNode &a = state_.nodes[edge.first], &b = state_.nodes[edge.second];
   Vector<4> error;
   error(0) = std::remainder(b.T_MW.yaw_rad - a.T_MW.yaw_rad - edge.yaw_rad, 2 * std::numbers::pi);
   error.tail<3>() = TurnBack(a.T_MW.yaw_rad, BetweenBodies(edge)) -
-                    (1 - edge.stretch_per_px * disparity_error_px_) * edge.p_first;
+                    (1 - edge.stretch_per_px * state_.disparity_error_px) * edge.p_first;
   return error;
 }
 
@@ -79,14 +102,14 @@ double MapGraph::Chi2(const GraphEdge& edge) const {
 void MapGraph::Optimize() {
   constexpr double kEasing = 1.6;
   double mu = 1;
-  for (const GraphEdge& edge : edges_) {
+  for (const GraphEdge& edge : state_.edges) {
     if (edge.is_closure) mu = std::max(mu, 2 * Chi2(edge) / kMaxChi2);
   }
   for (bool is_last = false; !is_last; mu = std::max(1.0, mu / kEasing)) {
     is_last = mu == 1;
     const int steps = is_last ? 4 : 1;
     for (int step = 0; step < steps; ++step) {
-      for (GraphEdge& edge : edges_) {
+      for (GraphEdge& edge : state_.edges) {
         if (!edge.is_closure) continue;
         const double limit = mu * kMaxChi2;
         const double share = limit / (limit + Chi2(edge));
@@ -114,10 +137,10 @@ void MapGraph::Step() {
   const int common = n - 1;
   const double information_common = 1 / (kSigmaDisparity_px * kSigmaDisparity_px);
   entries.emplace_back(common, common, information_common);
-  g(common) = information_common * disparity_error_px_;
-  for (const GraphEdge& edge : edges_) {
+  g(common) = information_common * state_.disparity_error_px;
+  for (const GraphEdge& edge : state_.edges) {
     const Vector<4> error = Error(edge);
-    const double yaw = nodes_[edge.first].T_MW.yaw_rad;
+    const double yaw = state_.nodes[edge.first].T_MW.yaw_rad;
     const Matrix4d information = edge.weight * edge.covariance.inverse();
     const Vector3d p = TurnBack(yaw, BetweenBodies(edge));
     Matrix4d J_first = Matrix4d::Zero(), J_second = Matrix4d::Zero();
@@ -160,9 +183,9 @@ void MapGraph::Step() {
   if (ldlt.info() != Eigen::Success) return;
   const VectorXd x = -ldlt.solve(g);
   if (!x.allFinite()) return;
-  disparity_error_px_ += x(common);
+  state_.disparity_error_px += x(common);
   for (int i = 1; i < num_nodes(); ++i) {
-    Node& node = nodes_[i];
+    GraphNode& node = state_.nodes[i];
     const Vector3d p_M = node.T_MW * node.p_W + x.segment<3>(4 * (i - 1) + 1);
     node.T_MW.yaw_rad = std::remainder(node.T_MW.yaw_rad + x(4 * (i - 1)), 2 * std::numbers::pi);
     node.T_MW.p.setZero();

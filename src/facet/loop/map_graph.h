@@ -23,13 +23,37 @@ struct GraphEdge {
   double weight = 1;  ///< closures: 0 to 1, by how far the rest of the graph agrees
 };
 
+/// A keyframe.
+struct GraphNode {
+  Vector3d p_W = Vector3d::Zero();  ///< of the body, in the odometry's world
+  UprightPose T_MW;                 ///< to the map
+  int edge_to_previous = -1;
+};
+
+/// All that a graph knows.
+struct GraphState {
+  std::vector<GraphNode> nodes;
+  std::vector<GraphEdge> edges;
+  double disparity_error_px = 0;
+};
+
 /// Not thread-safe; deterministic.
 class MapGraph {
  public:
+  MapGraph() = default;
+  explicit MapGraph(GraphState state);
+
   /// A keyframe at p_W in the odometry's world; returns its number. The first one stays where it
   /// is. `drift`: covariance of yaw [rad] and position [m] that the odometry has gained since the
   /// previous node.
   int AddNode(const Vector3d& p_W, const Matrix4d& drift);
+
+  /// The first keyframe of another run, of whose place in the map nothing is known. Its T_MW is the
+  /// identity until Place or a closure says more.
+  int AddSession(const Vector3d& p_W);
+
+  /// Moves a node and all after it: T_MW of each becomes this one.
+  void Place(int first_node, const UprightPose& T_MW);
 
   /// A better position in the odometry's world.
   void MoveNode(int node, const Vector3d& p_W);
@@ -42,28 +66,21 @@ class MapGraph {
   void Optimize();
 
   /// From the odometry's world when the node was taken to the map.
-  const UprightPose& T_MW(int node) const { return nodes_[node].T_MW; }
-  int num_nodes() const { return static_cast<int>(nodes_.size()); }
-  const std::vector<GraphEdge>& edges() const { return edges_; }
+  const UprightPose& T_MW(int node) const { return state_.nodes[node].T_MW; }
+  int num_nodes() const { return static_cast<int>(state_.nodes.size()); }
+  const std::vector<GraphEdge>& edges() const { return state_.edges; }
+  const GraphState& state() const { return state_; }
   /// By how much disparities are too small, as far as closures show it: all have it in common.
-  double disparity_error_px() const { return disparity_error_px_; }
+  double disparity_error_px() const { return state_.disparity_error_px; }
 
  private:
-  struct Node {
-    Vector3d p_W;      // body, in the odometry's world
-    UprightPose T_MW;  // to the map
-    int edge_to_previous = -1;
-  };
-
   Vector3d BetweenBodies(const GraphEdge& edge) const;  // in the map
   Vector<4> Error(const GraphEdge& edge) const;
   double Chi2(const GraphEdge& edge) const;
   /// One Gauss-Newton step; none if the equations have no solution.
   void Step();
 
-  std::vector<Node> nodes_;
-  std::vector<GraphEdge> edges_;
-  double disparity_error_px_ = 0;
+  GraphState state_;
 };
 
 }  // namespace facet

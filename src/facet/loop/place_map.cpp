@@ -75,8 +75,23 @@ PlaceMap::PlaceMap(const StereoRig& rig, const LoopOptions& options)
       corners_(camera_),
       checker_(options.min_inliers) {}
 
+PlaceMap::PlaceMap(const StereoRig& rig, const LoopOptions& options, const SavedMap& known)
+    : PlaceMap(rig, options) {
+  if (known.places.empty()) return;
+  graph_ = MapGraph(known.graph);
+  keyframes_ = known.keyframes;
+  places_.assign(known.places.begin(), known.places.end());
+  index_.emplace(known.places);
+  session_ = known.num_sessions;
+  first_own_node_ = graph_.num_nodes();
+  is_localised_ = false;
+}
+
 bool PlaceMap::IsWanted(Timestamp t) const {
-  return !last_query_ || ToSeconds(t - *last_query_) >= options_.query_interval_s - 1e-3;
+  constexpr double kLost_s = 0.1;
+  const double interval_s =
+      is_localised_ ? options_.query_interval_s : std::min(kLost_s, options_.query_interval_s);
+  return !last_query_ || ToSeconds(t - *last_query_) >= interval_s - 1e-3;
 }
 
 // Where the last keyframe was recognised from nearly the same pose everything has been said.
@@ -98,7 +113,7 @@ void PlaceMap::Add(const KeyframeView& view) {
   is_known_well_ = false;
   pyramid_.Build(view.left, 2);
   const std::vector<int> candidates = Candidates(view);
-  if (!candidates.empty()) {
+  if (!candidates.empty() || !is_localised_) {
     query_ = {view.camera,
               view.T_WB,
               view.T_BC,
@@ -109,11 +124,18 @@ void PlaceMap::Add(const KeyframeView& view) {
       const auto places = WithNeighbours(place);
       Consider(checker_.Check(query_, places, Predict(places_[place], view)), place, view);
     }
+    if (!is_localised_) CompareByAppearance(view);
     BelieveWhatAgrees();
   }
-  if (!nodes_.empty()) T_MW_ = graph_.T_MW(graph_.num_nodes() - 1);
+  if (graph_.num_nodes() > first_own_node_) T_MW_ = graph_.T_MW(graph_.num_nodes() - 1);
   Keep(view);
   pyramid_.Clear();  // it refers to the image
+}
+
+void PlaceMap::CompareByAppearance(const KeyframeView& view) {
+  constexpr std::size_t kMostGuesses = 5;
+  for (const int place : index_->Best(query_.corners, kMostGuesses))
+    Consider(checker_.Check(query_, WithNeighbours(place), ClosurePrediction()), place, view);
 }
 
 // Places that the keyframe should see, if the map is right about where both are: best first.
@@ -121,7 +143,8 @@ std::vector<int> PlaceMap::Candidates(const KeyframeView& view) const {
   std::vector<std::pair<double, int>> found;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const PlaceRecord& place = places_[i];
-    if (ToSeconds(view.t - place.t) < options_.min_age_s) continue;
+    const bool is_own = place.session == session_;
+    if (is_own ? ToSeconds(view.t - place.t) < options_.min_age_s : !is_localised_) continue;
     const SE3 T_MW_place = graph_.T_MW(place.node).ToSE3();
     const SE3 T_WC = (T_MW_place.Inverse() * T_MW_.ToSE3()) * view.T_WB * view.T_BC;
     const double share = SeenShare(place, T_WC.Inverse(), T_WC);
@@ -171,7 +194,7 @@ std::vector<const PlaceRecord*> PlaceMap::WithNeighbours(int place) const {
   for (int i = place - kNeighbours; i <= place + kNeighbours; ++i) {
     if (i == place || i < 0 || i >= static_cast<int>(places_.size())) continue;
     const PlaceRecord& other = places_[i];
-    if (other.segment == places_[place].segment &&
+    if (other.session == places_[place].session && other.segment == places_[place].segment &&
         std::abs(ToSeconds(other.t - places_[place].t)) < kNear_s)
       places.push_back(&other);
   }
@@ -179,10 +202,12 @@ std::vector<const PlaceRecord*> PlaceMap::WithNeighbours(int place) const {
 }
 
 int PlaceMap::NodeOf(const KeyframeView& view) {
-  if (!nodes_.empty() && nodes_.back().frame == view.frame) return graph_.num_nodes() - 1;
-  const int node = graph_.AddNode(
-      view.T_WB.p, nodes_.empty() ? Matrix4d::Identity() : Drift(last_node_view_, view));
-  nodes_.push_back({view.frame, view.t, view.segment});
+  const bool is_first = graph_.num_nodes() == first_own_node_;
+  if (!is_first && keyframes_.back().frame == view.frame) return graph_.num_nodes() - 1;
+  const int node = is_first ? graph_.AddSession(view.T_WB.p)
+                            : graph_.AddNode(view.T_WB.p, Drift(last_node_view_, view));
+  if (is_first && is_localised_) graph_.Place(node, T_MW_);
+  keyframes_.push_back({view.frame, view.t, view.segment, session_});
   last_node_view_ = view;
   last_node_view_.left = cv::Mat();
   last_node_view_.points.clear();
@@ -220,7 +245,8 @@ void PlaceMap::Consider(const ClosureCheck& check, int place, const KeyframeView
                       stretch_per_px,
                       view.T_WB.p,
                       check.T_WplaceWquery * view.T_WB.p - places_[place].T_WB.p,
-                      view.t});
+                      view.t,
+                      places_[place].session != session_});
   const SE3 T_moved = places_[place].T_WB.Inverse() * check.T_WplaceWquery.ToSE3() * view.T_WB;
   constexpr double kSameShare = 0.15, kSameAngle_rad = 0.35;
   if (T_moved.p.norm() < kSameShare * places_[place].median_distance_m &&
@@ -240,6 +266,45 @@ bool PlaceMap::Agree(const Pending& a, const Pending& b) const {
          (by_a * p_W - by_b * p_W).norm() < 3 * sigma_m + kCommonError_m;
 }
 
+/// The nodes of those that say the same, its own first.
+std::vector<int> PlaceMap::AgreeingKeyframes(const Pending& one) const {
+  std::vector<int> keyframes = {one.query_node};
+  for (const Pending& other : pending_) {
+    if (std::find(keyframes.begin(), keyframes.end(), other.query_node) == keyframes.end() &&
+        Agree(one, other))
+      keyframes.push_back(other.query_node);
+  }
+  return keyframes;
+}
+
+// Two rooms that look alike are both found: then the run is in neither, until one of them is
+// contradicted.
+void PlaceMap::FindInMap() {
+  constexpr std::size_t kMinElsewhere = 2;
+  const Pending* best = nullptr;
+  std::size_t most = 0;
+  for (const Pending& one : pending_) {
+    if (!one.is_of_other_run) continue;
+    const std::size_t num = AgreeingKeyframes(one).size();
+    if (num > most) {
+      most = num;
+      best = &one;
+    }
+  }
+  if (most < kMinAgreeing) return;
+  is_ambiguous_ = std::any_of(pending_.begin(), pending_.end(), [&](const Pending& other) {
+    if (!other.is_of_other_run || Agree(*best, other)) return false;
+    const std::size_t num = AgreeingKeyframes(other).size();
+    return num >= kMinElsewhere && 3 * num >= most;
+  });
+  if (is_ambiguous_) return;
+  T_MW_ = graph_.T_MW(best->place_node) * best->T_WplaceWquery;
+  graph_.Place(first_own_node_, T_MW_);
+  is_localised_ = true;
+  localised_ = pending_.back().t;
+  index_.reset();
+}
+
 // A closure becomes an edge when enough others, from other keyframes, say the same.
 void PlaceMap::BelieveWhatAgrees() {
   if (pending_.empty()) return;
@@ -248,16 +313,12 @@ void PlaceMap::BelieveWhatAgrees() {
     if (record.edge < 0) record.verdict = "no others agreed";
     pending_.pop_front();
   }
+  if (!is_localised_) FindInMap();
   bool has_new = false;
   for (const Pending& one : pending_) {
     ClosureRecord& record = closures_[one.closure];
-    if (record.edge >= 0) continue;
-    std::vector<int> keyframes = {one.query_node};
-    for (const Pending& other : pending_) {
-      if (std::find(keyframes.begin(), keyframes.end(), other.query_node) == keyframes.end() &&
-          Agree(one, other))
-        keyframes.push_back(other.query_node);
-    }
+    if (record.edge >= 0 || (one.is_of_other_run && !is_localised_)) continue;
+    const std::vector<int> keyframes = AgreeingKeyframes(one);
     if (keyframes.size() < kMinAgreeing) continue;
     record.edge = static_cast<int>(graph_.edges().size());
     record.verdict = kClosureAccepted;
@@ -286,6 +347,7 @@ void PlaceMap::Keep(const KeyframeView& view) {
   place.frame = view.frame;
   place.t = view.t;
   place.segment = view.segment;
+  place.session = session_;
   place.T_WB = view.T_WB;
   place.T_BC = view.T_BC;
   place.sigma_tilt_rad = SigmaTilt(view);
@@ -323,7 +385,8 @@ void PlaceMap::Refine(const MapSnapshot& snapshot) {
   if (snapshot.keyframes.empty()) return;
   // Keyframes need not leave the window oldest first.
   const auto is_done = [&](const PlaceRecord& place) {
-    return place.landmarks.empty() && place.t < snapshot.keyframes.front().t;
+    return place.session != session_ ||
+           (place.landmarks.empty() && place.t < snapshot.keyframes.front().t);
   };
   for (auto place = places_.rbegin(); place != places_.rend() && !is_done(*place); ++place) {
     if (place->landmarks.empty()) continue;
@@ -347,19 +410,35 @@ void PlaceMap::Refine(const MapSnapshot& snapshot) {
 }
 
 void PlaceMap::Smooth(FrameId frame, const SE3& T_WB) {
-  const auto node =
-      std::lower_bound(nodes_.begin(), nodes_.end(), frame, [](const NodeRecord& n, FrameId f) {
-        return n.frame < f;
-      });
-  if (node == nodes_.end() || node->frame != frame) return;
-  graph_.MoveNode(static_cast<int>(node - nodes_.begin()), T_WB.p);
+  const auto node = std::lower_bound(keyframes_.begin() + first_own_node_,
+                                     keyframes_.end(),
+                                     frame,
+                                     [](const MapKeyframe& n, FrameId f) { return n.frame < f; });
+  if (node == keyframes_.end() || node->frame != frame) return;
+  graph_.MoveNode(static_cast<int>(node - keyframes_.begin()), T_WB.p);
 }
 
 std::vector<MapCorrection> PlaceMap::Corrections() const {
   std::vector<MapCorrection> corrections;
-  for (std::size_t i = 0; i < nodes_.size(); ++i)
-    corrections.push_back({nodes_[i].t, nodes_[i].segment, graph_.T_MW(static_cast<int>(i))});
+  for (int i = first_own_node_; i < graph_.num_nodes(); ++i)
+    corrections.push_back({keyframes_[i].t, keyframes_[i].segment, graph_.T_MW(i)});
   return corrections;
+}
+
+SavedMap PlaceMap::Saved() const {
+  SavedMap saved{session_ + (is_localised_ ? 1 : 0), graph_.state(), keyframes_, {}};
+  for (const PlaceRecord& place : places_) {
+    if (place.session >= saved.num_sessions) break;
+    saved.places.push_back(place);
+    saved.places.back().landmarks.clear();
+    saved.places.back().landmarks.shrink_to_fit();
+  }
+  if (is_localised_) return saved;
+  saved.graph.nodes.resize(static_cast<std::size_t>(first_own_node_));
+  saved.keyframes.resize(static_cast<std::size_t>(first_own_node_));
+  std::erase_if(saved.graph.edges,
+                [&](const GraphEdge& edge) { return edge.second >= first_own_node_; });
+  return saved;
 }
 
 std::vector<ClosureRecord> PlaceMap::Closures() const {
@@ -376,7 +455,8 @@ std::size_t PlaceMap::memory_bytes() const {
   std::size_t bytes = 0;
   for (const PlaceRecord& place : places_)
     bytes += sizeof(PlaceRecord) + place.points.capacity() * sizeof(RecordPoint);
-  bytes += nodes_.capacity() * sizeof(NodeRecord) + closures_.capacity() * sizeof(ClosureRecord);
+  bytes +=
+      keyframes_.capacity() * sizeof(MapKeyframe) + closures_.capacity() * sizeof(ClosureRecord);
   return bytes + graph_.edges().capacity() * sizeof(GraphEdge);
 }
 

@@ -13,7 +13,9 @@
 #include "facet/loop/closure_check.h"
 #include "facet/loop/loop_options.h"
 #include "facet/loop/map_graph.h"
+#include "facet/loop/place_index.h"
 #include "facet/loop/place_record.h"
+#include "facet/loop/saved_map.h"
 #include "facet/map/map_snapshot.h"
 
 namespace facet {
@@ -38,10 +40,16 @@ struct MapCorrection {
   UprightPose T_MW;
 };
 
+/// With a map of runs before, the present one is looked for in it, by appearance: until it is found
+/// T_MW leads to a map of its own, which begins with its world. It is found when three keyframes
+/// say the same, and no two of them something else.
+///
 /// Not thread-safe; deterministic.
 class PlaceMap {
  public:
   PlaceMap(const StereoRig& rig, const LoopOptions& options);
+  /// The map M is that of `known`.
+  PlaceMap(const StereoRig& rig, const LoopOptions& options, const SavedMap& known);
 
   /// Whether Add would do anything with a keyframe of this time.
   bool IsWanted(Timestamp t) const;
@@ -66,15 +74,21 @@ class PlaceMap {
   /// Everything that was compared, with the final verdicts.
   std::vector<ClosureRecord> Closures() const;
 
+  /// Whether T_MW leads to the map. Always, where there is no map of runs before.
+  bool is_localised() const { return is_localised_; }
+  /// Of the keyframe by which the run was found in the map; empty without one, or before.
+  std::optional<Timestamp> localised() const { return localised_; }
+  /// Keyframes agree on more than one place in the map, so that none is believed.
+  bool is_ambiguous() const { return is_ambiguous_; }
+
+  /// The map with this run; without it, where it was not found in the map of runs before.
+  SavedMap Saved() const;
+
+  /// With those of runs before.
   int num_places() const { return static_cast<int>(places_.size()); }
   std::size_t memory_bytes() const;
 
  private:
-  struct NodeRecord {
-    FrameId frame;
-    Timestamp t;
-    int segment = 0;
-  };
   struct Pending {
     std::size_t closure = 0;  // index into closures_
     int place_node = 0, query_node = 0;
@@ -84,16 +98,20 @@ class PlaceMap {
     Vector3d p_W;               // the keyframe's body, in its world
     Vector3d p_place;           // from the place's body to the keyframe's, in the place's world
     Timestamp t;
+    bool is_of_other_run = false;
   };
 
   bool Hovers(const KeyframeView& view) const;
   std::vector<int> Candidates(const KeyframeView& view) const;
+  void CompareByAppearance(const KeyframeView& view);
   double SeenShare(const PlaceRecord& place, const SE3& T_CW_place, const SE3& T_WC) const;
   ClosurePrediction Predict(const PlaceRecord& place, const KeyframeView& view) const;
   std::vector<const PlaceRecord*> WithNeighbours(int place) const;
   int NodeOf(const KeyframeView& view);
   void Consider(const ClosureCheck& check, int place, const KeyframeView& view);
   bool Agree(const Pending& a, const Pending& b) const;
+  std::vector<int> AgreeingKeyframes(const Pending& one) const;
+  void FindInMap();
   void BelieveWhatAgrees();
   void Keep(const KeyframeView& view);
   void KeepPoints(const KeyframeView& view, PlaceRecord& place);
@@ -104,11 +122,16 @@ class PlaceMap {
   UprightCorners corners_;
   ClosureChecker checker_;
   MapGraph graph_;
-  std::vector<NodeRecord> nodes_;  // like the graph's
+  std::vector<MapKeyframe> keyframes_;  // like the graph's nodes
   std::deque<PlaceRecord> places_;
   std::deque<Pending> pending_;
   std::vector<ClosureRecord> closures_;
   UprightPose T_MW_;
+  std::optional<PlaceIndex> index_;  // of the places of runs before, until this one is found there
+  int session_ = 0;
+  int first_own_node_ = 0;
+  bool is_localised_ = true, is_ambiguous_ = false;
+  std::optional<Timestamp> localised_;
   std::optional<Timestamp> last_query_, last_kept_;
   SE3 last_query_T_WB_;
   int last_query_segment_ = 0;

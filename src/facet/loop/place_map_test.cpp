@@ -2,6 +2,7 @@
 // Two laps through a painted room with an odometry that drifts.
 #include "facet/loop/place_map.h"
 
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -169,6 +170,124 @@ TEST(PlaceMapTest, HoveringOverAKnownPlaceCostsLittle) {
   const std::size_t num_more = flight.map.Closures().size() - before;
   EXPECT_LE(num_more, 60U);
   EXPECT_GE(num_more, 10U) << "it is still looked at";
+}
+
+// ---- another run in the same room, whose world is turned and elsewhere
+
+SavedMap MapOf(const PaintedRoom& room) {
+  Flight flight;
+  flight.Fly(room, 0, kPerLap);
+  return flight.map.Saved();
+}
+
+struct LaterRun {
+  explicit LaterRun(const SavedMap& known) : map(Rig(), LoopOptions(), known) {}
+
+  void Fly(const PaintedRoom& room, int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const SE3 T_true = TruePose(3 * i % kPerLap + 1);  // other places, in another order
+      map.Add(room.View(i, SmallCamera(), LooksAhead(), T_true, T_WM.ToSE3() * T_true));
+    }
+  }
+
+  double ErrorInMap_m() const {
+    const Vector3d p_M(0.3, 0.2, 0.1);
+    return (map.T_MW() * (T_WM * p_M) - p_M).norm();
+  }
+
+  UprightPose T_WM{2.5, Vector3d(7, -3, 0.5)};
+  PlaceMap map;
+};
+
+TEST(PlaceMapTest, ALaterRunFindsItselfInTheMap) {
+  const PaintedRoom room(1);
+  LaterRun run(MapOf(room));
+  EXPECT_FALSE(run.map.is_localised());
+  run.Fly(room, 0, 6);
+  ASSERT_TRUE(run.map.is_localised());
+  EXPECT_LE(ToSeconds(*run.map.localised() - Timestamp{0}), 2.0);
+  // The first lap has drifted by 5 cm itself.
+  EXPECT_LT(run.ErrorInMap_m(), 0.06);
+  EXPECT_NEAR(
+      std::remainder(run.map.T_MW().yaw_rad + run.T_WM.yaw_rad, 2 * std::numbers::pi), 0, 0.01);
+  run.Fly(room, 6, 12);
+  EXPECT_LT(run.ErrorInMap_m(), 0.06);
+  for (const MapCorrection& correction : run.map.Corrections())
+    EXPECT_LT(
+        (correction.T_MW * (run.T_WM * Vector3d(0.3, 0.2, 0.1)) - Vector3d(0.3, 0.2, 0.1)).norm(),
+        0.06);
+}
+
+TEST(PlaceMapTest, ALaterRunInAnotherRoomIsNotFoundAndDoesNotSpoilTheMap) {
+  const SavedMap known = MapOf(PaintedRoom(1));
+  LaterRun run(known);
+  run.Fly(PaintedRoom(2), 0, 20);
+  EXPECT_FALSE(run.map.is_localised());
+  EXPECT_FALSE(run.map.localised());
+  EXPECT_FALSE(run.map.is_ambiguous());
+  EXPECT_GT(run.map.Closures().size(), 20u) << "it was looked for";
+  EXPECT_LT(run.map.T_MW().p.norm(), 0.1) << "its own laps are closed";
+  const SavedMap saved = run.map.Saved();
+  EXPECT_EQ(saved.num_sessions, known.num_sessions);
+  EXPECT_EQ(saved.places.size(), known.places.size());
+  EXPECT_EQ(saved.graph.nodes.size(), known.graph.nodes.size());
+  EXPECT_EQ(saved.graph.edges.size(), known.graph.edges.size());
+}
+
+// Two rooms of the same paint: the views of the later run are the same in both.
+TEST(PlaceMapTest, ARunThatLooksLikeTwoPlacesIsInNeither) {
+  const PaintedRoom room(1);
+  SavedMap twice = MapOf(room);
+  const auto num_nodes = static_cast<int>(twice.graph.nodes.size());
+  const auto num_edges = static_cast<int>(twice.graph.edges.size());
+  const SavedMap once = twice;
+  twice.num_sessions = 2;
+  for (std::size_t i = 0; i < once.keyframes.size(); ++i) {
+    GraphNode node = once.graph.nodes[i];
+    node.T_MW.p += Vector3d(20, 0, 0);
+    if (node.edge_to_previous >= 0) node.edge_to_previous += num_edges;
+    MapKeyframe keyframe = once.keyframes[i];
+    keyframe.session = 1;
+    twice.graph.nodes.push_back(node);
+    twice.keyframes.push_back(keyframe);
+  }
+  for (GraphEdge edge : once.graph.edges) {
+    edge.first += num_nodes;
+    edge.second += num_nodes;
+    twice.graph.edges.push_back(edge);
+  }
+  for (PlaceRecord place : once.places) {
+    place.node += num_nodes;
+    place.session = 1;
+    twice.places.push_back(place);
+  }
+  LaterRun run(twice);
+  run.Fly(room, 0, 12);
+  EXPECT_FALSE(run.map.is_localised());
+  EXPECT_TRUE(run.map.is_ambiguous());
+  for (const ClosureRecord& closure : run.map.Closures())
+    EXPECT_NE(closure.verdict, kClosureAccepted);
+}
+
+TEST(PlaceMapTest, ARunThatWasFoundExtendsTheMap) {
+  const PaintedRoom room(1);
+  const SavedMap known = MapOf(room);
+  LaterRun run(known);
+  run.Fly(room, 0, 12);
+  ASSERT_TRUE(run.map.is_localised());
+  const SavedMap saved = run.map.Saved();
+  EXPECT_EQ(saved.num_sessions, 2);
+  EXPECT_GT(saved.graph.nodes.size(), known.graph.nodes.size());
+  LaterRun third(saved);
+  third.T_WM = {-1, Vector3d(1, 2, 3)};
+  third.Fly(room, 0, 6);
+  EXPECT_TRUE(third.map.is_localised());
+  EXPECT_LT(third.ErrorInMap_m(), 0.06);
+}
+
+TEST(PlaceMapTest, AnEmptyMapIsNone) {
+  PlaceMap map(Rig(), LoopOptions(), SavedMap());
+  EXPECT_TRUE(map.is_localised());
 }
 
 TEST(PlaceMapTest, KeyframesWithoutAnImageOrPointsAreNotKept) {

@@ -57,6 +57,7 @@ struct PlaceRecord {
   int node = -1;  ///< of the pose graph
   Timestamp t;
   int segment = 0;
+  int session = 0;  ///< runs before this one have lower numbers
   FrameId frame;
   SE3 T_WB;  ///< of the odometry, as it was last estimated while in the window
   SE3 T_BC;

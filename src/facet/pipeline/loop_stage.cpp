@@ -19,16 +19,26 @@ double StereoSigma_m(const StereoRig& rig, const FeatureObservation& feature, co
 
 }  // namespace
 
-LoopStage::LoopStage(const StereoRig& rig, const VioOptions& options) : rig_(rig) {
-  if (options.loops.enabled) map_.emplace(rig, options.loops);
+LoopStage::LoopStage(const StereoRig& rig, const VioOptions& options)
+    : rig_(rig), keeps_map_(options.keeps_map) {
+  if (!options.loops.enabled) return;
+  if (options.known_map) {
+    map_.emplace(rig, options.loops, *options.known_map);
+  } else {
+    map_.emplace(rig, options.loops);
+  }
+  num_known_places_ = map_->num_places();
+  is_in_map_ = map_->is_localised();
 }
 
 void LoopStage::Correct(VioOutput& out) {
   while (!due_.empty() && due_.front().frame <= out.frame) {
     T_MW_ = due_.front().T_MW;
+    is_in_map_ = due_.front().is_in_map;
     due_.pop_front();
   }
   out.T_MW = T_MW_;
+  out.is_in_map = is_in_map_;
 }
 
 void LoopStage::Add(const cv::Mat& left, const TrackedFrame& frame, const VioOutput& out) {
@@ -41,7 +51,7 @@ void LoopStage::Add(const cv::Mat& left, const TrackedFrame& frame, const VioOut
     FillView(left, frame, out);
     map_->Add(view_);
     view_.left.release();  // whoever owns the pixels may use them again
-    due_.push_back({FrameId{out.frame.value + kLag}, map_->T_MW().ToSE3()});
+    due_.push_back({FrameId{out.frame.value + kLag}, map_->T_MW().ToSE3(), map_->is_localised()});
   }
   cpu_ms_ += ThreadCpuMs() - start_ms;
 }
@@ -85,6 +95,11 @@ std::optional<LoopResult> LoopStage::Result() const {
   result.corrections = map_->Corrections();
   result.closures = map_->Closures();
   result.num_places = map_->num_places();
+  result.num_known_places = num_known_places_;
+  result.has_known_map = num_known_places_ > 0;
+  result.localised = map_->localised();
+  result.is_ambiguous = map_->is_ambiguous();
+  if (keeps_map_) result.map = std::make_shared<SavedMap>(map_->Saved());
   result.memory_mb = static_cast<double>(map_->memory_bytes()) / kBytesPerMb;
   result.cpu_ms = cpu_ms_;
   return result;

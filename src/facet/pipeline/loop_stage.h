@@ -37,6 +37,7 @@ class LoopStage {
   struct Due {
     FrameId frame;
     SE3 T_MW;
+    bool is_in_map = true;
   };
 
   void FillView(const cv::Mat& left, const TrackedFrame& frame, const VioOutput& out);
@@ -46,6 +47,9 @@ class LoopStage {
   KeyframeView view_;  // keeps its storage
   std::deque<Due> due_;
   SE3 T_MW_;
+  bool is_in_map_ = true;
+  bool keeps_map_ = false;
+  int num_known_places_ = 0;
   double cpu_ms_ = 0;
 };
 

@@ -2,6 +2,7 @@
 // Every parameter of the system, composed of the components' own options.
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "facet/base/options.h"
@@ -12,6 +13,8 @@
 #include "facet/regularities/regularity_options.h"
 
 namespace facet {
+
+struct SavedMap;
 
 /// The paper's formulations.
 enum class Formulation {
@@ -32,6 +35,9 @@ struct VioOptions {
   MeshOptions mesh;
   RegularityOptions regularities;
   LoopOptions loops;
+  // Not parameters: what a run is given besides.
+  std::shared_ptr<const SavedMap> known_map;  ///< of runs before; with loops.enabled only
+  bool keeps_map = false;                     ///< its result has the map of places
 
   template <class Visitor>
   void Visit(Visitor& v) {

@@ -40,6 +40,7 @@ struct VioOutput {
   /// From W to the map M, which places that were recognised correct; W never jumps, M may. The
   /// identity unless loops.enabled.
   SE3 T_MW;
+  bool is_in_map = true;  ///< whether T_MW is known; always, without a map of runs before
   Vector3d sigma_p = Vector3d::Zero();      ///< 1-sigma [m], in W
   Vector3d sigma_theta = Vector3d::Zero();  ///< 1-sigma [rad], in B
   Vector3d sigma_v = Vector3d::Zero();      ///< 1-sigma [m/s], in W

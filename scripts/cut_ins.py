@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Is a run found in the map of another one? Cuts into recordings at random moments, with the map of a first recording.
+
+  cut_ins.py FIRST OTHER... --count 40 --out runs/cut_ins
+
+FIRST and OTHER are sequences of `facet simulate` with the same scene and seed and other flights. The simulator puts a room
+around its flight, so that the worlds of their truths are shifted, by what truth/planes.csv tells. FIRST is run once, and its map saved. Then runs of --duration seconds begin at random moments of the others (a fixed seed), with
+that map. A cut-in is found when the summary says where; it is wrong if its poses in the map are more than 0.2 m off,
+where the map lies in the world of the truth as the first run's final trajectory says. Seconds count from the first pose.
+Prints a line for each sequence and one for all. Exit code 1 if one is wrong.
+"""
+
+import argparse
+import json
+import math
+import random
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+WRONG_M = 0.2
+
+
+def read_tum(file):
+    """{stamp in ns: position}"""
+    poses = {}
+    for line in Path(file).read_text().splitlines():
+        if line.strip() and not line.startswith("#"):
+            words = line.split()
+            seconds, _, fraction = words[0].partition(".")
+            poses[int(seconds) * 10**9 + int(fraction.ljust(9, "0")[:9])] = np.array([float(w) for w in words[1:4]])
+    return poses
+
+
+class Truth:
+    """Positions of a sequence, interpolated."""
+
+    def __init__(self, sequence):
+        file = next(Path(sequence).glob("mav0/state_groundtruth_estimate0/data.csv"))
+        rows = [line.split(",") for line in file.read_text().splitlines() if line and not line.startswith("#")]
+        self.t = np.array([int(row[0]) for row in rows])
+        self.p = np.array([[float(v) for v in row[1:4]] for row in rows])
+
+    def at(self, t):
+        return np.array([np.interp(t, self.t, self.p[:, axis]) for axis in range(3)])
+
+
+def world_shift(first, other):
+    """What a position in the world of one truth is more than in that of the other, by the large planes of both."""
+    def planes(sequence):
+        lines = (sequence / "truth/planes.csv").read_text().splitlines()[1:]
+        rows = [[float(value) for value in line.split(",")[1:6]] for line in lines if line]
+        return np.array([row[:4] for row in rows if row[4] > 4])
+
+    a, b = planes(first), planes(other)
+    if a.shape != b.shape or np.abs(a[:, :3] - b[:, :3]).max() > 1e-6:
+        sys.exit(f"{other} is not the scene of {first}: its planes are others")
+    shift, *_ = np.linalg.lstsq(a[:, :3], b[:, 3] - a[:, 3], rcond=None)
+    if np.abs(a[:, :3] @ shift - (b[:, 3] - a[:, 3])).max() > 1e-3:
+        sys.exit(f"{other} is not the scene of {first}: its planes lie elsewhere")
+    return shift
+
+
+def align(poses, truth):
+    """(yaw, translation) that take positions of the map to the truth."""
+    stamps = [t for t in poses if truth.t[0] <= t <= truth.t[-1]]
+    a = np.array([poses[t] for t in stamps])
+    b = np.array([truth.at(t) for t in stamps])
+    da, db = a - a.mean(0), b - b.mean(0)
+    yaw = math.atan2((da[:, 0] * db[:, 1] - da[:, 1] * db[:, 0]).sum(), (da[:, :2] * db[:, :2]).sum())
+    return yaw, b.mean(0) - turn(yaw, a.mean(0))
+
+
+def turn(yaw, p):
+    c, s = math.cos(yaw), math.sin(yaw)
+    return np.array([c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]])
+
+
+def run(arguments, sequence, out, *options):
+    command = [arguments.program, "run", sequence, "--quiet", "--out", out, *arguments.run_options, *options]
+    subprocess.run([str(word) for word in command], stderr=subprocess.DEVNULL)  # a warning, where it is not found
+    summary = Path(out) / "summary.json"
+    return json.loads(summary.read_text()) if summary.exists() else None
+
+
+def cut_in(arguments, sequence, truth, to_truth, start, out):
+    """(seconds from the first pose, or None; error in metres, or None), or None where there is no pose."""
+    summary = run(arguments, sequence, out, "--map", arguments.out / "map", "--start", start,
+                  "--duration", arguments.duration)
+    odometry = read_tum(out / "trajectory.tum") if summary else {}
+    if not odometry:
+        return None
+    in_map = read_tum(out / "trajectory_map.tum")
+    if not in_map:
+        return None, None
+    yaw, t = to_truth
+    errors = [np.linalg.norm(turn(yaw, p) + t - truth.at(stamp)) for stamp, p in in_map.items()]
+    return (min(in_map) - min(odometry)) * 1e-9, float(np.median(errors))
+
+
+def describe(name, results):
+    found = [(s, e) for s, e in results if s is not None]
+    errors = sorted(e for _, e in found)
+    share = lambda limit: 100 * sum(s <= limit for s, _ in found) / max(1, len(results))
+    quantile = lambda q: 1e3 * errors[min(len(errors) - 1, int(q * len(errors)))] if errors else math.nan
+    print(f"{name:28} {len(results):5d} {len(found):5d} {share(1):6.0f} {share(5):6.0f} {quantile(0.5):8.1f} "
+          f"{quantile(0.95):8.1f} {sum(e > WRONG_M for e in errors):5d}", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("first", type=Path)
+    parser.add_argument("others", type=Path, nargs="+", metavar="OTHER")
+    parser.add_argument("--count", type=int, default=40, help="of all cut-ins")
+    parser.add_argument("--duration", type=float, default=6)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "cut_ins")
+    parser.add_argument("--program", default=ROOT / "build" / "facet")
+    parser.add_argument("--run-options", nargs="*", default=["--pipeline", "S", "--set", "mesh.enabled=false"])
+    arguments = parser.parse_args()
+    first = arguments.out / "first"
+    if run(arguments, arguments.first, first, "--save-map", arguments.out / "map") is None:
+        sys.exit(f"{arguments.first}: no result")
+    to_truth = align(read_tum(first / "trajectory_final.tum"), Truth(arguments.first))
+    print(f"{'sequence':28} {'cuts':>5} {'found':>5} {'% 1 s':>6} {'% 5 s':>6} {'mm':>8} {'mm 95 %':>8} {'wrong':>5}")
+    rng = random.Random(arguments.seed)
+    everything = []
+    for sequence in arguments.others:
+        truth = Truth(sequence)
+        truth.p -= world_shift(arguments.first, sequence)
+        length = (truth.t[-1] - truth.t[0]) * 1e-9
+        results = []
+        for _ in range(max(1, arguments.count // len(arguments.others))):
+            start = round(rng.uniform(0, max(0.0, length - arguments.duration - 1)), 2)
+            result = cut_in(arguments, sequence, truth, to_truth, start, arguments.out / "cut")
+            if result is not None:
+                results.append(result)
+        describe(sequence.name, results)
+        everything += results
+    describe("all", everything)
+    return 1 if any(e is not None and e > WRONG_M for _, e in everything) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
