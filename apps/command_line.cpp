@@ -12,6 +12,7 @@
 #include "convert.h"
 #include "evaluate.h"
 #include "info.h"
+#include "map.h"
 #include "picture.h"
 #include "run.h"
 #include "view.h"
@@ -304,6 +305,19 @@ void AddView(CLI::App& app) {
   command->callback([arguments] { ViewCommand(*arguments); });
 }
 
+void AddMap(CLI::App& app) {
+  auto* command = app.add_subcommand("map", "What facet run --save-map has kept for later runs");
+  command->require_subcommand(1);
+  auto arguments = std::make_shared<MapArguments>();
+  auto* info = command->add_subcommand("info", "Runs, places and points of a map");
+  info->add_option("MAP", arguments->map, "folder of facet run --save-map")->required();
+  info->callback([arguments] { MapInfoCommand(*arguments); });
+  auto* out = command->add_subcommand("export", "Its points as a PLY file");
+  out->add_option("MAP", arguments->map, "folder of facet run --save-map")->required();
+  out->add_option("OUT", arguments->out, "file.ply")->required();
+  out->callback([arguments] { MapExportCommand(*arguments); });
+}
+
 void AddPicture(CLI::App& app) {
   auto* command = app.add_subcommand("picture", "Draw a result as a PNG, without a display");
   auto arguments = std::make_shared<PictureArguments>();
@@ -450,6 +464,7 @@ void RunCommandLine(int argc, char** argv) {
   AddEvaluate(app);
   AddCompare(app);
   AddView(app);
+  AddMap(app);
   AddPicture(app);
   AddConfig(app);
   AddSimulate(app, argc, argv);

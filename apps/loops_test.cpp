@@ -74,6 +74,12 @@ TEST_F(LoopsTest, ALaterRunIsFoundInTheSavedMapOrSaysThatItIsNot) {
   const std::string map = Path("map");
   Run("first", "--duration 14 --save-map " + map);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "map" / "places.facetmap"));
+  const ProgramRun info = RunFacet("map info " + map);
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_THAT(info.out, ::testing::HasSubstr("1 runs"));
+  EXPECT_THAT(info.out, ::testing::HasSubstr("closures within it, 0 with runs before"));
+  EXPECT_EQ(RunFacet("map export " + map + " " + Path("points.ply")).exit_code, 0);
+  EXPECT_GT(Read("points.ply").size(), 1000u);
   // The same room from another moment on, whose world begins elsewhere.
   Run("later", "--start 6 --duration 6 --map " + map);
   const auto known = nlohmann::json::parse(Read("later/summary.json"))["loops"]["known_map"];
@@ -125,6 +131,7 @@ TEST(SavedMapTest, AMapThatIsNoneIsRefused) {
   const ProgramRun damaged = RunFacet("run recording --map " + (folder / "map").string());
   EXPECT_EQ(damaged.exit_code, 3);
   EXPECT_THAT(damaged.err, ::testing::HasSubstr("places.facetmap"));
+  EXPECT_EQ(RunFacet("map info " + (folder / "map").string()).exit_code, 3);
 }
 
 }  // namespace

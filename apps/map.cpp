@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// `facet map`: what earlier runs have left for later ones.
+#include "map.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include "facet/io/ply_writer.h"
+#include "facet/io/saved_map_file.h"
+
+namespace facet {
+namespace {
+
+std::vector<Vector3d> PointsInMap(const SavedMap& map) {
+  std::vector<Vector3d> points;
+  for (const PlaceRecord& place : map.places) {
+    const SE3 T_MC = map.graph.nodes[place.node].T_MW.ToSE3() * place.T_WC();
+    for (const RecordPoint& point : place.points)
+      points.push_back(T_MC * point.p_C.cast<double>());
+  }
+  return points;
+}
+
+/// Of one run: its keyframes, how long it was, its places, and what ties it to others.
+void PrintSession(const SavedMap& map, int session) {
+  const auto is_own = [&](int node) { return map.keyframes[node].session == session; };
+  std::vector<Timestamp> stamps;
+  for (const MapKeyframe& keyframe : map.keyframes) {
+    if (keyframe.session == session) stamps.push_back(keyframe.t);
+  }
+  const auto [first, last] = std::ranges::minmax_element(stamps);
+  const double length_s = stamps.empty() ? 0 : ToSeconds(*last - *first);
+  const auto num_places = std::ranges::count_if(
+      map.places, [&](const PlaceRecord& place) { return place.session == session; });
+  int num_within = 0, num_across = 0;
+  for (const GraphEdge& edge : map.graph.edges) {
+    if (!edge.is_closure || !is_own(edge.second)) continue;
+    ++(is_own(edge.first) ? num_within : num_across);
+  }
+  std::printf(
+      "  run %-3d %6zu keyframes in %.0f s, %d places, %d closures within it, %d with runs "
+      "before\n",
+      session + 1,
+      stamps.size(),
+      length_s,
+      static_cast<int>(num_places),
+      num_within,
+      num_across);
+}
+
+}  // namespace
+
+void MapInfoCommand(const MapArguments& arguments) {
+  const SavedMap map = ReadSavedMap(arguments.map);
+  const std::vector<Vector3d> points = PointsInMap(map);
+  constexpr double kBytesPerMb = 1e6;
+  const auto size =
+      std::filesystem::file_size(std::filesystem::path(arguments.map) / kSavedMapName);
+  std::printf("map of places, %.1f MB: %zu places with %zu points, %d runs\n",
+              static_cast<double>(size) / kBytesPerMb,
+              map.places.size(),
+              points.size(),
+              map.num_sessions);
+  for (int session = 0; session < map.num_sessions; ++session)
+    PrintSession(map, session);
+  if (points.empty()) return;
+  // Few are so far away that they would say nothing of the map's size.
+  Vector3d low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Vector3d& point : points)
+      values.push_back(point[axis]);
+    std::ranges::sort(values);
+    low[axis] = values[values.size() / 50];
+    high[axis] = values[values.size() - 1 - values.size() / 50];
+  }
+  std::printf("  nearly all points from (%.1f, %.1f, %.1f) to (%.1f, %.1f, %.1f) m\n",
+              low.x(),
+              low.y(),
+              low.z(),
+              high.x(),
+              high.y(),
+              high.z());
+}
+
+void MapExportCommand(const MapArguments& arguments) {
+  WritePlyPoints(arguments.out, PointsInMap(ReadSavedMap(arguments.map)));
+}
+
+}  // namespace facet
