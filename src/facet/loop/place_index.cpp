@@ -24,7 +24,7 @@ std::uint32_t Piece(const BinaryDescriptor& descriptor, std::size_t table) {
 
 }  // namespace
 
-PlaceIndex::PlaceIndex(std::span<const PlaceRecord> places) {
+PlaceIndex::PlaceIndex(const std::deque<PlaceRecord>& places) {
   const std::size_t num = std::min(places.size(), kMostPlaces);
   for (std::size_t i = 0; i < num; ++i) {
     places_.push_back({places[i].t, places[i].session, static_cast<int>(places[i].points.size())});

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -18,10 +19,9 @@ namespace facet {
 class PlaceIndex {
  public:
   /// Of at most 65536 places; later ones are left out.
-  explicit PlaceIndex(std::span<const PlaceRecord> places);
+  explicit PlaceIndex(const std::deque<PlaceRecord>& places);
 
-  /// At most `most` places, the likeliest first; of neighbours in time only the best one. Numbers
-  /// are those of the span.
+  /// At most `most` places, the likeliest first; of neighbours in time only the best one.
   std::vector<int> Best(std::span<const UprightCorner> corners, std::size_t most) const;
 
  private:

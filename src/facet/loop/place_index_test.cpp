@@ -28,8 +28,8 @@ BinaryDescriptor Disturbed(BinaryDescriptor descriptor, double share, Rng& rng) 
   return descriptor;
 }
 
-std::vector<PlaceRecord> Places(Rng& rng) {
-  std::vector<PlaceRecord> places(kNumPlaces);
+std::deque<PlaceRecord> Places(Rng& rng) {
+  std::deque<PlaceRecord> places(kNumPlaces);
   for (int i = 0; i < kNumPlaces; ++i) {
     places[i].t = Timestamp{i * 10'000'000'000};
     places[i].points.resize(kNumPoints);
@@ -53,7 +53,7 @@ std::vector<UprightCorner> ViewOf(const PlaceRecord& place, Rng& rng) {
 
 TEST(PlaceIndexTest, ThePlaceThatIsSeenComesFirst) {
   Rng rng(1);
-  const std::vector<PlaceRecord> places = Places(rng);
+  const std::deque<PlaceRecord> places = Places(rng);
   const PlaceIndex index(places);
   for (int i = 0; i < kNumPlaces; ++i) {
     const std::vector<int> best = index.Best(ViewOf(places[i], rng), 3);
@@ -65,7 +65,7 @@ TEST(PlaceIndexTest, ThePlaceThatIsSeenComesFirst) {
 
 TEST(PlaceIndexTest, OfNeighboursInTimeOnlyOneIsNamed) {
   Rng rng(2);
-  std::vector<PlaceRecord> places = Places(rng);
+  std::deque<PlaceRecord> places = Places(rng);
   places[8].points = places[7].points;
   places[8].t = places[7].t + Duration{1'000'000'000};
   places[30].points = places[7].points;  // the same again, later
@@ -78,7 +78,7 @@ TEST(PlaceIndexTest, OfNeighboursInTimeOnlyOneIsNamed) {
 // White walls and skies: all corners alike.
 TEST(PlaceIndexTest, WhatEveryPlaceHasSaysNothing) {
   Rng rng(3);
-  std::vector<PlaceRecord> places = Places(rng);
+  std::deque<PlaceRecord> places = Places(rng);
   for (PlaceRecord& place : places) {
     for (std::size_t i = 0; i < 60; ++i)
       place.points[i].descriptors[1] = BinaryDescriptor{};

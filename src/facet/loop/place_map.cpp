@@ -81,16 +81,18 @@ PlaceMap::PlaceMap(const StereoRig& rig, const LoopOptions& options, const Saved
   graph_ = MapGraph(known.graph);
   keyframes_ = known.keyframes;
   places_.assign(known.places.begin(), known.places.end());
-  index_.emplace(known.places);
+  index_.emplace(places_);
   session_ = known.num_sessions;
-  first_own_node_ = graph_.num_nodes();
+  first_own_node_ = first_sought_node_ = graph_.num_nodes();
+  num_places_before_ = num_places();
   is_localised_ = false;
 }
 
 bool PlaceMap::IsWanted(Timestamp t) const {
-  constexpr double kLost_s = 0.1;
+  constexpr double kLost_s = 0.1, kHurried_s = 20;
+  const bool is_hurried = index_ && (!search_began_ || ToSeconds(t - *search_began_) < kHurried_s);
   const double interval_s =
-      is_localised_ ? options_.query_interval_s : std::min(kLost_s, options_.query_interval_s);
+      is_hurried ? std::min(kLost_s, options_.query_interval_s) : options_.query_interval_s;
   return !last_query_ || ToSeconds(t - *last_query_) >= interval_s - 1e-3;
 }
 
@@ -107,13 +109,15 @@ bool PlaceMap::Hovers(const KeyframeView& view) const {
 
 void PlaceMap::Add(const KeyframeView& view) {
   if (!IsWanted(view.t) || view.left.empty() || Hovers(view)) return;
+  if (last_query_ && view.segment != last_query_segment_) BeginSearch(view);
+  if (!search_began_) search_began_ = view.t;
   last_query_ = view.t;
   last_query_T_WB_ = view.T_WB;
   last_query_segment_ = view.segment;
   is_known_well_ = false;
   pyramid_.Build(view.left, 2);
   const std::vector<int> candidates = Candidates(view);
-  if (!candidates.empty() || !is_localised_) {
+  if (!candidates.empty() || index_) {
     query_ = {view.camera,
               view.T_WB,
               view.T_BC,
@@ -124,12 +128,28 @@ void PlaceMap::Add(const KeyframeView& view) {
       const auto places = WithNeighbours(place);
       Consider(checker_.Check(query_, places, Predict(places_[place], view)), place, view);
     }
-    if (!is_localised_) CompareByAppearance(view);
+    if (index_) CompareByAppearance(view);
     BelieveWhatAgrees();
   }
   if (graph_.num_nodes() > first_own_node_) T_MW_ = graph_.T_MW(graph_.num_nodes() - 1);
   Keep(view);
   pyramid_.Clear();  // it refers to the image
+}
+
+// After a loss nothing but gravity is known for sure.
+void PlaceMap::BeginSearch(const KeyframeView& view) {
+  if (places_.empty()) return;
+  index_.emplace(places_);
+  search_began_ = view.t;
+  first_sought_node_ = graph_.num_nodes();
+  num_places_before_ = num_places();
+  pending_.clear();
+  is_ambiguous_ = false;
+}
+
+/// Whether it is of the part of the run that is looked for.
+bool PlaceMap::IsOfThisPart(int place) const {
+  return place >= num_places_before_;
 }
 
 void PlaceMap::CompareByAppearance(const KeyframeView& view) {
@@ -143,8 +163,9 @@ std::vector<int> PlaceMap::Candidates(const KeyframeView& view) const {
   std::vector<std::pair<double, int>> found;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const PlaceRecord& place = places_[i];
-    const bool is_own = place.session == session_;
-    if (is_own ? ToSeconds(view.t - place.t) < options_.min_age_s : !is_localised_) continue;
+    // Where the others are is not known well enough.
+    if (index_ && !IsOfThisPart(static_cast<int>(i))) continue;
+    if (place.session == session_ && ToSeconds(view.t - place.t) < options_.min_age_s) continue;
     const SE3 T_MW_place = graph_.T_MW(place.node).ToSE3();
     const SE3 T_WC = (T_MW_place.Inverse() * T_MW_.ToSE3()) * view.T_WB * view.T_BC;
     const double share = SeenShare(place, T_WC.Inverse(), T_WC);
@@ -246,7 +267,7 @@ void PlaceMap::Consider(const ClosureCheck& check, int place, const KeyframeView
                       view.T_WB.p,
                       check.T_WplaceWquery * view.T_WB.p - places_[place].T_WB.p,
                       view.t,
-                      places_[place].session != session_});
+                      index_ && !IsOfThisPart(place)});
   const SE3 T_moved = places_[place].T_WB.Inverse() * check.T_WplaceWquery.ToSE3() * view.T_WB;
   constexpr double kSameShare = 0.15, kSameAngle_rad = 0.35;
   if (T_moved.p.norm() < kSameShare * places_[place].median_distance_m &&
@@ -284,7 +305,7 @@ void PlaceMap::FindInMap() {
   const Pending* best = nullptr;
   std::size_t most = 0;
   for (const Pending& one : pending_) {
-    if (!one.is_of_other_run) continue;
+    if (!one.is_by_appearance) continue;
     const std::size_t num = AgreeingKeyframes(one).size();
     if (num > most) {
       most = num;
@@ -293,15 +314,15 @@ void PlaceMap::FindInMap() {
   }
   if (most < kMinAgreeing) return;
   is_ambiguous_ = std::any_of(pending_.begin(), pending_.end(), [&](const Pending& other) {
-    if (!other.is_of_other_run || Agree(*best, other)) return false;
+    if (!other.is_by_appearance || Agree(*best, other)) return false;
     const std::size_t num = AgreeingKeyframes(other).size();
     return num >= kMinElsewhere && 3 * num >= most;
   });
   if (is_ambiguous_) return;
   T_MW_ = graph_.T_MW(best->place_node) * best->T_WplaceWquery;
-  graph_.Place(first_own_node_, T_MW_);
+  graph_.Place(first_sought_node_, T_MW_);
+  if (!is_localised_) localised_ = pending_.back().t;
   is_localised_ = true;
-  localised_ = pending_.back().t;
   index_.reset();
 }
 
@@ -313,11 +334,11 @@ void PlaceMap::BelieveWhatAgrees() {
     if (record.edge < 0) record.verdict = "no others agreed";
     pending_.pop_front();
   }
-  if (!is_localised_) FindInMap();
+  if (index_) FindInMap();
   bool has_new = false;
   for (const Pending& one : pending_) {
     ClosureRecord& record = closures_[one.closure];
-    if (record.edge >= 0 || (one.is_of_other_run && !is_localised_)) continue;
+    if (record.edge >= 0 || (one.is_by_appearance && index_)) continue;
     const std::vector<int> keyframes = AgreeingKeyframes(one);
     if (keyframes.size() < kMinAgreeing) continue;
     record.edge = static_cast<int>(graph_.edges().size());

@@ -40,9 +40,11 @@ struct MapCorrection {
   UprightPose T_MW;
 };
 
-/// With a map of runs before, the present one is looked for in it, by appearance: until it is found
-/// T_MW leads to a map of its own, which begins with its world. It is found when three keyframes
-/// say the same, and no two of them something else.
+/// Where little is known of where the keyframes are, they are looked for by appearance: the run is
+/// found when three keyframes say the same, and no two of them something else. With a map of runs
+/// before that is the case from the beginning on, and T_MW leads to a map of the run's own until it
+/// is found. After a loss of the odometry it is the case, too, and T_MW stays what it was until
+/// then.
 ///
 /// Not thread-safe; deterministic.
 class PlaceMap {
@@ -98,12 +100,14 @@ class PlaceMap {
     Vector3d p_W;               // the keyframe's body, in its world
     Vector3d p_place;           // from the place's body to the keyframe's, in the place's world
     Timestamp t;
-    bool is_of_other_run = false;
+    bool is_by_appearance = false;  // before the run was found
   };
 
   bool Hovers(const KeyframeView& view) const;
   std::vector<int> Candidates(const KeyframeView& view) const;
+  void BeginSearch(const KeyframeView& view);
   void CompareByAppearance(const KeyframeView& view);
+  bool IsOfThisPart(int place) const;
   double SeenShare(const PlaceRecord& place, const SE3& T_CW_place, const SE3& T_WC) const;
   ClosurePrediction Predict(const PlaceRecord& place, const KeyframeView& view) const;
   std::vector<const PlaceRecord*> WithNeighbours(int place) const;
@@ -127,9 +131,14 @@ class PlaceMap {
   std::deque<Pending> pending_;
   std::vector<ClosureRecord> closures_;
   UprightPose T_MW_;
-  std::optional<PlaceIndex> index_;  // of the places of runs before, until this one is found there
+  // While the run is looked for: of all places before, and when that began.
+  std::optional<PlaceIndex> index_;
+  std::optional<Timestamp> search_began_;
   int session_ = 0;
   int first_own_node_ = 0;
+  int first_sought_node_ =
+      0;  // of the part of the run that is looked for: since its begin or a loss
+  int num_places_before_ = 0;  // those of that part come after them
   bool is_localised_ = true, is_ambiguous_ = false;
   std::optional<Timestamp> localised_;
   std::optional<Timestamp> last_query_, last_kept_;

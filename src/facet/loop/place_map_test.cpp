@@ -285,6 +285,28 @@ TEST(PlaceMapTest, ARunThatWasFoundExtendsTheMap) {
   EXPECT_LT(third.ErrorInMap_m(), 0.06);
 }
 
+// What the odometry claims after a loss may be far from true; its world goes on from there.
+TEST(PlaceMapTest, AfterALossTheRunFindsItselfInItsOwnMap) {
+  const PaintedRoom room(1);
+  Flight flight;
+  flight.Fly(room, 0, kPerLap);
+  const UprightPose lost{1.2, Vector3d(2, -1, 0.3)};
+  for (int i = kPerLap; i < kPerLap + 10; ++i) {
+    KeyframeView view = room.View(
+        i, SmallCamera(), LooksAhead(), TruePose(i), (lost * Drift(i)).ToSE3() * TruePose(i));
+    view.segment = 1;
+    view.sigma_p.setConstant(1);
+    view.sigma_theta.setConstant(0.3);
+    flight.map.Add(view);
+  }
+  const int last = kPerLap + 9;
+  const SE3 T_MB = flight.map.T_MW().ToSE3() * (lost * Drift(last)).ToSE3() * TruePose(last);
+  const double then_m = (Drift(last - kPerLap) * TruePose(last).p - TruePose(last).p).norm();
+  EXPECT_LT((T_MB.p - TruePose(last).p).norm(), then_m + 0.02);
+  EXPECT_TRUE(flight.map.is_localised());
+  EXPECT_FALSE(flight.map.localised()) << "there was no map before";
+}
+
 TEST(PlaceMapTest, AnEmptyMapIsNone) {
   PlaceMap map(Rig(), LoopOptions(), SavedMap());
   EXPECT_TRUE(map.is_localised());
