@@ -118,6 +118,9 @@ TEST_F(LoopsTest, ALaterRunIsFoundInTheSavedMapOrSaysThatItIsNot) {
                                   map + " --save-map " + map + " --out " + Path("short"));
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, ::testing::HasSubstr("was not found in the map"));
+  const ProgramRun over = RunFacet("run " + Path("room") + " --save-map " + map);
+  EXPECT_EQ(over.exit_code, 2);
+  EXPECT_THAT(over.err, ::testing::HasSubstr("has a map already"));
   EXPECT_TRUE(Read("map/places.facetmap") == before);
   EXPECT_EQ(Read("short/trajectory_map.tum").find("14"), std::string::npos) << "a pose in the map";
 }

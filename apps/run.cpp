@@ -64,13 +64,48 @@ VioOptions ChooseOptions(const RunArguments& arguments) {
   return options;
 }
 
+/// Whether the run adds to the map in which it is looked for.
+bool ExtendsMap(const RunArguments& arguments) {
+  std::error_code error;
+  return !arguments.map.empty() &&
+         std::filesystem::equivalent(arguments.map, arguments.save_map, error);
+}
+
+/// Makes the folder for the map, so that what is wrong with it is known before the run. A map that
+/// is there already is not replaced by one that does not have it.
+void PrepareToSaveMap(const RunArguments& arguments) {
+  if (arguments.save_map.empty()) return;
+  const std::filesystem::path folder = arguments.save_map;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw OutputError("--save-map " + folder.string() + ": cannot be made: " + error.message());
+  if (std::filesystem::exists(folder / kSavedMapName, error) && !ExtendsMap(arguments))
+    throw ConfigError("--save-map " + folder.string() +
+                      " has a map already: add to it with --map " + folder.string() +
+                      ", or give another folder");
+}
+
+/// The map of runs before is never lost: what is written has it, and where the run was not found
+/// nothing is written in its place. What goes wrong ends a run that is complete otherwise.
+void SaveMap(const RunArguments& arguments, const RunRecord& record, bool is_complete) {
+  if (!record.loops || !record.loops->map || record.loops->map->places.empty()) return;
+  if (ExtendsMap(arguments) && !record.loops->localised) return;
+  try {
+    WriteSavedMap(arguments.save_map, *record.loops->map);
+  } catch (const OutputError& error) {
+    if (is_complete) throw;
+    Tell(arguments, "warning", error.what());
+  }
+}
+
 void WarnOfUnknownPlace(const RunArguments& arguments, RunRecord& record) {
   if (!record.loops || !record.loops->has_known_map || record.loops->localised) return;
   record.warnings.push_back("the run was not found in the map of " + arguments.map +
                             (record.loops->is_ambiguous
                                  ? ": it looks like more than one place there"
                                  : ": nothing that was seen looks like it") +
-                            (record.loops->map ? "; the map is saved without this run" : ""));
+                            (record.loops->map ? "; the map stays as it was" : ""));
 }
 
 std::unique_ptr<Recording> OpenForRun(const RunArguments& arguments) {
@@ -399,6 +434,7 @@ void MoveMeshes(const std::filesystem::path& from, const std::filesystem::path& 
 
 void RunCommand(const RunArguments& arguments) {
   const VioOptions options = ChooseOptions(arguments);
+  PrepareToSaveMap(arguments);
   const std::unique_ptr<Recording> opened = OpenForRun(arguments);
   Recording& recording = *opened;
   if (arguments.verbose)
@@ -443,9 +479,6 @@ void RunCommand(const RunArguments& arguments) {
   if (partial) MoveMeshes(mesh_files.folder(), folder.staging() / "meshes");
   folder.Commit();
   if (partial) partial->Remove();
-  // Of a run that is stopped, too.
-  if (run.record.loops && run.record.loops->map)
-    WriteSavedMap(arguments.save_map, *run.record.loops->map);
   for (const std::string& warning : run.record.warnings) {
     if (warning != run.message) Tell(arguments, "warning", warning);
   }
@@ -455,6 +488,7 @@ void RunCommand(const RunArguments& arguments) {
     PrintLatency("pose", PoseLatency(run.record.frames));
     PrintLatency("mesh, on keyframes", MeshLatency(run.record.frames));
   }
+  SaveMap(arguments, run.record, is_complete);
   FinishPublishing(publishing, is_complete, arguments);
   KeepShowing(live.get(), arguments, run);
   if (!is_complete) throw RunEndedError(ExitCode(run.end), run.message);

@@ -14,11 +14,6 @@ add_compile_options("$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>")
 
 # Results must not depend on whether the compiler fuses a multiplication with an addition.
 add_compile_options(-ffp-contract=off)
-if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
-  # By this macro Eigen decides to fuse them itself. One more rounding turns decisions of the front end, and 1e-7 becomes
-  # a tenth of a millimetre.
-  add_compile_options(-U__ARM_FEATURE_FMA)
-endif()
 # A shared object may link the libraries. Everything is compiled alike, because precompiled headers serve libraries and
 # programs; functions of a library still call each other directly.
 add_compile_options(-fPIC -fno-semantic-interposition)

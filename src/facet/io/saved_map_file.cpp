@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/io/saved_map_file.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -10,6 +11,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include <Eigen/Cholesky>
 #include <zlib.h>
 
 #include "facet/io/errors.h"
@@ -113,6 +115,18 @@ class Reader {
 
 // ---- each part is written and read by a pair of functions
 
+// What is larger or smaller is an error, and could keep the optimisation from ending.
+constexpr double kMostMetres = 1e7, kLeastVariance = 1e-14, kMostVariance = 1e10;
+
+void RequirePosition(const Vector3d& p) {
+  Reader::Require(p.cwiseAbs().maxCoeff() < kMostMetres, "a position is out of this world");
+}
+
+void RequireStamp(Timestamp t) {
+  constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;
+  Reader::Require(t.ns > -kLatest_ns && t.ns < kLatest_ns, "a stamp cannot be");
+}
+
 void Put(Writer& out, const GraphEdge& edge) {
   out.Put(std::int32_t{edge.first});
   out.Put(std::int32_t{edge.second});
@@ -133,12 +147,19 @@ void Get(Reader& in, GraphEdge& edge, std::size_t num_nodes) {
   in.Get(edge.yaw_rad);
   in.Get(edge.p_first);
   in.Get(edge.covariance);
-  Reader::Require(edge.covariance.diagonal().minCoeff() > 0, "a variance is not positive");
+  RequirePosition(edge.p_first);
+  Reader::Require(edge.covariance.diagonal().minCoeff() > kLeastVariance &&
+                      edge.covariance.diagonal().maxCoeff() < kMostVariance &&
+                      edge.covariance.isApprox(edge.covariance.transpose()) &&
+                      Eigen::LLT<Matrix4d>(edge.covariance).info() == Eigen::Success,
+                  "a covariance is none");
   in.Get(edge.stretch_per_px);
+  Reader::Require(std::abs(edge.stretch_per_px) < 1e3, "a closure's distance cannot be");
   std::uint8_t is_closure = 0;
   in.Get(is_closure);
   edge.is_closure = is_closure != 0;
   in.Get(edge.weight);
+  Reader::Require(edge.weight >= 0 && edge.weight <= 1, "a weight is none");
 }
 
 void Put(Writer& out, const GraphNode& node, const MapKeyframe& keyframe) {
@@ -159,6 +180,9 @@ void Get(Reader& in, GraphNode& node, MapKeyframe& keyframe) {
   in.Get(keyframe.t.ns);
   in.Get(keyframe.segment);
   in.Get(keyframe.session);
+  RequirePosition(node.p_W);
+  RequirePosition(node.T_MW.p);
+  RequireStamp(keyframe.t);
 }
 
 constexpr std::size_t kPointBytes =
@@ -217,10 +241,13 @@ void Get(Reader& in, PlaceRecord& place, const SavedMap& map) {
   in.Get(place.frame.value);
   Reader::Require(place.node >= 0 && static_cast<std::size_t>(place.node) < map.graph.nodes.size(),
                   "a place is at no node");
-  Reader::Require(place.session >= 0 && place.session < map.num_sessions,
-                  "a place is of no session");
+  const MapKeyframe& keyframe = map.keyframes[static_cast<std::size_t>(place.node)];
+  Reader::Require(place.session == keyframe.session && place.t == keyframe.t,
+                  "a place is not of its node");
   in.Get(place.T_WB);
   in.Get(place.T_BC);
+  RequirePosition(place.T_WB.p);
+  RequirePosition(place.T_BC.p);
   in.Get(place.sigma_tilt_rad);
   in.Get(place.median_distance_m);
   Reader::Require(place.sigma_tilt_rad > 0 && place.median_distance_m > 0, "a place has no size");
@@ -245,12 +272,31 @@ std::string Pack(const SavedMap& map) {
   return out.bytes();
 }
 
+/// Runs follow each other, and neighbours in them are joined by edges.
+void CheckNodes(const SavedMap& map) {
+  for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
+    const int session = map.keyframes[i].session;
+    const int before = i == 0 ? 0 : map.keyframes[i - 1].session;
+    Reader::Require(session >= before && session < map.num_sessions, "a node is of no run");
+    const int edge = map.graph.nodes[i].edge_to_previous;
+    const bool is_first = i == 0;
+    Reader::Require(is_first == (edge < 0) && edge < static_cast<int>(map.graph.edges.size()),
+                    "a node has no edge");
+    if (is_first) continue;
+    const GraphEdge& to_previous = map.graph.edges[static_cast<std::size_t>(edge)];
+    Reader::Require(!to_previous.is_closure && to_previous.second == static_cast<int>(i) &&
+                        to_previous.first == to_previous.second - 1,
+                    "a node has no edge");
+  }
+}
+
 SavedMap Unpack(std::string_view bytes) {
   constexpr std::size_t kNodeBytes = 7 * 8 + 4 + 16 + 8, kEdgeBytes = 8 + 22 * 8 + 1;
   constexpr std::size_t kPlaceBytes = 3 * 4 + 16 + 14 * 8 + 16 + 8;
   Reader in(bytes);
   SavedMap map;
   in.Get(map.num_sessions);
+  Reader::Require(map.num_sessions > 0, "it has no runs");
   in.Get(map.graph.disparity_error_px);
   map.keyframes.resize(in.Count(kNodeBytes));
   map.graph.nodes.resize(map.keyframes.size());
@@ -259,13 +305,16 @@ SavedMap Unpack(std::string_view bytes) {
   map.graph.edges.resize(in.Count(kEdgeBytes));
   for (GraphEdge& edge : map.graph.edges)
     Get(in, edge, map.graph.nodes.size());
-  for (const GraphNode& node : map.graph.nodes)
-    Reader::Require(node.edge_to_previous < static_cast<int>(map.graph.edges.size()),
-                    "a node has no edge");
+  CheckNodes(map);
   map.places.resize(in.Count(kPlaceBytes));
   for (PlaceRecord& place : map.places)
     Get(in, place, map);
   Reader::Require(in.is_at_end(), "something is behind its end");
+  Reader::Require(!map.places.empty(), "it has no places");
+  Reader::Require(std::is_sorted(map.places.begin(),
+                                 map.places.end(),
+                                 [](const auto& a, const auto& b) { return a.node < b.node; }),
+                  "places are in no order");
   return map;
 }
 
@@ -310,7 +359,8 @@ void WriteSavedMap(const std::filesystem::path& folder, const SavedMap& map) {
 SavedMap ReadSavedMap(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kSavedMapName;
   // A pipe or a device could be read for ever.
-  if (!std::filesystem::is_regular_file(file))
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(file, unreadable))
     throw InputError(file.string() + ": no map of places; facet run --save-map makes one");
   std::ifstream stream(file, std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(stream), {});

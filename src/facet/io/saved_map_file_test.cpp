@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/io/saved_map_file.h"
 
+#include <cmath>
 #include <fstream>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "facet/base/random.h"
 #include "facet/io/errors.h"
@@ -14,6 +17,7 @@ namespace facet {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 SavedMap SmallMap() {
   SavedMap map;
@@ -23,19 +27,20 @@ SavedMap SmallMap() {
     map.graph.nodes.push_back({Vector3d(i, 2, 3), {0.1 * i, Vector3d(4, 5, i)}, i - 1});
     map.keyframes.push_back({FrameId{7 + i}, Timestamp{1000 + i}, i, i / 2});
   }
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < 3; ++i) {
     GraphEdge edge;
-    edge.first = i;
-    edge.second = i + 1;
+    edge.first = i % 2;
+    edge.second = i == 0 ? 1 : 2;  // two between neighbours, and a closure
+    if (i == 2) edge.first = 0;
     edge.p_first = Vector3d(1, 0, i);
     edge.covariance = (1 + i) * Matrix4d::Identity();
-    edge.is_closure = i == 1;
+    edge.is_closure = i == 2;
     edge.weight = 0.5;
     map.graph.edges.push_back(edge);
   }
   PlaceRecord place;
-  place.node = 1;
-  place.t = Timestamp{1001};
+  place.node = 2;
+  place.t = Timestamp{1002};
   place.session = 1;
   place.frame = FrameId{8};
   place.T_WB = {Quaterniond(0.5, 0.5, -0.5, 0.5), Vector3d(1, 2, 3)};
@@ -88,9 +93,10 @@ TEST_F(SavedMapFileTest, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.graph.nodes[2].p_W, map.graph.nodes[2].p_W);
   EXPECT_EQ(read.graph.nodes[2].T_MW.p, map.graph.nodes[2].T_MW.p);
   EXPECT_EQ(read.graph.nodes[2].edge_to_previous, 1);
-  ASSERT_EQ(read.graph.edges.size(), 2u);
+  ASSERT_EQ(read.graph.edges.size(), 3u);
   EXPECT_EQ(read.graph.edges[1].covariance, map.graph.edges[1].covariance);
-  EXPECT_TRUE(read.graph.edges[1].is_closure);
+  EXPECT_FALSE(read.graph.edges[1].is_closure);
+  EXPECT_TRUE(read.graph.edges[2].is_closure);
   EXPECT_EQ(read.graph.edges[1].weight, 0.5);
   ASSERT_EQ(read.places.size(), 1u);
   EXPECT_EQ(read.places[0].T_WB.p, map.places[0].T_WB.p);
@@ -136,6 +142,39 @@ TEST_F(SavedMapFileTest, FiveHundredMutationsAreRefused) {
   }
 }
 
+// What a checksum does not see: damaged by a program, with the right sum.
+TEST_F(SavedMapFileTest, MutationsWithTheRightChecksumAreRefusedOrHarmless) {
+  constexpr std::size_t kHead = 24, kSizeAt = 12, kCrcAt = 20;
+  WriteSavedMap(folder_.path(), SmallMap());
+  const std::string good = Bytes();
+  Rng rng(2);
+  int num_refused = 0;
+  for (int i = 0; i < 500; ++i) {
+    std::string payload = good.substr(kHead);
+    const auto at =
+        std::min(static_cast<std::size_t>(rng.Uniform() * static_cast<double>(payload.size())),
+                 payload.size() - 1);
+    if (i % 4 == 0) payload.resize(at);
+    if (i % 4 != 0) payload[at] = static_cast<char>(i % 4 == 1 ? 0xFF : payload[at] ^ (1 << i % 8));
+    std::string bytes = good.substr(0, kHead) + payload;
+    const std::uint64_t size = payload.size();
+    const auto crc = static_cast<std::uint32_t>(
+        crc32_z(0, reinterpret_cast<const Bytef*>(payload.data()), payload.size()));
+    bytes.replace(kSizeAt, sizeof size, reinterpret_cast<const char*>(&size), sizeof size);
+    bytes.replace(kCrcAt, sizeof crc, reinterpret_cast<const char*>(&crc), sizeof crc);
+    const std::string error = ErrorWith(bytes);
+    if (error == "none") {
+      MapGraph graph(ReadSavedMap(folder_.path()).graph);
+      graph.Optimize();  // ends
+    } else {
+      EXPECT_THAT(error, HasSubstr(kSavedMapName));
+      EXPECT_THAT(error, Not(HasSubstr("checksum")));
+      ++num_refused;
+    }
+  }
+  EXPECT_GT(num_refused, 130);
+}
+
 // A right checksum over what cannot be: written by a program with an error, or on purpose.
 TEST_F(SavedMapFileTest, WhatCannotBeIsRefused) {
   const auto error_of = [&](auto change) {
@@ -145,12 +184,28 @@ TEST_F(SavedMapFileTest, WhatCannotBeIsRefused) {
     return ErrorWith(Bytes());
   };
   EXPECT_THAT(error_of([](SavedMap& m) { m.places[0].node = 3; }), HasSubstr("at no node"));
-  EXPECT_THAT(error_of([](SavedMap& m) { m.places[0].session = 2; }), HasSubstr("no session"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.places[0].session = 2; }), HasSubstr("not of its node"));
   EXPECT_THAT(error_of([](SavedMap& m) { m.graph.edges[0].second = 0; }), HasSubstr("an edge"));
   EXPECT_THAT(error_of([](SavedMap& m) { m.graph.edges[1].second = 3; }), HasSubstr("an edge"));
   EXPECT_THAT(error_of([](SavedMap& m) { m.graph.edges[1].covariance.setZero(); }),
-              HasSubstr("variance"));
-  EXPECT_THAT(error_of([](SavedMap& m) { m.graph.nodes[0].edge_to_previous = 2; }),
+              HasSubstr("covariance"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.graph.edges[1].covariance(0, 1) = 5; }),
+              HasSubstr("covariance"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.graph.edges[1].covariance *= 1e-20; }),
+              HasSubstr("covariance"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.graph.edges[1].p_first.x() = 1e160; }),
+              HasSubstr("out of this world"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.graph.edges[2].weight = -1; }), HasSubstr("weight"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.num_sessions = 0; }), HasSubstr("no runs"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.keyframes[0].session = 1; }), HasSubstr("of no run"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.keyframes[2].session = 2; }), HasSubstr("of no run"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.places.clear(); }), HasSubstr("no places"));
+  EXPECT_THAT(error_of([](SavedMap& m) {
+                m.keyframes[2].t = m.places[0].t =
+                    Timestamp{std::numeric_limits<std::int64_t>::max()};
+              }),
+              HasSubstr("stamp"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.graph.nodes[0].edge_to_previous = 1; }),
               HasSubstr("no edge"));
   EXPECT_THAT(error_of([](SavedMap& m) { m.places[0].T_WB.q.coeffs().setZero(); }),
               HasSubstr("rotation"));

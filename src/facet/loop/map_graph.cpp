@@ -39,10 +39,10 @@ int MapGraph::AddSession(const Vector3d& p_W) {
   return node;
 }
 
-void MapGraph::Place(int first_node, const UprightPose& T_MW) {
+void MapGraph::Move(int first_node, const UprightPose& by) {
   FACET_CHECK(first_node >= 0);
   for (int node = first_node; node < num_nodes(); ++node)
-    state_.nodes[node].T_MW = T_MW;
+    state_.nodes[node].T_MW = by * state_.nodes[node].T_MW;
 }
 
 int MapGraph::AddNode(const Vector3d& p_W, const Matrix4d& drift) {
@@ -101,10 +101,12 @@ double MapGraph::Chi2(const GraphEdge& edge) const {
 
 void MapGraph::Optimize() {
   constexpr double kEasing = 1.6;
+  constexpr double kLargestMu = 1e12;
   double mu = 1;
   for (const GraphEdge& edge : state_.edges) {
     if (edge.is_closure) mu = std::max(mu, 2 * Chi2(edge) / kMaxChi2);
   }
+  mu = std::min(mu, kLargestMu);
   for (bool is_last = false; !is_last; mu = std::max(1.0, mu / kEasing)) {
     is_last = mu == 1;
     const int steps = is_last ? 4 : 1;

@@ -49,11 +49,11 @@ class MapGraph {
   int AddNode(const Vector3d& p_W, const Matrix4d& drift);
 
   /// The first keyframe of another run, of whose place in the map nothing is known. Its T_MW is the
-  /// identity until Place or a closure says more.
+  /// identity until Move or a closure says more.
   int AddSession(const Vector3d& p_W);
 
-  /// Moves a node and all after it: T_MW of each becomes this one.
-  void Place(int first_node, const UprightPose& T_MW);
+  /// Moves a node and all after it, as they are to each other, by this turn and way in the map.
+  void Move(int first_node, const UprightPose& by);
 
   /// A better position in the odometry's world.
   void MoveNode(int node, const Vector3d& p_W);

@@ -89,10 +89,12 @@ PlaceMap::PlaceMap(const StereoRig& rig, const LoopOptions& options, const Saved
 }
 
 bool PlaceMap::IsWanted(Timestamp t) const {
-  constexpr double kLost_s = 0.1, kHurried_s = 20;
-  const bool is_hurried = index_ && (!search_began_ || ToSeconds(t - *search_began_) < kHurried_s);
-  const double interval_s =
-      is_hurried ? std::min(kLost_s, options_.query_interval_s) : options_.query_interval_s;
+  constexpr double kLost_s = 0.1, kHurried_s = 20, kPatient_s = 2;
+  double interval_s = options_.query_interval_s;
+  if (index_) {
+    const bool is_hurried = !search_began_ || ToSeconds(t - *search_began_) < kHurried_s;
+    interval_s = is_hurried ? std::min(kLost_s, interval_s) : std::max(kPatient_s, interval_s);
+  }
   return !last_query_ || ToSeconds(t - *last_query_) >= interval_s - 1e-3;
 }
 
@@ -111,6 +113,7 @@ void PlaceMap::Add(const KeyframeView& view) {
   if (!IsWanted(view.t) || view.left.empty() || Hovers(view)) return;
   if (last_query_ && view.segment != last_query_segment_) BeginSearch(view);
   if (!search_began_) search_began_ = view.t;
+  EndLongSearch(view.t);
   last_query_ = view.t;
   last_query_T_WB_ = view.T_WB;
   last_query_segment_ = view.segment;
@@ -136,15 +139,26 @@ void PlaceMap::Add(const KeyframeView& view) {
   pyramid_.Clear();  // it refers to the image
 }
 
-// After a loss nothing but gravity is known for sure.
+// After a loss nothing but gravity is known for sure. Who is looked for already goes on being so:
+// what came before this loss is in no map either.
 void PlaceMap::BeginSearch(const KeyframeView& view) {
   if (places_.empty()) return;
-  index_.emplace(places_);
   search_began_ = view.t;
+  if (index_) return;
+  index_.emplace(places_);
   first_sought_node_ = graph_.num_nodes();
   num_places_before_ = num_places();
-  pending_.clear();
-  is_ambiguous_ = false;
+}
+
+/// After a loss the odometry's own claim has to do if nothing is found for long.
+void PlaceMap::EndLongSearch(Timestamp t) {
+  constexpr double kLongest_s = 60;
+  if (!index_ || !is_localised_ || ToSeconds(t - *search_began_) < kLongest_s) return;
+  index_.reset();
+  for (const Pending& one : pending_) {
+    if (one.is_by_appearance) closures_[one.closure].verdict = "no others agreed";
+  }
+  std::erase_if(pending_, [](const Pending& one) { return one.is_by_appearance; });
 }
 
 /// Whether it is of the part of the run that is looked for.
@@ -154,8 +168,10 @@ bool PlaceMap::IsOfThisPart(int place) const {
 
 void PlaceMap::CompareByAppearance(const KeyframeView& view) {
   constexpr std::size_t kMostGuesses = 5;
-  for (const int place : index_->Best(query_.corners, kMostGuesses))
-    Consider(checker_.Check(query_, WithNeighbours(place), ClosurePrediction()), place, view);
+  for (const int place : index_->Best(query_.corners, kMostGuesses)) {
+    const ClosureCheck check = checker_.Check(query_, WithNeighbours(place), ClosurePrediction());
+    if (check.is_closure()) Consider(check, place, view);  // guesses that are none are no news
+  }
 }
 
 // Places that the keyframe should see, if the map is right about where both are: best first.
@@ -227,7 +243,6 @@ int PlaceMap::NodeOf(const KeyframeView& view) {
   if (!is_first && keyframes_.back().frame == view.frame) return graph_.num_nodes() - 1;
   const int node = is_first ? graph_.AddSession(view.T_WB.p)
                             : graph_.AddNode(view.T_WB.p, Drift(last_node_view_, view));
-  if (is_first && is_localised_) graph_.Place(node, T_MW_);
   keyframes_.push_back({view.frame, view.t, view.segment, session_});
   last_node_view_ = view;
   last_node_view_.left = cv::Mat();
@@ -287,15 +302,26 @@ bool PlaceMap::Agree(const Pending& a, const Pending& b) const {
          (by_a * p_W - by_b * p_W).norm() < 3 * sigma_m + kCommonError_m;
 }
 
-/// The nodes of those that say the same, its own first.
-std::vector<int> PlaceMap::AgreeingKeyframes(const Pending& one) const {
+/// The nodes of those that say the same, its own first; or only of those found by appearance.
+std::vector<int> PlaceMap::AgreeingKeyframes(const Pending& one, bool by_appearance) const {
   std::vector<int> keyframes = {one.query_node};
   for (const Pending& other : pending_) {
+    if (by_appearance && !other.is_by_appearance) continue;
     if (std::find(keyframes.begin(), keyframes.end(), other.query_node) == keyframes.end() &&
         Agree(one, other))
       keyframes.push_back(other.query_node);
   }
   return keyframes;
+}
+
+// A camera that stands still sees the same thing three times, and the same poster may hang
+// elsewhere.
+bool PlaceMap::IsMoreThanOneView(const Pending& one) const {
+  constexpr double kMoved_m = 0.1;
+  return std::any_of(pending_.begin(), pending_.end(), [&](const Pending& other) {
+    return other.is_by_appearance && Agree(one, other) &&
+           (other.place_node != one.place_node || (other.p_W - one.p_W).norm() > kMoved_m);
+  });
 }
 
 // Two rooms that look alike are both found: then the run is in neither, until one of them is
@@ -304,9 +330,10 @@ void PlaceMap::FindInMap() {
   constexpr std::size_t kMinElsewhere = 2;
   const Pending* best = nullptr;
   std::size_t most = 0;
+  is_ambiguous_ = false;
   for (const Pending& one : pending_) {
     if (!one.is_by_appearance) continue;
-    const std::size_t num = AgreeingKeyframes(one).size();
+    const std::size_t num = AgreeingKeyframes(one, true).size();
     if (num > most) {
       most = num;
       best = &one;
@@ -315,12 +342,12 @@ void PlaceMap::FindInMap() {
   if (most < kMinAgreeing) return;
   is_ambiguous_ = std::any_of(pending_.begin(), pending_.end(), [&](const Pending& other) {
     if (!other.is_by_appearance || Agree(*best, other)) return false;
-    const std::size_t num = AgreeingKeyframes(other).size();
+    const std::size_t num = AgreeingKeyframes(other, true).size();
     return num >= kMinElsewhere && 3 * num >= most;
   });
-  if (is_ambiguous_) return;
+  if (is_ambiguous_ || !IsMoreThanOneView(*best)) return;
   T_MW_ = graph_.T_MW(best->place_node) * best->T_WplaceWquery;
-  graph_.Place(first_sought_node_, T_MW_);
+  graph_.Move(first_sought_node_, T_MW_ * graph_.T_MW(best->query_node).Inverse());
   if (!is_localised_) localised_ = pending_.back().t;
   is_localised_ = true;
   index_.reset();
@@ -339,7 +366,7 @@ void PlaceMap::BelieveWhatAgrees() {
   for (const Pending& one : pending_) {
     ClosureRecord& record = closures_[one.closure];
     if (record.edge >= 0 || (one.is_by_appearance && index_)) continue;
-    const std::vector<int> keyframes = AgreeingKeyframes(one);
+    const std::vector<int> keyframes = AgreeingKeyframes(one, false);
     if (keyframes.size() < kMinAgreeing) continue;
     record.edge = static_cast<int>(graph_.edges().size());
     record.verdict = kClosureAccepted;
@@ -448,17 +475,18 @@ std::vector<MapCorrection> PlaceMap::Corrections() const {
 
 SavedMap PlaceMap::Saved() const {
   SavedMap saved{session_ + (is_localised_ ? 1 : 0), graph_.state(), keyframes_, {}};
-  for (const PlaceRecord& place : places_) {
-    if (place.session >= saved.num_sessions) break;
-    saved.places.push_back(place);
+  const int num_places_known = index_ ? num_places_before_ : num_places();
+  for (int i = 0; i < num_places_known; ++i) {
+    saved.places.push_back(places_[i]);
     saved.places.back().landmarks.clear();
     saved.places.back().landmarks.shrink_to_fit();
   }
-  if (is_localised_) return saved;
-  saved.graph.nodes.resize(static_cast<std::size_t>(first_own_node_));
-  saved.keyframes.resize(static_cast<std::size_t>(first_own_node_));
+  if (!index_) return saved;
+  saved.graph.nodes.resize(static_cast<std::size_t>(first_sought_node_));
+  saved.keyframes.resize(static_cast<std::size_t>(first_sought_node_));
+  // From the end: the edges between neighbours that stay keep their numbers.
   std::erase_if(saved.graph.edges,
-                [&](const GraphEdge& edge) { return edge.second >= first_own_node_; });
+                [&](const GraphEdge& edge) { return edge.second >= first_sought_node_; });
   return saved;
 }
 

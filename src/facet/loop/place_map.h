@@ -83,7 +83,8 @@ class PlaceMap {
   /// Keyframes agree on more than one place in the map, so that none is believed.
   bool is_ambiguous() const { return is_ambiguous_; }
 
-  /// The map with this run; without it, where it was not found in the map of runs before.
+  /// The map with this run, but for what is still looked for: a run that was not found in the map
+  /// of runs before, or what came after a loss.
   SavedMap Saved() const;
 
   /// With those of runs before.
@@ -106,6 +107,7 @@ class PlaceMap {
   bool Hovers(const KeyframeView& view) const;
   std::vector<int> Candidates(const KeyframeView& view) const;
   void BeginSearch(const KeyframeView& view);
+  void EndLongSearch(Timestamp t);
   void CompareByAppearance(const KeyframeView& view);
   bool IsOfThisPart(int place) const;
   double SeenShare(const PlaceRecord& place, const SE3& T_CW_place, const SE3& T_WC) const;
@@ -114,7 +116,8 @@ class PlaceMap {
   int NodeOf(const KeyframeView& view);
   void Consider(const ClosureCheck& check, int place, const KeyframeView& view);
   bool Agree(const Pending& a, const Pending& b) const;
-  std::vector<int> AgreeingKeyframes(const Pending& one) const;
+  std::vector<int> AgreeingKeyframes(const Pending& one, bool by_appearance) const;
+  bool IsMoreThanOneView(const Pending& one) const;
   void FindInMap();
   void BelieveWhatAgrees();
   void Keep(const KeyframeView& view);

@@ -20,7 +20,7 @@ double StereoSigma_m(const StereoRig& rig, const FeatureObservation& feature, co
 }  // namespace
 
 LoopStage::LoopStage(const StereoRig& rig, const VioOptions& options)
-    : rig_(rig), keeps_map_(options.keeps_map) {
+    : rig_(rig), keeps_map_(options.keeps_map), known_map_(options.known_map) {
   if (!options.loops.enabled) return;
   if (options.known_map) {
     map_.emplace(rig, options.loops, *options.known_map);
@@ -99,7 +99,12 @@ std::optional<LoopResult> LoopStage::Result() const {
   result.has_known_map = num_known_places_ > 0;
   result.localised = map_->localised();
   result.is_ambiguous = map_->is_ambiguous();
-  if (keeps_map_) result.map = std::make_shared<SavedMap>(map_->Saved());
+  // Closures within a run that was not found move nothing in the map of runs before.
+  if (keeps_map_ && map_->is_localised()) {
+    result.map = std::make_shared<SavedMap>(map_->Saved());
+  } else if (keeps_map_) {
+    result.map = known_map_;
+  }
   result.memory_mb = static_cast<double>(map_->memory_bytes()) / kBytesPerMb;
   result.cpu_ms = cpu_ms_;
   return result;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 
 #include "facet/camera/stereo_rig.h"
@@ -49,6 +50,7 @@ class LoopStage {
   SE3 T_MW_;
   bool is_in_map_ = true;
   bool keeps_map_ = false;
+  std::shared_ptr<const SavedMap> known_map_;
   int num_known_places_ = 0;
   double cpu_ms_ = 0;
 };
