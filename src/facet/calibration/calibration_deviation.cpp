@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/calibration/calibration_deviation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -13,6 +14,9 @@ namespace {
 
 // In units of what a careful calibration leaves, and of what is still uncertain.
 constexpr double kGross = 5, kCertain = 4;
+
+constexpr const char* kFarPoints =
+    "far points in the right image (a turn of that camera about y, or a principal point)";
 
 // A linear function of the deviations.
 struct Quantity {
@@ -50,6 +54,17 @@ void AddAxes(CalibrationPart part,
   }
 }
 
+/// By how much the right pixel of a far point lies farther to the right, given its left pixel. A
+/// turn about y and the principal points do the same, so that each of them alone is known badly.
+Quantity FarPoints(const StereoRig& rig) {
+  const double f = rig.cameras[1].intrinsics().fx;
+  Quantity far{CalibrationPart::kLenses, kFarPoints, "px"};
+  far.gradient(kNumIntrinsics + 2) = 1;
+  far.gradient(2) = -f / rig.cameras[0].intrinsics().fx;
+  far.gradient(kStereoRotation + 1) = f;
+  return far;
+}
+
 std::vector<Quantity> QuantitiesOf(const StereoRig& rig) {
   std::vector<Quantity> out;
   AddLens(rig, 0, out);
@@ -60,6 +75,7 @@ std::vector<Quantity> QuantitiesOf(const StereoRig& rig) {
           kStereoRotation,
           1 / kDegree,
           out);
+  out.push_back(FarPoints(rig));
   const Vector3d t = rig.T_C1C0().p;
   Quantity baseline{CalibrationPart::kBaseline, "baseline", "%"};
   baseline.gradient.segment<3>(kStereoTranslation) = 100 * t / t.squaredNorm();
@@ -105,6 +121,11 @@ std::vector<CalibrationDeviation> GrossDeviations(const StereoRig& nominal,
     const double size = std::abs(d.value);
     return !(size > kGross * d.prior_sigma && size > kCertain * d.sigma);
   });
+  // Not beside what they follow from.
+  const auto num_of_lenses = std::count_if(
+      out.begin(), out.end(), [](const auto& d) { return d.part == CalibrationPart::kLenses; });
+  if (num_of_lenses > 1)
+    std::erase_if(out, [](const CalibrationDeviation& d) { return d.what == kFarPoints; });
   return out;
 }
 

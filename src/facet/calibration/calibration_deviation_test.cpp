@@ -48,6 +48,22 @@ TEST_F(CalibrationDeviationTest, BaselineIsLongerInItsOwnDirection) {
   EXPECT_NEAR(gross[0].value, 2, 1e-9);
 }
 
+// What a careful calibration leaves of a turn about y it takes back in the principal point.
+TEST_F(CalibrationDeviationTest, FarPointsShowATurnAboutYThatMayBeAPrincipalPoint) {
+  const double f = rig_.cameras[1].intrinsics().fx;
+  constexpr double kTurn = 1e-3;  // 1-sigma
+  const int point = kNumIntrinsics + 2, turn = kStereoRotation + 1;
+  prior_(turn, turn) += kTurn * kTurn;
+  prior_(point, point) += f * f * kTurn * kTurn;
+  prior_(turn, point) = prior_(point, turn) = -f * kTurn * kTurn;
+  delta_(turn) = 2 * kTurn;
+  EXPECT_EQ(Words(),
+            "far points in the right image (a turn of that camera about y, or a principal point) "
+            "+0.92 px");
+  delta_(point) = -f * 2 * kTurn;
+  EXPECT_EQ(Words(), "");
+}
+
 TEST_F(CalibrationDeviationTest, AnglesPlacesClockAndScales) {
   delta_(kStereoRotation + 2) = -0.2 * kDegree;
   delta_(kMountRotation) = 0.5 * kDegree;
