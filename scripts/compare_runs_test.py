@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """compare_runs.py on trajectories whose differences are known."""
 
 import math

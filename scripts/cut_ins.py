@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Is a run found in the map of another one? Cuts into recordings at random moments, with the map of a first recording.
 
   cut_ins.py FIRST OTHER... --count 40 --out runs/cut_ins
@@ -20,34 +20,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import naive_ate  # first: it may start another Python
+
 import numpy as np
+
+import trajectories
 
 ROOT = Path(__file__).resolve().parents[1]
 WRONG_M = 0.2
-
-
-def read_tum(file):
-    """{stamp in ns: position}"""
-    poses = {}
-    for line in Path(file).read_text().splitlines():
-        if line.strip() and not line.startswith("#"):
-            words = line.split()
-            seconds, _, fraction = words[0].partition(".")
-            poses[int(seconds) * 10**9 + int(fraction.ljust(9, "0")[:9])] = np.array([float(w) for w in words[1:4]])
-    return poses
-
-
-class Truth:
-    """Positions of a sequence, interpolated."""
-
-    def __init__(self, sequence):
-        file = next(Path(sequence).glob("mav0/state_groundtruth_estimate0/data.csv"))
-        rows = [line.split(",") for line in file.read_text().splitlines() if line and not line.startswith("#")]
-        self.t = np.array([int(row[0]) for row in rows])
-        self.p = np.array([[float(v) for v in row[1:4]] for row in rows])
-
-    def at(self, t):
-        return np.array([np.interp(t, self.t, self.p[:, axis]) for axis in range(3)])
 
 
 def world_shift(first, other):
@@ -66,19 +46,15 @@ def world_shift(first, other):
     return shift
 
 
-def align(poses, truth):
-    """(yaw, translation) that take positions of the map to the truth."""
-    stamps = [t for t in poses if truth.t[0] <= t <= truth.t[-1]]
-    a = np.array([poses[t] for t in stamps])
-    b = np.array([truth.at(t) for t in stamps])
-    da, db = a - a.mean(0), b - b.mean(0)
-    yaw = math.atan2((da[:, 0] * db[:, 1] - da[:, 1] * db[:, 0]).sum(), (da[:, :2] * db[:, :2]).sum())
-    return yaw, b.mean(0) - turn(yaw, a.mean(0))
+def has_poses(file):
+    return file.exists() and any(line.strip() and not line.startswith("#") for line in file.read_text().splitlines())
 
 
-def turn(yaw, p):
-    c, s = math.cos(yaw), math.sin(yaw)
-    return np.array([c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]])
+def align(trajectory, truth):
+    """Rotation about the vertical and translation that take the map to the truth."""
+    pairs = truth.pairs(trajectory).values()
+    R, _, t = naive_ate.align_yaw(np.array([pair[0] for pair in pairs]), np.array([pair[2] for pair in pairs]))
+    return R, t
 
 
 def run(arguments, sequence, out, *options):
@@ -89,19 +65,19 @@ def run(arguments, sequence, out, *options):
     return json.loads(summary.read_text()) if summary.exists() else None
 
 
-def cut_in(arguments, sequence, truth, to_truth, start, out):
+def cut_in(arguments, sequence, truth, shift, to_truth, start, out):
     """(seconds from the first pose, or None; error in metres, or None), or None where there is no pose."""
     summary = run(arguments, sequence, out, "--map", arguments.out / "map", "--start", start,
                   "--duration", arguments.duration)
-    odometry = read_tum(out / "trajectory.tum") if summary else {}
-    if not odometry:
+    odometry, in_map = out / "trajectory.tum", out / "trajectory_map.tum"
+    if not summary or not has_poses(odometry):
         return None
-    in_map = read_tum(out / "trajectory_map.tum")
-    if not in_map:
+    if not has_poses(in_map):
         return None, None
-    yaw, t = to_truth
-    errors = [np.linalg.norm(turn(yaw, p) + t - truth.at(stamp)) for stamp, p in in_map.items()]
-    return (min(in_map) - min(odometry)) * 1e-9, float(np.quantile(errors, 0.95))
+    R, t = to_truth
+    pairs = truth.pairs(in_map)
+    errors = [np.linalg.norm(R @ pair[0] + t - (pair[2] - shift)) for pair in pairs.values()]
+    return (min(pairs) - naive_ate.read_trajectory(odometry)[0][0]) * 1e-9, float(np.quantile(errors, 0.95))
 
 
 def describe(name, results):
@@ -128,18 +104,18 @@ def main():
     shutil.rmtree(arguments.out / "map", ignore_errors=True)
     if run(arguments, arguments.first, first, "--save-map", arguments.out / "map") is None:
         sys.exit(f"{arguments.first}: no result")
-    to_truth = align(read_tum(first / "trajectory_final.tum"), Truth(arguments.first))
+    to_truth = align(first / "trajectory_final.tum", trajectories.Truth(arguments.first))
     print(f"{'sequence':28} {'cuts':>5} {'found':>5} {'% 1 s':>6} {'% 5 s':>6} {'mm':>8} {'mm 95 %':>8} {'wrong':>5}")
     rng = random.Random(arguments.seed)
     everything = []
     for sequence in arguments.others:
-        truth = Truth(sequence)
-        truth.p -= world_shift(arguments.first, sequence)
-        length = (truth.t[-1] - truth.t[0]) * 1e-9
+        truth, shift = trajectories.Truth(sequence), world_shift(arguments.first, sequence)
+        stamps = naive_ate.read_trajectory(trajectories.truth_file(sequence))[0]
+        length = (stamps[-1] - stamps[0]) * 1e-9
         results = []
         for _ in range(max(1, arguments.count // len(arguments.others))):
             start = round(rng.uniform(0, max(0.0, length - arguments.duration - 1)), 2)
-            result = cut_in(arguments, sequence, truth, to_truth, start, arguments.out / "cut")
+            result = cut_in(arguments, sequence, truth, shift, to_truth, start, arguments.out / "cut")
             if result is not None:
                 results.append(result)
         describe(sequence.name, results)

@@ -115,7 +115,7 @@ class Node {
   void Serve(Dispatcher& events) {
     try {
       events.Run();
-    } catch (...) {
+    } catch (...) {  // Run throws it
       main_events_.Fail(std::current_exception());
     }
   }

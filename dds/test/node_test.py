@@ -12,7 +12,6 @@ begin anew.
 """
 
 import argparse
-import csv
 import json
 import os
 import random
@@ -37,8 +36,9 @@ def skip(reason):
 
 try:
     import numpy as np
-    import yaml
     from PIL import Image as Picture
+
+    from asl_recording import CAMERAS, frames, mount, rows, sensor
 except ImportError as missing:
     skip(f"{missing} (scripts/setup.sh test)")
 
@@ -55,7 +55,6 @@ OUTPUTS = {"odometry": "nav_msgs/msg/Odometry", "pose": "geometry_msgs/msg/PoseW
 GLOBALS = {"/tf": "tf2_msgs/msg/TFMessage", "/tf_static": "tf2_msgs/msg/TFMessage",
            "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray"}
 LATCHED = ("path", "planes", "/tf_static")
-CAMERAS = ("cam0", "cam1")
 failures = []
 
 
@@ -75,18 +74,6 @@ def wait_for(condition, text, seconds):
 
 # ---- what is sent
 
-def rows(file):
-    with open(file, newline="") as stream:
-        for row in csv.reader(stream):
-            if row and not row[0].startswith("#"):
-                yield row
-
-
-def sensor(sequence, name):
-    text = (sequence / "mav0" / name / "sensor.yaml").read_text()
-    return yaml.safe_load(text.split("\n", 1)[1] if text.startswith("%YAML") else text)
-
-
 def image_message(file, is_compressed):
     if is_compressed:
         return "sensor_msgs/msg/CompressedImage", {"format": file.suffix[1:], "data": file.read_bytes()}
@@ -95,8 +82,8 @@ def image_message(file, is_compressed):
                                      "step": picture.width, "data": picture.tobytes()}
 
 
-def camera_info(sequence, camera):
-    values = sensor(sequence, camera)
+def camera_info(mav0, camera):
+    values = sensor(mav0, camera)
     fx, fy, cx, cy = values["intrinsics"]
     return {"width": values["resolution"][0], "height": values["resolution"][1], "distortion_model": "plumb_bob",
             "d": [*values["distortion_coefficients"], 0.0], "k": [fx, 0, cx, 0, fy, cy, 0, 0, 1],
@@ -111,11 +98,9 @@ class Flight:
         suffix = "/compressed" if is_compressed else ""
         self.messages = []
         for order, camera in enumerate(CAMERAS):
-            frames = [(int(row[0]), mav0 / camera / "data" / row[1].strip())
-                      for row in rows(mav0 / camera / "data.csv")]
-            frames = [frame for frame in frames if frame[0] <= frames[0][0] + seconds * 1e9]
-            info = camera_info(sequence, camera)
-            for index, (t, file) in enumerate(frames):
+            images = frames(mav0, camera, seconds)
+            info = camera_info(mav0, camera)
+            for index, (t, file) in enumerate(images):
                 if with_info:
                     self.add(t, 1, f"{camera}/camera_info", "sensor_msgs/msg/CameraInfo", info)
                 kind, values = image_message(file, is_compressed)
@@ -123,7 +108,7 @@ class Flight:
                     change(camera, index, values)
                 self.add(t, 2 + order, f"{camera}/image_raw{suffix}", kind, values)
             if camera == "cam0":
-                self.frame_stamps = [t for t, _ in frames]
+                self.frame_stamps = [t for t, _ in images]
         begin, end = self.frame_stamps[0], self.frame_stamps[-1] + 100_000_000
         self.imu_stamps = []
         for row in rows(mav0 / "imu0/data.csv"):
@@ -352,7 +337,7 @@ class NodeTest:
         flight = Flight(sequence, SECONDS_DAMAGED, is_compressed=True, with_info=True, change=damage)
         file = flight.write(self.folder / "damaged.records")
         result = self.run_facet(flight.write_folder(sequence, self.folder / "good"), self.folder / "run_good")
-        T_imu_left, T_left_right = mount(sequence)
+        T_imu_left, T_left_right = mount(sequence / "mav0")
         node, ears = self.start_node("facet_info", {
             "compressed": "true", "T_imu_left": T_imu_left, "T_left_right": T_left_right,
             "imu_calibration": sequence / "mav0/imu0/sensor.yaml"}, "/compressed")
@@ -424,20 +409,6 @@ def map_of(messages):
 def position(message):
     p = message.pose.pose.position
     return np.array([p.x, p.y, p.z])
-
-
-def pose_numbers(T):
-    """x y z qx qy qz qw of a 4 x 4 matrix, whose rotation is less than half a turn."""
-    R = T[:3, :3]
-    w = np.sqrt(max(0.0, 1 + np.trace(R))) / 2
-    x, y, z = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
-    return [float(v) for v in [*T[:3, 3], x / (4 * w), y / (4 * w), z / (4 * w), w]]
-
-
-def mount(sequence):
-    """T_imu_left and T_left_right of a recording with EuRoC's sensor.yaml."""
-    T_BC = [np.array(sensor(sequence, camera)["T_BS"]["data"]).reshape(4, 4) for camera in CAMERAS]
-    return pose_numbers(T_BC[0]), pose_numbers(np.linalg.inv(T_BC[0]) @ T_BC[1])
 
 
 def main():

@@ -1,37 +1,18 @@
 """Bags of a recording in the ASL layout, for the tests of the node: raw or compressed images, IMU, CameraInfo."""
 
-import csv
+import sys
 from pathlib import Path
 
 import rosbag
-import yaml
 from PIL import Image as Picture
 from rospy import Time
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, Imu
 
-CAMERAS = ("cam0", "cam1")
-
+sys.path.append(str(Path(__file__).resolve().parents[2] / "src/facet/testing/robot"))
+from asl_recording import CAMERAS, frames, rows, sensor
 
 def time_of(stamp):
     return Time(stamp // 10**9, stamp % 10**9)
-
-
-def rows(file):
-    with open(file, newline="") as stream:
-        for row in csv.reader(stream):
-            if row and not row[0].startswith("#"):
-                yield row
-
-
-def frames(mav0, camera, seconds):
-    """(stamp, image file) of the first seconds."""
-    found = [(int(row[0]), mav0 / camera / "data" / row[1].strip()) for row in rows(mav0 / camera / "data.csv")]
-    return [frame for frame in found if frame[0] <= found[0][0] + seconds * 1e9]
-
-
-def sensor(mav0, name):
-    text = (mav0 / name / "sensor.yaml").read_text()
-    return yaml.safe_load(text.split("\n", 1)[1] if text.startswith("%YAML") else text)
 
 
 def raw_image(file):

@@ -37,6 +37,7 @@ try:
     from std_srvs.srv import Trigger
 
     import bags
+    from asl_recording import mount
     from compare_messages import Result, compare, stamp, unseen_changes
     from ros_session import Ears, Session
 except ImportError as missing:
@@ -49,20 +50,6 @@ def check(condition, text):
     if not condition:
         print("FAILED:", text)
         failures.append(text)
-
-
-def pose_numbers(T):
-    """x y z qx qy qz qw of a 4 x 4 matrix, whose rotation is less than half a turn."""
-    R = T[:3, :3]
-    w = np.sqrt(max(0.0, 1 + np.trace(R))) / 2
-    x, y, z = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
-    return [float(v) for v in [*T[:3, 3], x / (4 * w), y / (4 * w), z / (4 * w), w]]
-
-
-def mount(sequence):
-    """T_imu_left and T_left_right of a recording with EuRoC's sensor.yaml."""
-    T_BC = [np.array(bags.sensor(sequence / "mav0", c)["T_BS"]["data"]).reshape(4, 4) for c in bags.CAMERAS]
-    return pose_numbers(T_BC[0]), pose_numbers(np.linalg.inv(T_BC[0]) @ T_BC[1])
 
 
 class NodeTest:
@@ -147,7 +134,7 @@ class NodeTest:
         frame_stamps, imu_stamps = bags.write_bag(self.arguments.sequence, damaged, SECONDS_DAMAGED, change=damage,
                                                   with_info=True, **files)
         result = self.run_facet(good, self.session.folder / "run_good")
-        T_imu_left, T_left_right = mount(self.arguments.sequence)
+        T_imu_left, T_left_right = mount(self.arguments.sequence / "mav0")
         _, ears = self.start_node("facet_info", {
             "compressed": True, "T_imu_left": T_imu_left, "T_left_right": T_left_right,
             "imu_calibration": str(self.arguments.sequence / "mav0/imu0/sensor.yaml")})
