@@ -135,7 +135,7 @@ void HorizonMesh::ProjectVertices(const SE3& T_WC) {
   const Matrix3d R_CW = T_CW.R();
   projected_.clear();
   for (const MeshVertex& vertex : vertices_.all())
-    projected_.push_back(ProjectPoint(R_CW * vertex.p_W + T_CW.p));
+    projected_.push_back(check_.Project(R_CW * vertex.p_W + T_CW.p));
 }
 
 void HorizonMesh::DropContradicted(const MeshView& view) {

@@ -6,13 +6,14 @@
 #include <numeric>
 
 #include "facet/camera/camera_model.h"
+#include "facet/mesh/stereographic.h"
 #include "facet/mesh/triangle_rows.h"
 
 namespace facet {
 namespace {
 
-// What is seen farther from the axis, as |x/z| or |y/z|, has no place on the plane z = 1, and
-// nothing is said about it.
+// A view with points farther from the axis than this, as |x/z| or |y/z|, is not projected onto the
+// plane z = 1. In the other projection it is 157 deg from the axis, beyond all lenses.
 constexpr double kMaxSlope = 10;
 constexpr double kCell_px = 8;   // side of a cell of the view: larger is faster and coarser
 constexpr int kMaxSide = 400;    // cells
@@ -26,7 +27,7 @@ constexpr double kMinCovered = 0.7;
 // A cell before the view's surface counts this little: the surface itself is only interpolated.
 constexpr double kMinFrontShare = 0.3;
 
-bool IsInFront(const ProjectedFace& face) {
+bool IsInView(const ProjectedFace& face) {
   const auto& [a, b, c] = face;
   return a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0;
 }
@@ -68,24 +69,21 @@ Vector2d HighOf(const ProjectedFace& face) {
 
 }  // namespace
 
-ProjectedPoint ProjectPoint(const Vector3d& p_C) {
-  if (!(p_C.z() >= kMinDistance_m)) return {};
-  const double inverse_depth = 1 / p_C.z();
-  return {p_C.head<2>() * inverse_depth, inverse_depth};
-}
-
 void ViewCheck::Begin(const MeshView& view) {
   points_.clear();
+  is_wide_ = std::ranges::any_of(view.points, [](const MeshPoint& point) {
+    return point.IsInView() &&
+           point.p_C.head<2>().cwiseAbs().maxCoeff() > kMaxSlope * point.p_C.z();
+  });
   Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   for (const MeshPoint& point : view.points) {
-    if (!point.p_C.allFinite() || !(point.p_C.z() >= kMinDistance_m)) continue;
-    const double q = 1 / point.p_C.z();
-    const Vector2d xy = point.p_C.head<2>() * q;
-    if (xy.cwiseAbs().maxCoeff() > kMaxSlope) continue;
+    const auto [xy, q] = Project(point.p_C);
+    if (q == 0 || xy.cwiseAbs().maxCoeff() > kMaxSlope) continue;
     low = low.cwiseMin(xy);
     high = high.cwiseMax(xy);
-    const double sigma_z_m = point.sigma_depth_m * point.p_C.z() / point.p_C.norm();
-    points_.push_back({point.id, xy, q, q * kDepthTolerance + 2 * sigma_z_m * q * q, 0});
+    const double sigma_m =
+        is_wide_ ? point.sigma_depth_m : point.sigma_depth_m * point.p_C.z() / point.p_C.norm();
+    points_.push_back({point.id, xy, q, q * kDepthTolerance + 2 * sigma_m * q * q, 0});
   }
   columns_ = rows_ = 0;
   if (points_.empty()) return;
@@ -104,6 +102,15 @@ void ViewCheck::Begin(const MeshView& view) {
   for (const SeenPoint& point : points_)
     ++first_in_bin_[point.bin + 1];
   std::partial_sum(first_in_bin_.begin(), first_in_bin_.end(), first_in_bin_.begin());
+}
+
+ProjectedPoint ViewCheck::Project(const Vector3d& p_C) const {
+  const double depth = is_wide_ ? p_C.norm() : p_C.z();
+  if (!p_C.allFinite() || !(depth >= kMinDistance_m)) return {};
+  if (!is_wide_) return {p_C.head<2>() * (1 / depth), 1 / depth};
+  const Vector2d xy = Stereographic(p_C / depth);
+  if (!(xy.cwiseAbs().maxCoeff() <= kMaxSlope)) return {};
+  return {xy, 1 / depth};
 }
 
 // The nearest one for places outside.
@@ -140,7 +147,7 @@ void ViewCheck::VisitRows(const ProjectedFace& face, const Visit& visit) const {
 }
 
 void ViewCheck::Draw(const ProjectedFace& face) {
-  if (!IsInFront(face)) return;
+  if (!IsInView(face)) return;
   VisitRows(face, [this](int cell, int count, double q, double step) {
     for (int k = 0; k < count; ++k)
       inverse_depth_[cell + k] = static_cast<float>(q + k * step);
@@ -177,7 +184,7 @@ int ViewCheck::CountPointsBehind(const ProjectedFace& face,
 FaceVisibility ViewCheck::Judge(const ProjectedFace& face,
                                 const std::array<LandmarkId, 3>& corners) const {
   FaceVisibility visibility;
-  if (columns_ == 0 || !IsInFront(face) || IsBeside(face)) return visibility;
+  if (columns_ == 0 || !IsInView(face) || IsBeside(face)) return visibility;
   int covered = 0, before = 0, all = 0;
   VisitRows(face, [&](int cell, int count, double q, double step) {
     const auto q_first = static_cast<float>(q), q_step = static_cast<float>(step);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "facet/mesh/stereographic.h"
+
 namespace facet {
 namespace {
 
@@ -13,13 +15,6 @@ constexpr double kMinZ = -0.5;  // of the bearing of a point that can be triangu
 // Deviation of surrounding points from a face's plane, seen from the corner, up to which they are
 // plane; tracks are some pixels, about a degree, off.
 constexpr double kMaxRescueDeviation_deg = 6;
-
-// Where stereographic projection puts a bearing: as the plane z = 1 near the axis, but no direction
-// is stretched away from it, and circles stay circles, so that a triangulation which is Delaunay
-// here is the one of the sphere of rays.
-Vector2d Stereographic(const Vector3d& bearing) {
-  return 2 / (1 + bearing.z()) * bearing.head<2>();
-}
 
 bool IsUsable(const MeshPoint& point) {
   constexpr double kRounding = 1e-6;
