@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <unordered_map>
 #include <vector>
 
@@ -42,7 +43,7 @@ struct FrontendHint {
   /// moves on its own better than the tracks among themselves.
   bool is_motion_known = false;
   /// Inverse distance [1/m] from the left camera at the previous frame, by landmark; may be null.
-  const std::unordered_map<LandmarkId, double>* inverse_distance = nullptr;
+  const std::pmr::unordered_map<LandmarkId, double>* inverse_distance = nullptr;
 };
 
 /// What the images of a keyframe tell the mesh.

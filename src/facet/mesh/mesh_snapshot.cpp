@@ -12,7 +12,16 @@ MeshSnapshot MakeMeshSnapshot(const MeshView& view, const HorizonMesh& horizon) 
   snapshot.t = view.t;
   snapshot.T_WC = view.T_WC;
   TriangleMesh& mesh = snapshot.mesh;
-  std::vector<int> index(horizon.vertices().size(), -1);
+  const std::size_t most_faces = horizon.faces().size(), most_vertices = horizon.vertices().size();
+  mesh.faces.reserve(most_faces);
+  mesh.plane_ids.reserve(most_faces);
+  snapshot.may_vote.reserve(most_faces);
+  snapshot.in_view.reserve(most_faces);
+  mesh.vertices.reserve(most_vertices);
+  mesh.colours.reserve(most_vertices);
+  snapshot.vertex_ids.reserve(most_vertices);
+  snapshot.sigma_depth_m.reserve(most_vertices);
+  std::vector<int> index(most_vertices, -1);
   for (const MeshFace& face : horizon.faces()) {
     if (face.is_hidden) continue;
     mesh.faces.push_back(face.CounterClockwise());

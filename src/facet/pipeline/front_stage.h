@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <memory_resource>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -79,7 +80,8 @@ class FrontStage {
   int num_strays_ = 0;            ///< in a row, near each other
   Timestamp newest_stray_;        ///< IMU clock
   std::deque<Timestamp> recent_;  ///< of the last kLag frames, IMU clock
-  std::unordered_map<LandmarkId, double> inverse_distance_;
+  std::pmr::unsynchronized_pool_resource inverse_distance_memory_;  ///< kept from frame to frame
+  std::pmr::unordered_map<LandmarkId, double> inverse_distance_{&inverse_distance_memory_};
 };
 
 }  // namespace facet

@@ -77,10 +77,9 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
 
   geometry_.Update(window);
   landmarks_.clear();
-  LandmarkBlock block;
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!landmark.has_depth) continue;
-    LinearizeLandmark(geometry_, window.planes, landmark, noise, block);
+    LinearizeLandmark(geometry_, window.planes, landmark, noise, block_);
     HeldLandmark held;
     const FrameGeometry::Pose& host = geometry_.current(landmark.host);
     held.d_W = host.R_WC0 * landmark.bearing_H;
@@ -91,7 +90,7 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
     held.is_witness = landmark.IsWitness();
     held.is_seen = landmark.observations.back().frame == window.newest_frame();
     // The ridge stands for a distance known to 1/m at best.
-    held.covariance = (block.V + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal())).inverse();
+    held.covariance = (block_.V + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal())).inverse();
     landmarks_.emplace(landmark.id, held);
   }
 }

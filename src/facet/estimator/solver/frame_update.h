@@ -5,11 +5,13 @@
 // (docs/math.md, section 4.4).
 #pragma once
 
+#include <memory_resource>
 #include <unordered_map>
 #include <vector>
 
 #include "facet/camera/stereo_rig.h"
 #include "facet/estimator/factors/factor_noise.h"
+#include "facet/estimator/factors/landmark_block.h"
 #include "facet/estimator/window/frame_geometry.h"
 #include "facet/estimator/window/frame_observations.h"
 
@@ -129,7 +131,9 @@ class FrameUpdater {
   /// Of what carries on into the motion: its place and heading do not, the landmarks share them.
   Matrix<15, 15> reference_motion_covariance_ = Matrix<15, 15>::Zero();
   Matrix<15, 15> reference_information_ = Matrix<15, 15>::Zero();
-  std::unordered_map<LandmarkId, HeldLandmark> landmarks_;
+  std::pmr::unsynchronized_pool_resource landmark_memory_;  // kept from keyframe to keyframe
+  std::pmr::unordered_map<LandmarkId, HeldLandmark> landmarks_{&landmark_memory_};
+  LandmarkBlock block_;
   std::vector<double> errors_;  // buffer of MedianError
 };
 

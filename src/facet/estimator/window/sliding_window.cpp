@@ -35,9 +35,13 @@ SE3 SlidingWindow::LeftCameraAt(int frame) const {
   return BodyAt(frame) * (calibration ? calibration->T_BC(0) : T_BC0);
 }
 
+std::vector<SlidingWindow::IndexEntry>::iterator SlidingWindow::PlaceInIndex(LandmarkId id) {
+  return std::ranges::lower_bound(index_, id, {}, &IndexEntry::first);
+}
+
 WindowLandmark* SlidingWindow::Find(LandmarkId id) {
-  const auto it = index_.find(id);
-  return it == index_.end() ? nullptr : &landmarks_[it->second];
+  const auto it = PlaceInIndex(id);
+  return it == index_.end() || it->first != id ? nullptr : &landmarks_[it->second];
 }
 
 int SlidingWindow::IndexOf(FrameId id) const {
@@ -55,8 +59,9 @@ Variable SlidingWindow::VariableOf(const MarginalPrior::Block& block) const {
 }
 
 WindowLandmark& SlidingWindow::AddLandmark(LandmarkId id, int host) {
-  FACET_CHECK(!index_.contains(id)) << "landmark " << id.value << " exists";
-  index_[id] = static_cast<int>(landmarks_.size());
+  const auto place = PlaceInIndex(id);
+  FACET_CHECK(place == index_.end() || place->first != id) << "landmark " << id.value << " exists";
+  index_.insert(place, {id, static_cast<int>(landmarks_.size())});
   WindowLandmark& landmark = landmarks_.emplace_back();
   landmark.id = id;
   landmark.host = host;
@@ -190,9 +195,9 @@ int SlidingWindow::NumPlaneLandmarks() const {
 
 void SlidingWindow::RebuildIndex() {
   index_.clear();
-  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    index_[landmarks_[i].id] = static_cast<int>(i);
-  }
+  for (std::size_t i = 0; i < landmarks_.size(); ++i)
+    index_.emplace_back(landmarks_[i].id, static_cast<int>(i));
+  std::ranges::sort(index_);
 }
 
 }  // namespace facet

@@ -5,7 +5,7 @@
 #pragma once
 
 #include <optional>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "facet/estimator/window/window_frame.h"
@@ -88,11 +88,15 @@ class SlidingWindow {
   int NumPlaneLandmarks() const;
 
  private:
+  using IndexEntry = std::pair<LandmarkId, int>;
+
   void CutImuLinks(int frame);
   void RebuildIndex();
+  /// Where the landmark is in the index, or would be.
+  std::vector<IndexEntry>::iterator PlaceInIndex(LandmarkId id);
 
   std::vector<WindowLandmark> landmarks_;
-  std::unordered_map<LandmarkId, int> index_;
+  std::vector<IndexEntry> index_;  // into landmarks_, by id
 };
 
 }  // namespace facet
