@@ -312,9 +312,28 @@ void AddMap(CLI::App& app) {
   auto* info = command->add_subcommand("info", "Runs, places and points of a map");
   info->add_option("MAP", arguments->map, "folder of facet run --save-map")->required();
   info->callback([arguments] { MapInfoCommand(*arguments); });
-  auto* out = command->add_subcommand("export", "Its points as a PLY file");
+  auto* merge = command->add_subcommand("merge", "Two maps as one, in the frame of the first");
+  merge->add_option("FIRST", arguments->map, "folder of facet run --save-map")->required();
+  merge->add_option("SECOND", arguments->second, "another one, of the same places")->required();
+  merge->add_option("OUT", arguments->out, "folder for both")->required();
+  merge->callback([arguments] { MapMergeCommand(*arguments); });
+  auto* localise = command->add_subcommand("localise", "Where in a map a recording is");
+  localise->add_option("MAP", arguments->map, "folder of facet run --save-map")->required();
+  localise->add_option("RECORDING", arguments->recording, "as for facet run")->required();
+  localise->add_option("--calibration", arguments->calibration, "as for facet run");
+  localise->add_option("--imu-calibration", arguments->imu_calibration, "as for facet run");
+  localise->add_option("--set", arguments->overrides, "as for facet run");
+  localise->add_option("--start", arguments->start_s, "seconds after the first stereo pair")
+      ->check(NonNegativeNumber());
+  localise->add_option("--duration", arguments->duration_s, "seconds until it gives up")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  localise->callback([arguments] { MapLocaliseCommand(*arguments); });
+  auto* out = command->add_subcommand("export", "Its points as PLY, or its places as a trajectory");
   out->add_option("MAP", arguments->map, "folder of facet run --save-map")->required();
-  out->add_option("OUT", arguments->out, "file.ply")->required();
+  out->add_option("OUT", arguments->out, "file.ply, or file.tum")->required();
+  out->add_option("--run", arguments->run, "of a .tum: the places of this run alone, from 1 on")
+      ->check(CLI::PositiveNumber);
   out->callback([arguments] { MapExportCommand(*arguments); });
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A flight that returns to places, with and without recognising them.
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -11,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "facet/base/types.h"
 #include "facet/io/csv_reader.h"
 #include "facet/testing/io/program_run.h"
 #include "facet/testing/io/test_sequence.h"
@@ -18,20 +18,35 @@
 namespace facet {
 namespace {
 
+/// Positions by stamp.
+std::map<std::string, Vector3d> Positions(const std::string& tum) {
+  std::map<std::string, Vector3d> positions;
+  std::istringstream lines(tum);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string stamp;
+    Vector3d p;
+    if (words >> stamp >> p.x() >> p.y() >> p.z()) positions[stamp] = p;
+  }
+  return positions;
+}
+
 class LoopsTest : public ::testing::Test {
  protected:
-  void SetUp() override {
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
     const ProgramRun made = RunFacet(
         "simulate --quiet --scene room --seed 5 --duration 24 --set image.rays_per_pixel=1 --set "
         "image.max_rays_per_pixel=2 --out " +
         Path("room"));
     ASSERT_EQ(made.exit_code, 0) << made.err;
   }
+  static void TearDownTestSuite() { delete folder_; }
 
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-  std::string Read(const std::string& name) const { return ReadText(folder_ / name); }
+  static std::string Path(const std::string& name) { return (*folder_ / name).string(); }
+  static std::string Read(const std::string& name) { return ReadText(*folder_ / name); }
 
-  void Run(const std::string& out, const std::string& options) {
+  static void Run(const std::string& out, const std::string& options) {
     const ProgramRun run = RunFacet("run " + Path("room") +
                                     " --quiet --set mesh.enabled=false "
                                     "--pipeline S --out " +
@@ -39,7 +54,7 @@ class LoopsTest : public ::testing::Test {
     ASSERT_EQ(run.exit_code, 0) << run.err;
   }
 
-  TempFolder folder_;
+  static inline TempFolder* folder_ = nullptr;
 };
 
 TEST_F(LoopsTest, PlacesAreRecognisedAndTheOdometryStaysTheSame) {
@@ -73,7 +88,7 @@ TEST_F(LoopsTest, PlacesAreRecognisedAndTheOdometryStaysTheSame) {
 TEST_F(LoopsTest, ALaterRunIsFoundInTheSavedMapOrSaysThatItIsNot) {
   const std::string map = Path("map");
   Run("first", "--duration 14 --save-map " + map);
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "map" / "places.facetmap"));
+  EXPECT_TRUE(std::filesystem::exists(Path("map/places.facetmap")));
   const ProgramRun info = RunFacet("map info " + map);
   EXPECT_EQ(info.exit_code, 0) << info.err;
   EXPECT_THAT(info.out, ::testing::HasSubstr("1 runs"));
@@ -87,25 +102,13 @@ TEST_F(LoopsTest, ALaterRunIsFoundInTheSavedMapOrSaysThatItIsNot) {
   EXPECT_LT(known["localised_s"], 3.0);
   EXPECT_EQ(known["ambiguous"], false);
   // Both trajectories are in the map of the first run.
-  std::map<std::string, std::array<double, 3>> first;
-  const auto read = [&](const std::string& name, auto use) {
-    std::istringstream lines(Read(name));
-    for (std::string line; std::getline(lines, line);) {
-      std::istringstream words(line);
-      std::string stamp;
-      std::array<double, 3> p{};
-      if (words >> stamp >> p[0] >> p[1] >> p[2]) use(stamp, p);
-    }
-  };
-  read("first/trajectory_final.tum",
-       [&](const std::string& stamp, const auto& p) { first[stamp] = p; });
+  const auto first = Positions(Read("first/trajectory_final.tum"));
   int num = 0;
-  read("later/trajectory_map.tum", [&](const std::string& stamp, const auto& p) {
-    if (first.count(stamp) == 0) return;
+  for (const auto& [stamp, p] : Positions(Read("later/trajectory_map.tum"))) {
+    if (!first.contains(stamp)) continue;
     ++num;
-    const auto& q = first.at(stamp);
-    EXPECT_LT(std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]), 0.03) << stamp;
-  });
+    EXPECT_LT((p - first.at(stamp)).norm(), 0.03) << stamp;
+  }
   EXPECT_GT(num, 40);
   // Poses from before it was found are in no map.
   EXPECT_LT(Read("later/trajectory_map.tum").size(), Read("later/trajectory.tum").size());
@@ -113,7 +116,7 @@ TEST_F(LoopsTest, ALaterRunIsFoundInTheSavedMapOrSaysThatItIsNot) {
   // Too short to be sure of anything: the map is saved as it was.
   const std::string before = Read("map/places.facetmap");
   const ProgramRun run = RunFacet("run " + Path("room") +
-                                  " --quiet --set mesh.enabled=false --pipeline S --duration 0.7 "
+                                  " --quiet --set mesh.enabled=false --pipeline S --duration 0.5 "
                                   "--start 18 --map " +
                                   map + " --save-map " + map + " --out " + Path("short"));
   EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -123,6 +126,56 @@ TEST_F(LoopsTest, ALaterRunIsFoundInTheSavedMapOrSaysThatItIsNot) {
   EXPECT_THAT(over.err, ::testing::HasSubstr("has a map already"));
   EXPECT_TRUE(Read("map/places.facetmap") == before);
   EXPECT_EQ(Read("short/trajectory_map.tum").find("14"), std::string::npos) << "a pose in the map";
+}
+
+TEST_F(LoopsTest, MapsOfTwoRunsBecomeOneAndALaterRunIsFoundInIt) {
+  Run("one", "--duration 12 --save-map " + Path("one-map"));
+  Run("two", "--start 9 --save-map " + Path("two-map"));
+  const std::string both = Path("both-map");
+  const ProgramRun merged =
+      RunFacet("map merge " + Path("one-map") + " " + Path("two-map") + " " + both);
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_THAT(merged.out, ::testing::HasSubstr("2 runs"));
+  EXPECT_EQ(RunFacet("map merge " + Path("one-map") + " " + Path("two-map") + " " + both).exit_code,
+            2)
+      << "there is a map already";
+
+  // Where the second run was in the world of the first one: by its own poses at the same moments.
+  ASSERT_EQ(RunFacet("map export " + both + " " + Path("two.tum") + " --run 2").exit_code, 0);
+  Run("all", "");
+  const auto in_all = Positions(Read("all/trajectory.tum")), in_map = Positions(Read("two.tum"));
+  ASSERT_GT(in_map.size(), 4U);
+  for (const auto& [stamp, p] : in_map) {
+    ASSERT_TRUE(in_all.contains(stamp)) << stamp;
+    EXPECT_LT((p - in_all.at(stamp)).norm(), 0.04) << stamp;
+  }
+  EXPECT_EQ(RunFacet("map export " + both + " " + Path("x.tum") + " --run 3").exit_code, 3);
+
+  const ProgramRun found = RunFacet("map localise " + both + " " + Path("room") + " --start 15");
+  ASSERT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_THAT(found.out, ::testing::MatchesRegex("found [0-4]\\.[0-9]+ s after the first pose.*"));
+}
+
+TEST_F(LoopsTest, ARecordingOfElsewhereIsNotFound) {
+  Run("here", "--duration 8 --save-map " + Path("here-map"));
+  ASSERT_EQ(RunFacet("simulate --quiet --scene room --seed 6 --duration 8 --set "
+                     "image.rays_per_pixel=1 --set image.max_rays_per_pixel=2 --out " +
+                     Path("elsewhere"))
+                .exit_code,
+            0);
+  const ProgramRun lost =
+      RunFacet("map localise " + Path("here-map") + " " + Path("elsewhere") + " --duration 4");
+  EXPECT_EQ(lost.exit_code, 3);
+  EXPECT_THAT(lost.err, ::testing::HasSubstr("not found in"));
+  ASSERT_EQ(RunFacet("run " + Path("elsewhere") + " --quiet --pipeline S --out " + Path("there") +
+                     " --save-map " + Path("there-map"))
+                .exit_code,
+            0);
+  const ProgramRun apart =
+      RunFacet("map merge " + Path("here-map") + " " + Path("there-map") + " " + Path("x-map"));
+  EXPECT_EQ(apart.exit_code, 3);
+  EXPECT_THAT(apart.err, ::testing::HasSubstr("is not found in what both maps show"));
+  EXPECT_FALSE(std::filesystem::exists(Path("x-map")));
 }
 
 TEST(SavedMapTest, AMapThatIsNoneIsRefused) {

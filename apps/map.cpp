@@ -7,8 +7,11 @@
 #include <filesystem>
 #include <vector>
 
+#include "facet/io/errors.h"
 #include "facet/io/ply_writer.h"
 #include "facet/io/saved_map_file.h"
+#include "facet/io/trajectory_file.h"
+#include "facet/loop/map_merge.h"
 
 namespace facet {
 namespace {
@@ -21,6 +24,20 @@ std::vector<Vector3d> PointsInMap(const SavedMap& map) {
       points.push_back(T_MC * point.p_C.cast<double>());
   }
   return points;
+}
+
+/// Of a run, from 1 on, or of all: in order of time.
+std::vector<StampedPose> PosesInMap(const SavedMap& map, int run) {
+  if (run > map.num_sessions())
+    throw InputError("--run " + std::to_string(run) + ": the map has " +
+                     std::to_string(map.num_sessions()) + " runs");
+  std::vector<StampedPose> poses;
+  for (const PlaceRecord& place : map.places) {
+    if (run == 0 || place.session == run - 1)
+      poses.push_back({place.t, map.graph.nodes[place.node].T_MW.ToSE3() * place.T_WB});
+  }
+  std::ranges::stable_sort(poses, {}, &StampedPose::t);
+  return poses;
 }
 
 /// Of one run: its keyframes, how long it was, its places, and what ties it to others.
@@ -62,8 +79,8 @@ void MapInfoCommand(const MapArguments& arguments) {
               static_cast<double>(size) / kBytesPerMb,
               map.places.size(),
               points.size(),
-              map.num_sessions);
-  for (int session = 0; session < map.num_sessions; ++session)
+              map.num_sessions());
+  for (int session = 0; session < map.num_sessions(); ++session)
     PrintSession(map, session);
   if (points.empty()) return;
   // Few are so far away that they would say nothing of the map's size.
@@ -85,8 +102,35 @@ void MapInfoCommand(const MapArguments& arguments) {
               high.z());
 }
 
+void MapMergeCommand(const MapArguments& arguments) {
+  const std::filesystem::path out = arguments.out;
+  if (std::filesystem::exists(out / kSavedMapName))
+    throw ConfigError(arguments.out + ": has a map already; name a folder without one");
+  const SavedMap first = ReadSavedMap(arguments.map), second = ReadSavedMap(arguments.second);
+  const MapMerge merge = MergeMaps(first, second);
+  if (!merge.is_found) {
+    throw InputError(arguments.second + ": " +
+                     (merge.is_ambiguous
+                          ? "looks like more than one part of "
+                          : "is not found in what both maps show; it must show places of ") +
+                     arguments.map + " (" + std::to_string(merge.num_alike) + " of " +
+                     std::to_string(merge.num_compared) + " pairs of places look alike)");
+  }
+  WriteSavedMap(out, merge.map);
+  std::printf("%s: %d runs, %zu places; %d pairs of places tie the maps together\n",
+              arguments.out.c_str(),
+              merge.map.num_sessions(),
+              merge.map.places.size(),
+              merge.num_closures);
+}
+
 void MapExportCommand(const MapArguments& arguments) {
-  WritePlyPoints(arguments.out, PointsInMap(ReadSavedMap(arguments.map)));
+  const SavedMap map = ReadSavedMap(arguments.map);
+  if (std::filesystem::path(arguments.out).extension() == ".tum") {
+    WriteTum(arguments.out, PosesInMap(map, arguments.run));
+  } else {
+    WritePlyPoints(arguments.out, PointsInMap(map));
+  }
 }
 
 }  // namespace facet

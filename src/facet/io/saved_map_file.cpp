@@ -14,6 +14,7 @@
 #include <Eigen/Cholesky>
 #include <zlib.h>
 
+#include "facet/camera/camera_model.h"
 #include "facet/io/errors.h"
 #include "facet/io/text_file.h"
 
@@ -24,7 +25,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the file is little-endian");
 
 constexpr std::string_view kMagic = "FACETMAP";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHeadSize = 8 + 4 + 8 + 4;
 
 class Writer {
@@ -185,6 +186,31 @@ void Get(Reader& in, GraphNode& node, MapKeyframe& keyframe) {
   RequireStamp(keyframe.t);
 }
 
+void Put(Writer& out, const CameraIntrinsics& lens) {
+  out.Put(std::int32_t{lens.width});
+  out.Put(std::int32_t{lens.height});
+  for (const double value : {lens.fx, lens.fy, lens.cx, lens.cy})
+    out.Put(value);
+  out.Put(static_cast<std::uint8_t>(lens.distortion));
+  for (const double coefficient : lens.coefficients)
+    out.Put(coefficient);
+}
+
+void Get(Reader& in, CameraIntrinsics& lens) {
+  in.Get(lens.width);
+  in.Get(lens.height);
+  for (double* value : {&lens.fx, &lens.fy, &lens.cx, &lens.cy})
+    in.Get(*value);
+  std::uint8_t model = 0;
+  in.Get(model);
+  Reader::Require(model <= static_cast<std::uint8_t>(DistortionModel::kUnified),
+                  "a lens is of no model");
+  lens.distortion = static_cast<DistortionModel>(model);
+  for (double& coefficient : lens.coefficients)
+    in.Get(coefficient);
+  Reader::Require(CameraModel::WhatIsWrong(lens).empty(), "a lens cannot be");
+}
+
 constexpr std::size_t kPointBytes =
     6 * 4 + 2 * (RecordPatch::kSide * RecordPatch::kSide + 8) + kNumCornerLevels * 32;
 
@@ -258,7 +284,9 @@ void Get(Reader& in, PlaceRecord& place, const SavedMap& map) {
 
 std::string Pack(const SavedMap& map) {
   Writer out;
-  out.Put(std::int32_t{map.num_sessions});
+  out.Put(std::uint64_t{map.lenses.size()});
+  for (const CameraIntrinsics& lens : map.lenses)
+    Put(out, lens);
   out.Put(map.graph.disparity_error_px);
   out.Put(std::uint64_t{map.keyframes.size()});
   for (std::size_t i = 0; i < map.keyframes.size(); ++i)
@@ -277,7 +305,7 @@ void CheckNodes(const SavedMap& map) {
   for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
     const int session = map.keyframes[i].session;
     const int before = i == 0 ? 0 : map.keyframes[i - 1].session;
-    Reader::Require(session >= before && session < map.num_sessions, "a node is of no run");
+    Reader::Require(session >= before && session < map.num_sessions(), "a node is of no run");
     const int edge = map.graph.nodes[i].edge_to_previous;
     const bool is_first = i == 0;
     Reader::Require(is_first == (edge < 0) && edge < static_cast<int>(map.graph.edges.size()),
@@ -292,11 +320,15 @@ void CheckNodes(const SavedMap& map) {
 
 SavedMap Unpack(std::string_view bytes) {
   constexpr std::size_t kNodeBytes = 7 * 8 + 4 + 16 + 8, kEdgeBytes = 8 + 22 * 8 + 1;
+  constexpr std::size_t kLensBytes = 8 + 4 * 8 + 1 + 8 * kMaxLensCoefficients;
+  constexpr std::size_t kMostSessions = 1'000'000;
   constexpr std::size_t kPlaceBytes = 3 * 4 + 16 + 14 * 8 + 16 + 8;
   Reader in(bytes);
   SavedMap map;
-  in.Get(map.num_sessions);
-  Reader::Require(map.num_sessions > 0, "it has no runs");
+  map.lenses.resize(in.Count(kLensBytes));
+  Reader::Require(!map.lenses.empty() && map.lenses.size() < kMostSessions, "it has no runs");
+  for (CameraIntrinsics& lens : map.lenses)
+    Get(in, lens);
   in.Get(map.graph.disparity_error_px);
   map.keyframes.resize(in.Count(kNodeBytes));
   map.graph.nodes.resize(map.keyframes.size());

@@ -19,9 +19,21 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
+CameraIntrinsics Lens() {
+  CameraIntrinsics lens;
+  lens.width = 752;
+  lens.height = 480;
+  lens.fx = lens.fy = 458;
+  lens.cx = 367.2;
+  lens.cy = 248.4;
+  return lens;
+}
+
 SavedMap SmallMap() {
   SavedMap map;
-  map.num_sessions = 2;
+  map.lenses = {Lens(), Lens()};
+  map.lenses[1].distortion = DistortionModel::kDoubleSphere;
+  map.lenses[1].coefficients = {-0.2, 0.6};
   map.graph.disparity_error_px = 0.03;
   for (int i = 0; i < 3; ++i) {
     map.graph.nodes.push_back({Vector3d(i, 2, 3), {0.1 * i, Vector3d(4, 5, i)}, i - 1});
@@ -83,7 +95,11 @@ TEST_F(SavedMapFileTest, WhatIsWrittenIsRead) {
   const SavedMap map = SmallMap();
   WriteSavedMap(folder_.path(), map);
   const SavedMap read = ReadSavedMap(folder_.path());
-  EXPECT_EQ(read.num_sessions, 2);
+  EXPECT_EQ(read.num_sessions(), 2);
+  ASSERT_EQ(read.lenses.size(), 2u);
+  EXPECT_EQ(read.lenses[0].cx, 367.2);
+  EXPECT_EQ(read.lenses[1].distortion, DistortionModel::kDoubleSphere);
+  EXPECT_EQ(read.lenses[1].coefficients, map.lenses[1].coefficients);
   EXPECT_EQ(read.graph.disparity_error_px, 0.03);
   ASSERT_EQ(read.keyframes.size(), 3u);
   EXPECT_EQ(read.keyframes[2].frame.value, 9);
@@ -196,9 +212,10 @@ TEST_F(SavedMapFileTest, WhatCannotBeIsRefused) {
   EXPECT_THAT(error_of([](SavedMap& m) { m.graph.edges[1].p_first.x() = 1e160; }),
               HasSubstr("out of this world"));
   EXPECT_THAT(error_of([](SavedMap& m) { m.graph.edges[2].weight = -1; }), HasSubstr("weight"));
-  EXPECT_THAT(error_of([](SavedMap& m) { m.num_sessions = 0; }), HasSubstr("no runs"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.lenses.clear(); }), HasSubstr("no runs"));
   EXPECT_THAT(error_of([](SavedMap& m) { m.keyframes[0].session = 1; }), HasSubstr("of no run"));
   EXPECT_THAT(error_of([](SavedMap& m) { m.keyframes[2].session = 2; }), HasSubstr("of no run"));
+  EXPECT_THAT(error_of([](SavedMap& m) { m.lenses[0].fx = -1; }), HasSubstr("lens"));
   EXPECT_THAT(error_of([](SavedMap& m) { m.places.clear(); }), HasSubstr("no places"));
   EXPECT_THAT(error_of([](SavedMap& m) {
                 m.keyframes[2].t = m.places[0].t =

@@ -92,7 +92,9 @@ ClosureCheck ClosureChecker::Check(const PlaceQuery& query,
   Matrix<6, 6> covariance;
   bool is_determined = Fit(query, sigma_tilt, T_WB, covariance);
   for (int round = 0; round < 2 && is_determined; ++round) {
-    check.num_visible = AlignPatches(query, T_WB * query.T_BC);
+    const SE3 T_WC_fit = T_WB * query.T_BC;
+    check.num_visible =
+        query.image != nullptr ? AlignPatches(query, T_WC_fit) : MatchNear(query, T_WC_fit);
     is_determined = Fit(query, sigma_tilt, T_WB, covariance);
   }
   check.num_inliers = static_cast<int>(matches_.size());
@@ -108,7 +110,8 @@ ClosureCheck ClosureChecker::Check(const PlaceQuery& query,
   const double sigma_m = std::sqrt(check.covariance.diagonal().tail<3>().maxCoeff());
   if (check.num_inliers < min_inliers_) {
     check.refusal = "too few corners";
-  } else if (static_cast<double>(num_own) < kMinSeenShare * check.num_visible) {
+  } else if (query.image != nullptr &&  // otherwise it is what both flights chose to look at
+             static_cast<double>(num_own) < kMinSeenShare * check.num_visible) {
     check.refusal = "most of the place is not seen";
   } else if (!IsSpread(query)) {
     check.refusal = "corners in one spot";
@@ -169,7 +172,8 @@ int ClosureChecker::AlignPatches(const PlaceQuery& query, const SE3& T_WC) {
     const auto px = query.camera.Project(p_C);
     if (!px || !query.camera.IsInside(*px, kBorder_px)) continue;
     if (i < num_own_) ++num_visible;
-    const auto ray = query.camera.BearingOf(point.record->px.cast<double>());
+    const CameraModel& lens = point.place->lens ? *point.place->lens : query.camera;
+    const auto ray = lens.BearingOf(point.record->px.cast<double>());
     if (!ray) continue;
     const auto predicted = PredictWarp(*ray,
                                        1 / static_cast<double>(point.record->p_C.norm()),
@@ -192,6 +196,30 @@ int ClosureChecker::AlignPatches(const PlaceQuery& query, const SE3& T_WC) {
     matches_.push_back({static_cast<int>(i),
                         Vector2d(warp.x, warp.y),
                         std::hypot(kPatchSigma_px, static_cast<double>(alignment.sigma_px))});
+  }
+  return num_visible;
+}
+
+int ClosureChecker::MatchNear(const PlaceQuery& query, const SE3& T_WC) {
+  constexpr double kNear_px = 4;
+  matches_.clear();
+  const SE3 T_CW = T_WC.Inverse();
+  int num_visible = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const auto px = query.camera.Project(T_CW * points_[i].p_W);
+    if (!px || !query.camera.IsInside(*px, kBorder_px)) continue;
+    if (i < num_own_) ++num_visible;
+    const UprightCorner* best = nullptr;
+    int best_bits = kMostBits + 1;
+    for (const UprightCorner& corner : query.corners) {
+      if ((corner.px - *px).squaredNorm() > kNear_px * kNear_px) continue;
+      const int bits = BestBits(*points_[i].record, corner.descriptor);
+      if (bits >= best_bits) continue;
+      best_bits = bits;
+      best = &corner;
+    }
+    if (best != nullptr)
+      matches_.push_back({static_cast<int>(i), best->px, LevelSigma_px(best->level)});
   }
   return num_visible;
 }

@@ -22,7 +22,9 @@ struct PlaceQuery {
   SE3 T_WB, T_BC;
   double sigma_tilt_rad = 0;
   std::vector<UprightCorner> corners;
-  const ImagePyramid* image = nullptr;  ///< of two levels
+  /// Of two levels. Without it points are found where corners are described, not where their
+  /// patches fit: fewer, and to half a pixel.
+  const ImagePyramid* image = nullptr;
 
   SE3 T_WC() const { return T_WB * T_BC; }
 };
@@ -76,6 +78,9 @@ class ClosureChecker {
   /// Aligns the patches of all points where they should be seen; returns how many of the place
   /// itself should be.
   int AlignPatches(const PlaceQuery& query, const SE3& T_WC);
+  /// The same without an image: the corners that look most like the points, near where those should
+  /// be seen.
+  int MatchNear(const PlaceQuery& query, const SE3& T_WC);
   /// Moves T_WC; keeps the matches that fit. False: the pose is not determined.
   bool Fit(const PlaceQuery& query, double sigma_tilt_rad, SE3& T_WB, Matrix<6, 6>& covariance);
   bool IsSpread(const PlaceQuery& query) const;

@@ -38,6 +38,13 @@ PlaceIndex::PlaceIndex(const std::deque<PlaceRecord>& places) {
     std::sort(table.begin(), table.end());
 }
 
+std::size_t PlaceIndex::memory_bytes() const {
+  std::size_t bytes = places_.capacity() * sizeof(When);
+  for (const auto& table : tables_)
+    bytes += table.capacity() * sizeof(std::uint32_t);
+  return bytes;
+}
+
 std::vector<int> PlaceIndex::Best(std::span<const UprightCorner> corners, std::size_t most) const {
   // Pieces that many corners have (all bits alike, repeated texture) say nothing.
   constexpr std::size_t kLeastCommon = 40;

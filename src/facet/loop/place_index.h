@@ -15,7 +15,7 @@
 
 namespace facet {
 
-/// Deterministic. 64 bytes for each point of the map.
+/// Deterministic. 32 to 64 bytes for each point of the map.
 class PlaceIndex {
  public:
   /// Of at most 65536 places; later ones are left out.
@@ -23,6 +23,8 @@ class PlaceIndex {
 
   /// At most `most` places, the likeliest first; of neighbours in time only the best one.
   std::vector<int> Best(std::span<const UprightCorner> corners, std::size_t most) const;
+
+  std::size_t memory_bytes() const;
 
  private:
   static constexpr std::size_t kNumTables = 8;

@@ -87,6 +87,17 @@ TEST(PlaceIndexTest, WhatEveryPlaceHasSaysNothing) {
   EXPECT_TRUE(PlaceIndex(places).Best(corners, 5).empty());
 }
 
+TEST(PlaceIndexTest, CountsItsMemory) {
+  Rng rng(5);
+  const std::deque<PlaceRecord> places = Places(rng);
+  std::size_t num_points = 0;
+  for (const PlaceRecord& place : places)
+    num_points += place.points.size();
+  // Eight tables of four bytes, which grow by doubling.
+  EXPECT_GE(PlaceIndex(places).memory_bytes(), 32 * num_points);
+  EXPECT_LE(PlaceIndex(places).memory_bytes(), 65 * num_points + 64 * places.size());
+}
+
 TEST(PlaceIndexTest, NothingIsFoundInNothing) {
   EXPECT_TRUE(PlaceIndex({}).Best(std::vector<UprightCorner>(5), 5).empty());
   Rng rng(4);

@@ -16,6 +16,7 @@ namespace {
 constexpr int kMostCandidates = 3;
 constexpr double kMinSeenShare = 0.3;
 constexpr double kKeepInterval_s = 1;
+constexpr double kStampNoise_s = 1e-3;
 constexpr double kAgreeWithin_s = 12;  // closures that confirm each other
 constexpr std::size_t kMinAgreeing = 3;
 
@@ -80,22 +81,37 @@ PlaceMap::PlaceMap(const StereoRig& rig, const LoopOptions& options, const Saved
   if (known.places.empty()) return;
   graph_ = MapGraph(known.graph);
   keyframes_ = known.keyframes;
+  known_lenses_ = known.lenses;
   places_.assign(known.places.begin(), known.places.end());
+  SetLenses(known.lenses, places_);
   index_.emplace(places_);
-  session_ = known.num_sessions;
+  session_ = known.num_sessions();
   first_own_node_ = first_sought_node_ = graph_.num_nodes();
   num_places_before_ = num_places();
   is_localised_ = false;
 }
 
-bool PlaceMap::IsWanted(Timestamp t) const {
+double PlaceMap::Interval_s(Timestamp t) const {
   constexpr double kLost_s = 0.1, kHurried_s = 20, kPatient_s = 2;
-  double interval_s = options_.query_interval_s;
-  if (index_) {
-    const bool is_hurried = !search_began_ || ToSeconds(t - *search_began_) < kHurried_s;
-    interval_s = is_hurried ? std::min(kLost_s, interval_s) : std::max(kPatient_s, interval_s);
-  }
-  return !last_query_ || ToSeconds(t - *last_query_) >= interval_s - 1e-3;
+  if (!index_) return options_.query_interval_s;
+  const bool is_hurried = !search_began_ || ToSeconds(t - *search_began_) < kHurried_s;
+  return is_hurried ? std::min(kLost_s, options_.query_interval_s)
+                    : std::max(kPatient_s, options_.query_interval_s);
+}
+
+bool PlaceMap::IsWanted(Timestamp t) const {
+  return !last_query_ || ToSeconds(t - *last_query_) >= Interval_s(t) - kStampNoise_s;
+}
+
+bool PlaceMap::IsLookedFor(Timestamp t) const {
+  return index_ && last_look_ && ToSeconds(t - *last_look_) >= Interval_s(t) - kStampNoise_s;
+}
+
+void PlaceMap::Look(const KeyframeView& view) {
+  if (!IsLookedFor(view.t) || view.left.empty() || view.segment != last_query_segment_) return;
+  pyramid_.Build(view.left, 2);
+  LookFor(view);
+  pyramid_.Clear();  // it refers to the image
 }
 
 // Where the last keyframe was recognised from nearly the same pose everything has been said.
@@ -119,6 +135,13 @@ void PlaceMap::Add(const KeyframeView& view) {
   last_query_segment_ = view.segment;
   is_known_well_ = false;
   pyramid_.Build(view.left, 2);
+  LookFor(view);
+  Keep(view);
+  pyramid_.Clear();  // it refers to the image
+}
+
+void PlaceMap::LookFor(const KeyframeView& view) {
+  last_look_ = view.t;
   const std::vector<int> candidates = Candidates(view);
   if (!candidates.empty() || index_) {
     query_ = {view.camera,
@@ -128,15 +151,13 @@ void PlaceMap::Add(const KeyframeView& view) {
               corners_.Detect(view.left, UpInCamera(view)),
               &pyramid_};
     for (const int place : candidates) {
-      const auto places = WithNeighbours(place);
+      const auto places = WithNeighbours(places_, place);
       Consider(checker_.Check(query_, places, Predict(places_[place], view)), place, view);
     }
     if (index_) CompareByAppearance(view);
     BelieveWhatAgrees();
   }
   if (graph_.num_nodes() > first_own_node_) T_MW_ = graph_.T_MW(graph_.num_nodes() - 1);
-  Keep(view);
-  pyramid_.Clear();  // it refers to the image
 }
 
 // After a loss nothing but gravity is known for sure. Who is looked for already goes on being so:
@@ -167,9 +188,10 @@ bool PlaceMap::IsOfThisPart(int place) const {
 }
 
 void PlaceMap::CompareByAppearance(const KeyframeView& view) {
-  constexpr std::size_t kMostGuesses = 5;
+  constexpr std::size_t kMostGuesses = 10;
   for (const int place : index_->Best(query_.corners, kMostGuesses)) {
-    const ClosureCheck check = checker_.Check(query_, WithNeighbours(place), ClosurePrediction());
+    const ClosureCheck check =
+        checker_.Check(query_, WithNeighbours(places_, place), ClosurePrediction());
     if (check.is_closure()) Consider(check, place, view);  // guesses that are none are no news
   }
 }
@@ -222,20 +244,6 @@ ClosurePrediction PlaceMap::Predict(const PlaceRecord& place, const KeyframeView
   const double angle =
       3 * (view.sigma_p.maxCoeff() / place.median_distance_m + view.sigma_theta.maxCoeff()) + 0.1;
   return {T_WplaceWquery, angle};
-}
-
-std::vector<const PlaceRecord*> PlaceMap::WithNeighbours(int place) const {
-  constexpr int kNeighbours = 2;
-  constexpr double kNear_s = 5;
-  std::vector<const PlaceRecord*> places = {&places_[place]};
-  for (int i = place - kNeighbours; i <= place + kNeighbours; ++i) {
-    if (i == place || i < 0 || i >= static_cast<int>(places_.size())) continue;
-    const PlaceRecord& other = places_[i];
-    if (other.session == places_[place].session && other.segment == places_[place].segment &&
-        std::abs(ToSeconds(other.t - places_[place].t)) < kNear_s)
-      places.push_back(&other);
-  }
-  return places;
 }
 
 int PlaceMap::NodeOf(const KeyframeView& view) {
@@ -386,7 +394,7 @@ void PlaceMap::BelieveWhatAgrees() {
 
 void PlaceMap::Keep(const KeyframeView& view) {
   constexpr std::size_t kFewestPoints = 30;
-  if (last_kept_ && ToSeconds(view.t - *last_kept_) < kKeepInterval_s - 1e-3) return;
+  if (last_kept_ && ToSeconds(view.t - *last_kept_) < kKeepInterval_s - kStampNoise_s) return;
   const int node = NodeOf(view);
   if (is_known_well_ || view.points.size() < kFewestPoints) return;
   last_kept_ = view.t;
@@ -474,12 +482,16 @@ std::vector<MapCorrection> PlaceMap::Corrections() const {
 }
 
 SavedMap PlaceMap::Saved() const {
-  SavedMap saved{session_ + (is_localised_ ? 1 : 0), graph_.state(), keyframes_, {}};
+  SavedMap saved{known_lenses_, graph_.state(), keyframes_, {}};
+  const bool has_own = graph_.num_nodes() > first_own_node_;
+  if (is_localised_)
+    saved.lenses.push_back((has_own ? last_node_view_.camera : camera_).intrinsics());
   const int num_places_known = index_ ? num_places_before_ : num_places();
   for (int i = 0; i < num_places_known; ++i) {
     saved.places.push_back(places_[i]);
     saved.places.back().landmarks.clear();
     saved.places.back().landmarks.shrink_to_fit();
+    saved.places.back().lens.reset();
   }
   if (!index_) return saved;
   saved.graph.nodes.resize(static_cast<std::size_t>(first_sought_node_));
@@ -501,7 +513,7 @@ std::vector<ClosureRecord> PlaceMap::Closures() const {
 }
 
 std::size_t PlaceMap::memory_bytes() const {
-  std::size_t bytes = 0;
+  std::size_t bytes = index_ ? index_->memory_bytes() : 0;
   for (const PlaceRecord& place : places_)
     bytes += sizeof(PlaceRecord) + place.points.capacity() * sizeof(RecordPoint);
   bytes +=

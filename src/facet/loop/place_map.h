@@ -59,6 +59,12 @@ class PlaceMap {
   /// Looks for the keyframe in the map and keeps it, if it shows something new.
   void Add(const KeyframeView& view);
 
+  /// Whether Look would do anything with a frame of this time.
+  bool IsLookedFor(Timestamp t) const;
+
+  /// While the run is looked for frames between keyframes help; their views need no points.
+  void Look(const KeyframeView& view);
+
   /// Takes over what the estimator has learnt about the newest places since: their poses and those
   /// of their points.
   void Refine(const MapSnapshot& snapshot);
@@ -106,13 +112,14 @@ class PlaceMap {
 
   bool Hovers(const KeyframeView& view) const;
   std::vector<int> Candidates(const KeyframeView& view) const;
+  double Interval_s(Timestamp t) const;
+  void LookFor(const KeyframeView& view);
   void BeginSearch(const KeyframeView& view);
   void EndLongSearch(Timestamp t);
   void CompareByAppearance(const KeyframeView& view);
   bool IsOfThisPart(int place) const;
   double SeenShare(const PlaceRecord& place, const SE3& T_CW_place, const SE3& T_WC) const;
   ClosurePrediction Predict(const PlaceRecord& place, const KeyframeView& view) const;
-  std::vector<const PlaceRecord*> WithNeighbours(int place) const;
   int NodeOf(const KeyframeView& view);
   void Consider(const ClosureCheck& check, int place, const KeyframeView& view);
   bool Agree(const Pending& a, const Pending& b) const;
@@ -129,7 +136,8 @@ class PlaceMap {
   UprightCorners corners_;
   ClosureChecker checker_;
   MapGraph graph_;
-  std::vector<MapKeyframe> keyframes_;  // like the graph's nodes
+  std::vector<MapKeyframe> keyframes_;          // like the graph's nodes
+  std::vector<CameraIntrinsics> known_lenses_;  // by session before
   std::deque<PlaceRecord> places_;
   std::deque<Pending> pending_;
   std::vector<ClosureRecord> closures_;
@@ -145,6 +153,7 @@ class PlaceMap {
   bool is_localised_ = true, is_ambiguous_ = false;
   std::optional<Timestamp> localised_;
   std::optional<Timestamp> last_query_, last_kept_;
+  std::optional<Timestamp> last_look_;  // of a keyframe or not
   SE3 last_query_T_WB_;
   int last_query_segment_ = 0;
   KeyframeView last_node_view_;  // without image and points

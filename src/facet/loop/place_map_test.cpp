@@ -229,7 +229,7 @@ TEST(PlaceMapTest, ALaterRunInAnotherRoomIsNotFoundAndDoesNotSpoilTheMap) {
   const SavedMap saved = run.map.Saved();
   for (const PlaceRecord& place : saved.places)
     EXPECT_EQ(place.session, 0);
-  EXPECT_EQ(saved.num_sessions, known.num_sessions);
+  EXPECT_EQ(saved.num_sessions(), known.num_sessions());
   EXPECT_EQ(saved.places.size(), known.places.size());
   EXPECT_EQ(saved.graph.nodes.size(), known.graph.nodes.size());
   EXPECT_EQ(saved.graph.edges.size(), known.graph.edges.size());
@@ -242,7 +242,7 @@ TEST(PlaceMapTest, ARunThatLooksLikeTwoPlacesIsInNeither) {
   const auto num_nodes = static_cast<int>(twice.graph.nodes.size());
   const auto num_edges = static_cast<int>(twice.graph.edges.size());
   const SavedMap once = twice;
-  twice.num_sessions = 2;
+  twice.lenses.push_back(twice.lenses[0]);
   for (std::size_t i = 0; i < once.keyframes.size(); ++i) {
     GraphNode node = once.graph.nodes[i];
     node.T_MW.p += Vector3d(20, 0, 0);
@@ -277,13 +277,40 @@ TEST(PlaceMapTest, ARunThatWasFoundExtendsTheMap) {
   run.Fly(room, 0, 12);
   ASSERT_TRUE(run.map.is_localised());
   const SavedMap saved = run.map.Saved();
-  EXPECT_EQ(saved.num_sessions, 2);
+  EXPECT_EQ(saved.num_sessions(), 2);
   EXPECT_GT(saved.graph.nodes.size(), known.graph.nodes.size());
   LaterRun third(saved);
   third.T_WM = {-1, Vector3d(1, 2, 3)};
   third.Fly(room, 0, 6);
   EXPECT_TRUE(third.map.is_localised());
   EXPECT_LT(third.ErrorInMap_m(), 0.06);
+}
+
+/// A lens of 1.2 times the focal length.
+CameraModel OtherCamera() {
+  CameraIntrinsics k = SmallCamera().intrinsics();
+  k.fx *= 1.2;
+  k.fy *= 1.2;
+  return CameraModel(k);
+}
+
+TEST(PlaceMapTest, ARunWithAnotherLensFindsItselfInTheMap) {
+  const PaintedRoom room(1);
+  StereoRig rig = Rig();
+  rig.cameras = {OtherCamera(), OtherCamera()};
+  PlaceMap map(rig, LoopOptions(), MapOf(room));
+  const UprightPose T_WM{2.5, Vector3d(7, -3, 0.5)};
+  for (int i = 0; i < 8; ++i) {
+    const SE3 T_true = TruePose(3 * i % kPerLap + 1);
+    map.Add(room.View(i, OtherCamera(), LooksAhead(), T_true, T_WM.ToSE3() * T_true));
+  }
+  ASSERT_TRUE(map.is_localised());
+  const Vector3d p_M(0.3, 0.2, 0.1);
+  EXPECT_LT((map.T_MW() * (T_WM * p_M) - p_M).norm(), 0.06);
+  const SavedMap saved = map.Saved();
+  ASSERT_EQ(saved.num_sessions(), 2);
+  EXPECT_EQ(saved.lenses[0].fx, SmallCamera().intrinsics().fx);
+  EXPECT_EQ(saved.lenses[1].fx, OtherCamera().intrinsics().fx);
 }
 
 // What the odometry claims after a loss may be far from true; its world goes on from there.

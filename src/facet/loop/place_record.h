@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <deque>
+#include <memory>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -63,10 +65,19 @@ struct PlaceRecord {
   SE3 T_BC;
   double sigma_tilt_rad = 0;
   double median_distance_m = 1;  ///< of its points
+  /// Of runs before: their left camera. Otherwise the present one.
+  std::shared_ptr<const CameraModel> lens;
   std::vector<RecordPoint> points;
   std::vector<LandmarkId> landmarks;  ///< of the points, while the keyframe is in the window
 
   SE3 T_WC() const { return T_WB * T_BC; }
 };
+
+/// Gives each place the lens of its session; sessions without one have the present one.
+void SetLenses(const std::vector<CameraIntrinsics>& lenses, std::deque<PlaceRecord>& places);
+
+/// A place and those just before and after it in the same flight, which see much of the same; the
+/// place first. Places of a session and segment are in order of time.
+std::vector<const PlaceRecord*> WithNeighbours(const std::deque<PlaceRecord>& places, int place);
 
 }  // namespace facet

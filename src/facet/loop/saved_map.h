@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "facet/camera/camera_intrinsics.h"
 #include "facet/loop/map_graph.h"
 #include "facet/loop/place_record.h"
 
@@ -18,10 +19,12 @@ struct MapKeyframe {
 };
 
 struct SavedMap {
-  int num_sessions = 0;
+  std::vector<CameraIntrinsics> lenses;  ///< of the left camera, by session
   GraphState graph;
   std::vector<MapKeyframe> keyframes;  ///< like the graph's nodes
   std::vector<PlaceRecord> places;
+
+  int num_sessions() const { return static_cast<int>(lenses.size()); }
 };
 
 }  // namespace facet

@@ -46,30 +46,44 @@ void LoopStage::Add(const cv::Mat& left, const TrackedFrame& frame, const VioOut
   const double start_ms = ThreadCpuMs();
   for (const KeyframePose& keyframe : out.finished_keyframes)
     map_->Smooth(keyframe.id, keyframe.T_WB);
-  if (out.snapshot && frame.frontend.image_ok && map_->IsWanted(out.t)) {
+  const bool has_image = frame.frontend.image_ok;
+  if (has_image && out.snapshot && map_->IsWanted(out.t)) {
     map_->Refine(*out.snapshot);
-    FillView(left, frame, out);
+    const StereoRig& rig = out.snapshot->rig ? *out.snapshot->rig : rig_;
+    view_.camera = rig.cameras[0];
+    view_.T_BC = rig.T_BC[0];
+    // Where the camera was when the image was taken.
+    FillView(left, out.snapshot->T_WC0 * view_.T_BC.Inverse(), out);
+    FillPoints(frame, *out.snapshot, rig);
     map_->Add(view_);
-    view_.left.release();  // whoever owns the pixels may use them again
-    due_.push_back({FrameId{out.frame.value + kLag}, map_->T_MW().ToSE3(), map_->is_localised()});
+    Hand(out.frame);
+  } else if (has_image && !out.snapshot && out.has_pose && map_->IsLookedFor(out.t)) {
+    FillView(left, out.state.T_WB, out);  // with the camera of the last keyframe
+    map_->Look(view_);
+    Hand(out.frame);
   }
   cpu_ms_ += ThreadCpuMs() - start_ms;
 }
 
-void LoopStage::FillView(const cv::Mat& left, const TrackedFrame& frame, const VioOutput& out) {
-  const MapSnapshot& snapshot = *out.snapshot;
-  const StereoRig& rig = snapshot.rig ? *snapshot.rig : rig_;
+void LoopStage::Hand(FrameId frame) {
+  view_.left.release();  // whoever owns the pixels may use them again
+  due_.push_back({FrameId{frame.value + kLag}, map_->T_MW().ToSE3(), map_->is_localised()});
+}
+
+void LoopStage::FillView(const cv::Mat& left, const SE3& T_WB, const VioOutput& out) {
   view_.frame = out.frame;
   view_.t = out.t;
   view_.segment = out.segment;
-  view_.camera = rig.cameras[0];
-  view_.T_BC = rig.T_BC[0];
-  // Where the camera was when the image was taken.
-  view_.T_WB = snapshot.T_WC0 * view_.T_BC.Inverse();
+  view_.T_WB = T_WB;
   view_.sigma_theta = out.sigma_theta;
   view_.sigma_p = out.sigma_p;
   view_.left = left;
   view_.points.clear();
+}
+
+void LoopStage::FillPoints(const TrackedFrame& frame,
+                           const MapSnapshot& snapshot,
+                           const StereoRig& rig) {
   const SE3 T_CW = snapshot.T_WC0.Inverse();
   const auto& features = frame.frontend.observations.features;
   for (std::size_t i = 0; i < features.size(); ++i) {

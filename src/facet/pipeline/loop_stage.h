@@ -28,7 +28,7 @@ class LoopStage {
   /// Sets `T_MW` of the output. Before the pose is told.
   void Correct(VioOutput& out);
 
-  /// Looks for keyframes in the map.
+  /// Looks for keyframes in the map, and for other frames while it is not known where the run is.
   void Add(const cv::Mat& left, const TrackedFrame& frame, const VioOutput& out);
 
   /// Empty if places are not recognised.
@@ -41,7 +41,10 @@ class LoopStage {
     bool is_in_map = true;
   };
 
-  void FillView(const cv::Mat& left, const TrackedFrame& frame, const VioOutput& out);
+  void FillView(const cv::Mat& left, const SE3& T_WB, const VioOutput& out);
+  void FillPoints(const TrackedFrame& frame, const MapSnapshot& snapshot, const StereoRig& rig);
+  /// What the map says after this frame goes to the outputs when it is due.
+  void Hand(FrameId frame);
 
   StereoRig rig_;
   std::optional<PlaceMap> map_;
