@@ -80,6 +80,22 @@ void MapGraph::AddClosure(const GraphEdge& edge) {
   state_.edges.back().is_closure = true;
 }
 
+std::vector<int> MapGraph::RemoveClosuresAcross(int node) {
+  std::vector<int> numbers;
+  int next = 0;
+  for (const GraphEdge& edge : state_.edges) {
+    const bool leaves = edge.is_closure && edge.first < node && edge.second >= node;
+    numbers.push_back(leaves ? -1 : next++);
+  }
+  std::erase_if(state_.edges, [&](const GraphEdge& edge) {
+    return edge.is_closure && edge.first < node && edge.second >= node;
+  });
+  for (GraphNode& n : state_.nodes) {
+    if (n.edge_to_previous >= 0) n.edge_to_previous = numbers[n.edge_to_previous];
+  }
+  return numbers;
+}
+
 Vector3d MapGraph::BetweenBodies(const GraphEdge& edge) const {
   const GraphNode &a = state_.nodes[edge.first], &b = state_.nodes[edge.second];
   return b.T_MW * b.p_W - a.T_MW * a.p_W;

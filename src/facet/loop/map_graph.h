@@ -61,6 +61,10 @@ class MapGraph {
   /// What a closure measured, from the older node to the younger one.
   void AddClosure(const GraphEdge& edge);
 
+  /// Takes away the closures that lead from nodes before this one to it and those after it. Returns
+  /// for each edge that there was its new number, or -1.
+  std::vector<int> RemoveClosuresAcross(int node);
+
   /// Least squares over all nodes, with weights of closures that are lowered step by step
   /// (graduated non-convexity with the Geman-McClure function).
   void Optimize();

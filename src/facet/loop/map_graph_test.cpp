@@ -69,6 +69,27 @@ TEST(MapGraphTest, WithoutClosuresNothingMoves) {
   }
 }
 
+TEST(MapGraphTest, ClosuresAcrossANodeGoAndTheOthersStayWhatTheyAre) {
+  constexpr int kNode = 40;
+  Laps laps(70, 3);
+  for (int b = 32; b < 70; b += 2)
+    laps.graph.AddClosure(laps.Closure(b - 31, b));
+  const std::vector<GraphEdge> before = laps.graph.edges();
+  const std::vector<int> numbers = laps.graph.RemoveClosuresAcross(kNode);
+  ASSERT_EQ(numbers.size(), before.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const bool is_across =
+        before[i].is_closure && before[i].first < kNode && before[i].second >= kNode;
+    ASSERT_EQ(numbers[i] < 0, is_across) << i;
+    if (is_across) continue;
+    EXPECT_EQ(laps.graph.edges()[numbers[i]].first, before[i].first);
+    EXPECT_EQ(laps.graph.edges()[numbers[i]].second, before[i].second);
+  }
+  EXPECT_EQ(before.size() - laps.graph.edges().size(), 15U);
+  for (int node = 1; node < laps.graph.num_nodes(); ++node)
+    EXPECT_EQ(laps.graph.edges()[laps.graph.state().nodes[node].edge_to_previous].second, node);
+}
+
 TEST(MapGraphTest, ExactClosuresTakeTheDriftBack) {
   Laps laps(70, 2);
   const double before_m = laps.WorstError_m();

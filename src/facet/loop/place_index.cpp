@@ -9,7 +9,6 @@ namespace facet {
 
 namespace {
 
-constexpr std::size_t kMostPlaces = 65536;
 constexpr int kBits = 16;
 // The middle one: corners of images from nearer and farther away match it on one of their levels.
 constexpr std::size_t kIndexedLevel = 1;
@@ -24,8 +23,8 @@ std::uint32_t Piece(const BinaryDescriptor& descriptor, std::size_t table) {
 
 }  // namespace
 
-PlaceIndex::PlaceIndex(const std::deque<PlaceRecord>& places) {
-  const std::size_t num = std::min(places.size(), kMostPlaces);
+PlaceIndex::PlaceIndex(const std::deque<PlaceRecord>& places, std::size_t num) {
+  num = std::min({num, places.size(), kMostPlaces});
   for (std::size_t i = 0; i < num; ++i) {
     places_.push_back({places[i].t, places[i].session, static_cast<int>(places[i].points.size())});
     for (const RecordPoint& point : places[i].points) {

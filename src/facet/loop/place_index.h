@@ -18,8 +18,8 @@ namespace facet {
 /// Deterministic. 32 to 64 bytes for each point of the map.
 class PlaceIndex {
  public:
-  /// Of at most 65536 places; later ones are left out.
-  explicit PlaceIndex(const std::deque<PlaceRecord>& places);
+  /// Of the first `num` places, at most 65536; later ones are left out.
+  explicit PlaceIndex(const std::deque<PlaceRecord>& places, std::size_t num = kMostPlaces);
 
   /// At most `most` places, the likeliest first; of neighbours in time only the best one.
   std::vector<int> Best(std::span<const UprightCorner> corners, std::size_t most) const;
@@ -27,6 +27,7 @@ class PlaceIndex {
   std::size_t memory_bytes() const;
 
  private:
+  static constexpr std::size_t kMostPlaces = 65536;
   static constexpr std::size_t kNumTables = 8;
 
   struct When {

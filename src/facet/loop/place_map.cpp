@@ -13,6 +13,7 @@ namespace facet {
 
 namespace {
 
+constexpr const char* kClosureTakenBack = "taken back";
 constexpr int kMostCandidates = 3;
 constexpr double kMinSeenShare = 0.3;
 constexpr double kKeepInterval_s = 1;
@@ -150,12 +151,18 @@ void PlaceMap::LookFor(const KeyframeView& view) {
               SigmaTilt(view),
               corners_.Detect(view.left, UpInCamera(view)),
               &pyramid_};
+    std::size_t num_expected = 0, num_seen = 0;  // of the places that a finding is about
     for (const int place : candidates) {
       const auto places = WithNeighbours(places_, place);
-      Consider(checker_.Check(query_, places, Predict(places_[place], view)), place, view);
+      const ClosureCheck check = checker_.Check(query_, places, Predict(places_[place], view));
+      Consider(check, place, view);
+      if (IsOfThisPart(place)) continue;
+      ++num_expected;
+      num_seen += check.is_closure() ? 1 : 0;
     }
     if (index_) CompareByAppearance(view);
     BelieveWhatAgrees();
+    JudgeFinding(num_expected, num_seen, view.t);
   }
   if (graph_.num_nodes() > first_own_node_) T_MW_ = graph_.T_MW(graph_.num_nodes() - 1);
 }
@@ -355,10 +362,39 @@ void PlaceMap::FindInMap() {
   });
   if (is_ambiguous_ || !IsMoreThanOneView(*best)) return;
   T_MW_ = graph_.T_MW(best->place_node) * best->T_WplaceWquery;
-  graph_.Move(first_sought_node_, T_MW_ * graph_.T_MW(best->query_node).Inverse());
+  const UprightPose moved = T_MW_ * graph_.T_MW(best->query_node).Inverse();
+  graph_.Move(first_sought_node_, moved);
+  finding_ = Finding{is_localised_, moved};
   if (!is_localised_) localised_ = pending_.back().t;
   is_localised_ = true;
   index_.reset();
+}
+
+// Where a place is seen that was predicted the finding is right. A part of the map that looks the
+// same as where the run is has other surroundings.
+void PlaceMap::JudgeFinding(std::size_t num_expected, std::size_t num_seen, Timestamp t) {
+  constexpr int kMostInVain = 10;
+  if (!finding_ || index_ || num_expected == 0) return;
+  if (num_seen > 0) return finding_.reset();
+  if (++finding_->num_in_vain >= kMostInVain) TakeFindingBack(t);
+}
+
+// The closures within the part stay, as do all of its places.
+void PlaceMap::TakeFindingBack(Timestamp t) {
+  const std::vector<int> numbers = graph_.RemoveClosuresAcross(first_sought_node_);
+  for (ClosureRecord& record : closures_) {
+    if (record.edge < 0) continue;
+    record.edge = numbers[record.edge];
+    if (record.edge < 0) record.verdict = kClosureTakenBack;
+  }
+  std::erase_if(pending_, [](const Pending& one) { return one.is_by_appearance; });
+  graph_.Move(first_sought_node_, finding_->moved.Inverse());
+  graph_.Optimize();
+  index_.emplace(places_, static_cast<std::size_t>(num_places_before_));
+  search_began_ = t;
+  is_localised_ = finding_->was_localised;
+  if (!is_localised_) localised_.reset();
+  finding_.reset();
 }
 
 // A closure becomes an edge when enough others, from other keyframes, say the same.
@@ -507,7 +543,7 @@ std::vector<ClosureRecord> PlaceMap::Closures() const {
   std::vector<ClosureRecord> closures = closures_;
   for (ClosureRecord& record : closures) {
     if (record.edge >= 0 && graph_.edges()[record.edge].weight < kLeastWeight)
-      record.verdict = "taken back";
+      record.verdict = kClosureTakenBack;
   }
   return closures;
 }

@@ -44,7 +44,7 @@ struct MapCorrection {
 /// found when three keyframes say the same, and no two of them something else. With a map of runs
 /// before that is the case from the beginning on, and T_MW leads to a map of the run's own until it
 /// is found. After a loss of the odometry it is the case, too, and T_MW stays what it was until
-/// then.
+/// then. A finding after which nothing of what should be seen is seen is taken back.
 ///
 /// Not thread-safe; deterministic.
 class PlaceMap {
@@ -126,6 +126,8 @@ class PlaceMap {
   std::vector<int> AgreeingKeyframes(const Pending& one, bool by_appearance) const;
   bool IsMoreThanOneView(const Pending& one) const;
   void FindInMap();
+  void JudgeFinding(std::size_t num_expected, std::size_t num_seen, Timestamp t);
+  void TakeFindingBack(Timestamp t);
   void BelieveWhatAgrees();
   void Keep(const KeyframeView& view);
   void KeepPoints(const KeyframeView& view, PlaceRecord& place);
@@ -151,6 +153,13 @@ class PlaceMap {
       0;  // of the part of the run that is looked for: since its begin or a loss
   int num_places_before_ = 0;  // those of that part come after them
   bool is_localised_ = true, is_ambiguous_ = false;
+  /// That of the newest finding, until a place is seen where it says.
+  struct Finding {
+    bool was_localised = false;
+    UprightPose moved;    // by how much it has moved the part that was looked for, in the map
+    int num_in_vain = 0;  // keyframes that saw nothing of what they should
+  };
+  std::optional<Finding> finding_;
   std::optional<Timestamp> localised_;
   std::optional<Timestamp> last_query_, last_kept_;
   std::optional<Timestamp> last_look_;  // of a keyframe or not

@@ -355,6 +355,38 @@ TEST(PlaceMapTest, ALossBeforeTheRunIsFoundDoesNotMakeItFound) {
   }
 }
 
+// What it saw first is in the map, all that it should see then is not there.
+TEST(PlaceMapTest, AFindingAfterWhichNothingIsAsExpectedIsTakenBack) {
+  const SavedMap known = MapOf(PaintedRoom(1));
+  LaterRun run(known);
+  int next = 0;
+  while (!run.map.is_localised() && next < 8) {
+    run.Fly(PaintedRoom(1), next, next + 1);
+    ++next;
+  }
+  ASSERT_TRUE(run.map.is_localised());
+  run.Fly(PaintedRoom(2), next, next + 20);
+  EXPECT_FALSE(run.map.is_localised());
+  EXPECT_FALSE(run.map.localised());
+  for (const ClosureRecord& closure : run.map.Closures()) {
+    if (closure.verdict == kClosureAccepted) {
+      EXPECT_GT(closure.t_place, Timestamp{next * 500'000'000LL - 1}) << "of its own";
+    }
+  }
+  const SavedMap saved = run.map.Saved();
+  EXPECT_EQ(saved.num_sessions(), 1);
+  EXPECT_EQ(saved.places.size(), known.places.size());
+  EXPECT_EQ(saved.graph.edges.size(), known.graph.edges.size());
+  for (std::size_t i = 0; i < saved.graph.nodes.size(); ++i) {
+    EXPECT_EQ(saved.graph.nodes[i].edge_to_previous, known.graph.nodes[i].edge_to_previous);
+    EXPECT_LT((saved.graph.nodes[i].T_MW.p - known.graph.nodes[i].T_MW.p).norm(), 0.01);
+  }
+  // Back in the room it is found again.
+  run.Fly(PaintedRoom(1), next + 20, next + 40);
+  EXPECT_TRUE(run.map.is_localised());
+  EXPECT_LT(run.ErrorInMap_m(), 0.06);
+}
+
 TEST(PlaceMapTest, ACameraThatStandsStillHasOneViewOnly) {
   const PaintedRoom room(1);
   LaterRun run(MapOf(room));
