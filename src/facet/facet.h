@@ -158,7 +158,11 @@ struct State {
   std::string reason;     ///< why the status is not kOk, or empty
   bool has_pose = false;  ///< false: the numbers below mean nothing
   Pose T_WB;
-  Vec3 v_WB{{0, 0, 0}};                              ///< [m/s]
+  /// From W to the map M, where places are recognised (Odometry::Options): a heading and a
+  /// position, which change when a place is. T_WB never jumps by that. Otherwise none.
+  Pose T_MW;
+  bool is_in_map = true;  ///< false: still looked for in the map of earlier runs, T_MW says nothing
+  Vec3 v_WB{{0, 0, 0}};   ///< [m/s]
   Vec3 gyro_bias{{0, 0, 0}}, accel_bias{{0, 0, 0}};  ///< [rad/s], [m/s^2]
   Vec3 sigma_p{{0, 0, 0}}, sigma_theta{{0, 0, 0}},
       sigma_v{{0, 0, 0}};  ///< 1-sigma; theta in B [rad]
@@ -210,6 +214,9 @@ class Odometry {
   struct Options {
     std::string config_file;
     std::vector<std::string> overrides;
+    /// Folder of a map that an earlier run has saved: M is its frame. Recognises places.
+    std::string known_map = "";
+    bool keeps_map = false;  ///< for SaveMap; recognises places
   };
 
   /// Throws Error where calibration or options are wrong.
@@ -242,6 +249,12 @@ class Odometry {
   /// Planes that turned out not to fit their landmarks, or to be curved, are left out. Takes as
   /// long as Map().
   std::vector<Plane> Planes() const;
+
+  /// Writes the map of places, with that of earlier runs, for `facet run --map` and for
+  /// Options::known_map. False, and nothing is written: there are no places yet, or the run was not
+  /// found in the map of earlier runs. Throws Error without Options::keeps_map, and where the
+  /// folder has another map than the known one or cannot be written.
+  bool SaveMap(const std::string& folder) const;
 
  private:
   struct Impl;

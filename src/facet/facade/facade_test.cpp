@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <map>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -14,6 +15,7 @@
 #include "facet/facet.h"
 #include "facet/pipeline/vio_pipeline.h"
 #include "facet/testing/io/test_sequence.h"
+#include "facet/testing/pipeline/painted_recording.h"
 #include "facet/testing/wall_image.h"
 
 namespace facet {
@@ -286,6 +288,70 @@ TEST(FacadeErrorTest, SaysWhatIsWrongWithLiveOptions) {
   options = {};
   options.overrides = {"frontend.max_feature=7"};
   EXPECT_THAT(ErrorOfLive(options), HasSubstr("unknown key"));
+}
+
+/// What both runs of the test below see: the first one all of it, the second from the middle on.
+class MapTest : public ::testing::Test {
+ protected:
+  static api::Image ViewOf(const cv::Mat& image) { return {image.data, image.cols, image.rows}; }
+
+  /// States by stamp.
+  std::map<std::int64_t, api::State> Fly(api::Odometry& odometry, std::size_t first_frame) const {
+    std::map<std::int64_t, api::State> states;
+    std::size_t next = 0;
+    for (std::size_t i = first_frame; i < recording_.frames.size(); ++i) {
+      const StereoFrame& frame = recording_.frames[i];
+      for (; next < recording_.imu.size() &&
+             recording_.imu[next].t <= frame.t + testing::kImuInterval;
+           ++next) {
+        const facet::ImuSample& imu = recording_.imu[next];
+        if (imu.t < recording_.frames[first_frame].t) continue;
+        odometry.AddImu({imu.t.ns,
+                         {imu.gyro.x(), imu.gyro.y(), imu.gyro.z()},
+                         {imu.accel.x(), imu.accel.y(), imu.accel.z()}});
+      }
+      states[frame.t.ns] = odometry.AddStereo(frame.t.ns, ViewOf(frame.left), ViewOf(frame.right));
+    }
+    return states;
+  }
+
+  testing::PaintedRecording recording_ = testing::PaintRecording();
+  api::Calibration calibration_ = api::PlainCalibration(recording_.rig, ImuNoise());
+};
+
+Vector3d InMap(const api::State& state) {
+  const auto& [w, x, y, z] = state.T_MW.q;
+  const auto vector = [](const api::Vec3& v) { return Vector3d(v[0], v[1], v[2]); };
+  return Quaterniond(w, x, y, z) * vector(state.T_WB.p) + vector(state.T_MW.p);
+}
+
+TEST_F(MapTest, ALaterRunKnowsWhereItIsInTheMapOfTheFirst) {
+  TempFolder folder;
+  const std::string map = (folder / "map").string();
+  api::Odometry::Options options;
+  options.keeps_map = true;
+  api::Odometry first(calibration_, options);
+  EXPECT_FALSE(first.SaveMap(map)) << "no places yet";
+  const auto then = Fly(first, 0);
+  ASSERT_TRUE(first.SaveMap(map));
+  EXPECT_THROW(first.SaveMap(map), api::Error) << "that of another run";
+  EXPECT_THROW(api::Odometry(calibration_).SaveMap(map), api::Error);
+
+  options.known_map = map;
+  api::Odometry later(calibration_, options);
+  int num_in_map = 0;
+  bool was_in_map = false;
+  for (const auto& [t_ns, state] : Fly(later, 24)) {
+    EXPECT_GE(state.is_in_map, was_in_map);
+    was_in_map = state.is_in_map;
+    if (!state.has_pose || !state.is_in_map) continue;
+    ++num_in_map;
+    EXPECT_LT((InMap(state) - InMap(then.at(t_ns))).norm(), 0.03) << t_ns;
+  }
+  EXPECT_GT(num_in_map, 10);
+  EXPECT_TRUE(later.SaveMap(map)) << "the known map, with this run";
+  options.known_map = (folder / "nowhere").string();
+  EXPECT_THROW(api::Odometry(calibration_, options), api::Error);
 }
 
 TEST_F(FacadeTest, ImagesMayGoAfterTheCall) {

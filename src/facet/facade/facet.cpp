@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -15,6 +17,7 @@
 #include "facet/io/calibration_file.h"
 #include "facet/io/config_file.h"
 #include "facet/io/errors.h"
+#include "facet/io/saved_map_file.h"
 #include "facet/live/live_vio.h"
 #include "facet/mesh/map_follower.h"
 #include "facet/pipeline/vio_pipeline.h"
@@ -129,9 +132,13 @@ VioOptions OptionsOf(const Odometry::Options& plain, std::vector<std::string>& n
       notices = ApplyConfig(ReadConfigFile(plain.config_file), fields, RetiredOptions());
     for (std::string& notice : ApplyOverrides(plain.overrides, fields, RetiredOptions()))
       notices.push_back(std::move(notice));
-  } catch (const ConfigError& error) {
+    if (!plain.known_map.empty())
+      options.known_map = std::make_shared<SavedMap>(ReadSavedMap(plain.known_map));
+  } catch (const std::runtime_error& error) {
     throw Error(error.what());
   }
+  options.keeps_map = plain.keeps_map;
+  options.loops.enabled = options.loops.enabled || options.keeps_map || options.known_map;
   if (const std::string& simd = options.frontend.klt.simd; FindPatchKernels(simd) == nullptr) {
     throw Error("frontend.klt.simd = '" + simd +
                 "': this machine has no such instructions; allowed: auto | scalar");
@@ -178,6 +185,8 @@ State Plain(const VioOutput& output) {
   state.reason = output.reason;
   state.has_pose = output.has_pose;
   state.T_WB = Plain(output.state.T_WB);
+  state.T_MW = Plain(output.T_MW);
+  state.is_in_map = output.is_in_map;
   state.v_WB = Plain(output.state.v_WB);
   state.gyro_bias = Plain(output.state.bias.b_g);
   state.accel_bias = Plain(output.state.bias.b_a);
@@ -246,10 +255,14 @@ Plane Plain(const PlaneRecord& record) {
 
 struct Odometry::Impl {
   Impl(const Calibration& calibration, const Options& options)
-      : pipeline(RigOf(calibration), NoiseOf(calibration), OptionsOf(options, notices)) {}
+      : pipeline(RigOf(calibration), NoiseOf(calibration), OptionsOf(options, notices)),
+        known_map(options.known_map),
+        keeps_map(options.keeps_map) {}
 
   std::vector<std::string> notices;
   VioPipeline pipeline;
+  std::string known_map;
+  bool keeps_map;
   std::shared_ptr<const MeshSnapshot> mesh;
   PoseObserver observer;
   std::vector<std::pair<OwnedImage, OwnedImage>> images;  // of the newest frames
@@ -366,6 +379,22 @@ Mesh Odometry::Map() const {
 
 std::vector<Plane> Odometry::Planes() const {
   return PlanesOf(impl_->pipeline.Result());
+}
+
+bool Odometry::SaveMap(const std::string& folder) const try {
+  if (!impl_->keeps_map) throw Error("SaveMap needs Options::keeps_map");
+  std::error_code other;
+  const std::filesystem::path file = std::filesystem::path(folder) / kSavedMapName;
+  if (std::filesystem::exists(file) &&
+      !std::filesystem::equivalent(folder, impl_->known_map, other))
+    throw Error(folder + ": has a map already, which is not Options::known_map");
+  const std::optional<LoopResult> loops = impl_->pipeline.Result().loops;
+  const bool was_found = loops && (!loops->has_known_map || loops->localised);
+  if (!was_found || !loops->map || loops->map->places.empty()) return false;
+  WriteSavedMap(folder, *loops->map);
+  return true;
+} catch (const OutputError& error) {
+  throw Error(error.what());
 }
 
 struct LiveOdometry::Impl {

@@ -62,7 +62,8 @@ TEST(DeadImuCheckTest, NamesAnImuThatSendsOneValueWhileTheImagesMove) {
 }
 
 TEST(DeadImuCheckTest, WhatIsNotGravityNeedsNoImages) {
-  const Verdict nothing = Judge([](double) { return ImuSample(); }, 0);
+  const Verdict nothing =
+      Judge([](double) { return Constant(Vector3d::Zero(), Vector3d::Zero()); }, 0);
   EXPECT_THAT(nothing.words, HasSubstr("accelerometer 0 0 0 m/s^2"));
   EXPECT_LE(nothing.after_s, 2);
 }
