@@ -47,12 +47,16 @@ DdsListener::DdsListener(const Entity& participant,
                    kDiagnostics) {
   if (parameters.publishes_tf)
     tf_.emplace(participant, tf2_msgs_msg_dds__TFMessage__desc, names.Topic("/tf"), kOdometry);
-  if (!parameters.publishes_map_tf) return;
-  // Nothing corrects the drift of the odometry yet.
-  tf_static_.emplace(
-      participant, tf2_msgs_msg_dds__TFMessage__desc, names.Topic("/tf_static"), kLatched);
-  TransformStamped identity = ToTransform(0, frames_.map, frames_.odom, api::Pose());
-  Write(*tf_static_, ToTransforms(identity));
+  if (parameters.publishes_map_tf)
+    tf_static_.emplace(
+        participant, tf2_msgs_msg_dds__TFMessage__desc, names.Topic("/tf_static"), kLatched);
+}
+
+// Latched, and anew when it changes: a correction is about all of odom, whatever the time.
+void DdsListener::OnMapTransform(const api::Pose& T_map_odom) {
+  if (!tf_static_) return;
+  TransformStamped transform = ToTransform(0, frames_.map, frames_.odom, T_map_odom);
+  Write(*tf_static_, ToTransforms(transform));
 }
 
 template <class Message>

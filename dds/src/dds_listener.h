@@ -25,6 +25,7 @@ class DdsListener : public robot::RobotListener {
   void OnOdometry(const robot::OdometryOutput& odometry) override;
   void OnPose(const robot::PoseOutput& pose) override;
   void OnPath(const std::vector<robot::PathPose>& path) override;
+  void OnMapTransform(const api::Pose& T_map_odom) override;
   void OnMesh(const api::Mesh& horizon) override;
   void OnMap(std::int64_t t_ns, const std::vector<robot::MapPartOutput>& parts) override;
   void OnPlanes(const robot::PlanesOutput& planes) override;

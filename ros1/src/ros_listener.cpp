@@ -29,7 +29,9 @@ RosListener::RosListener(ros::NodeHandle& global,
                          ros::NodeHandle& own,
                          const robot::NodeParameters& parameters,
                          std::function<void()> on_map_subscriber)
-    : frames_(parameters.frames), publishes_tf_(parameters.publishes_tf) {
+    : frames_(parameters.frames),
+      publishes_tf_(parameters.publishes_tf),
+      publishes_map_tf_(parameters.publishes_map_tf) {
   odometry_ = own.advertise<nav_msgs::Odometry>("odometry", kOdometryQueue);
   pose_ = own.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", kPoseQueue);
   path_ = own.advertise<nav_msgs::Path>("path", kSceneQueue, true);
@@ -44,14 +46,14 @@ RosListener::RosListener(ros::NodeHandle& global,
   planes_ = own.advertise<visualization_msgs::MarkerArray>("planes", kSceneQueue, true);
   diagnostics_ = global.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kSceneQueue);
   if (publishes_tf_) tf_ = global.advertise<tf2_msgs::TFMessage>("/tf", kOdometryQueue);
-  if (parameters.publishes_map_tf) PublishMapTransform();
+  if (publishes_map_tf_) tf_static_ = global.advertise<tf2_msgs::TFMessage>("/tf_static", 1, true);
 }
 
-// Nothing corrects the drift of the odometry yet.
-void RosListener::PublishMapTransform() {
-  tf_static_ = ros::NodeHandle().advertise<tf2_msgs::TFMessage>("/tf_static", 1, true);
-  tf_static_.publish(
-      robot::ToTransforms<tf2_msgs::TFMessage>(0, frames_.map, frames_.odom, api::Pose()));
+// Latched, and anew when it changes: a correction is about all of odom, whatever the time.
+void RosListener::OnMapTransform(const api::Pose& T_map_odom) {
+  if (publishes_map_tf_)
+    tf_static_.publish(
+        robot::ToTransforms<tf2_msgs::TFMessage>(0, frames_.map, frames_.odom, T_map_odom));
 }
 
 void RosListener::OnOdometry(const robot::OdometryOutput& odometry) {

@@ -27,6 +27,7 @@ class RosListener : public robot::RobotListener {
   void OnOdometry(const robot::OdometryOutput& odometry) override;
   void OnPose(const robot::PoseOutput& pose) override;
   void OnPath(const std::vector<robot::PathPose>& path) override;
+  void OnMapTransform(const api::Pose& T_map_odom) override;
   void OnMesh(const api::Mesh& horizon) override;
   void OnMap(std::int64_t t_ns, const std::vector<robot::MapPartOutput>& parts) override;
   void OnPlanes(const robot::PlanesOutput& planes) override;
@@ -39,10 +40,8 @@ class RosListener : public robot::RobotListener {
   void Publish(const robot::Diagnosis& diagnosis);
 
  private:
-  void PublishMapTransform();
-
   const robot::FrameNames frames_;
-  const bool publishes_tf_;
+  const bool publishes_tf_, publishes_map_tf_;
   ros::Publisher odometry_, pose_, path_, mesh_, points_, map_, planes_;
   ros::Publisher tf_, tf_static_, diagnostics_;
 };

@@ -45,9 +45,6 @@ class Node : public rclcpp::Node, public robot::RobotListener {
       : rclcpp::Node("facet",
                      rclcpp::NodeOptions().automatically_declare_parameters_from_overrides(true)) {
     Parameters(*this).Get("reliable", is_reliable_);
-    if (parameters_.publishes_map_tf)
-      tf_static_->publish(
-          robot::ToTransforms<TFMessage>(0, frames_.map, frames_.odom, api::Pose()));
     robot_ = std::make_unique<robot::RobotNode>(parameters_.robot, *this);
     Listen<sensor_msgs::msg::Imu>(
         "imu", parameters_.imu_queue, imu_group_, [this](const auto& message) {
@@ -69,6 +66,10 @@ class Node : public rclcpp::Node, public robot::RobotListener {
   }
   void OnPose(const robot::PoseOutput& pose) override {
     pose_->publish(robot::ToPose<PoseWithCovarianceStamped>(pose, frames_));
+  }
+  void OnMapTransform(const api::Pose& T_map_odom) override {
+    if (parameters_.publishes_map_tf)
+      tf_static_->publish(robot::ToTransforms<TFMessage>(0, frames_.map, frames_.odom, T_map_odom));
   }
   void OnPath(const std::vector<robot::PathPose>& path) override {
     path_->publish(robot::ToPath<Path>(path, frames_));

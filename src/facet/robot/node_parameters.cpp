@@ -102,6 +102,7 @@ NodeParameters ReadParameters(const ParameterSource& source) {
   reader.Read("T_base_imu", options.T_base_imu);
   reader.Read("config", options.config_file);
   reader.Read("set", options.overrides);
+  reader.Read("known_map", options.known_map);
   reader.Read("start", options.is_started);
   reader.Read("smoothing_s", options.smoothing_s);
   reader.Read("max_age_s", options.max_age_s);

@@ -21,7 +21,7 @@ struct NodeParameters {
   FrameNames frames;
   bool has_compressed_images = false;
   bool publishes_tf = true;      ///< odom to base
-  bool publishes_map_tf = true;  ///< map to odom, the identity
+  bool publishes_map_tf = true;  ///< map to odom
   int imu_queue = 2000, image_queue = 40;
 };
 

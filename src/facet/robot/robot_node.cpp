@@ -65,6 +65,7 @@ class RobotNode::Impl {
     for (const std::string& notice : TryOptions(options))
       listener_.OnLog(LogLevel::kWarning, notice);
     calibration_ = options.calibration;
+    if (options.known_map.empty()) listener_.OnMapTransform(T_map_odom_);
     if (options.is_started) Start();
   }
 
@@ -128,9 +129,10 @@ class RobotNode::Impl {
   std::array<std::optional<Clock::time_point>, 2> image_arrivals_;
 
   std::atomic<int> number_ = 0;  // of the odometry; what an older one tells is not passed on
-  std::mutex path_mutex_;
+  std::mutex path_mutex_;        // also of T_map_odom_
   PathKeeper path_;
-  SceneWorker scene_;  // last: its thread tells the listener
+  api::Pose T_map_odom_;  // as it was told, or none
+  SceneWorker scene_;     // last: its thread tells the listener
 };
 
 // ---- beginning and end
@@ -353,6 +355,10 @@ void RobotNode::Impl::TellPose(int number, const api::State& state) {
   const Lock lock(path_mutex_);
   if (number != number_) return;
   const api::Pose T_WF = Compose(state.T_WB, T_BF_);
+  if (state.is_in_map && (state.T_MW.p != T_map_odom_.p || state.T_MW.q != T_map_odom_.q)) {
+    T_map_odom_ = state.T_MW;
+    listener_.OnMapTransform(T_map_odom_);
+  }
   listener_.OnPose({state.t_ns, T_WF, PoseCovariance(state.T_WB, T_BF_, state.covariance)});
   if (path_.Add({state.t_ns, T_WF})) listener_.OnPath(path_.poses());
 }

@@ -12,6 +12,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "facet/facade/plain_calibration.h"
+#include "facet/testing/io/test_sequence.h"
+#include "facet/testing/pipeline/painted_recording.h"
 #include "facet/testing/wall_image.h"
 
 namespace facet::robot {
@@ -43,6 +46,7 @@ class RecordingListener : public RobotListener {
   void OnOdometry(const OdometryOutput& output) override { Keep(odometry, output); }
   void OnPose(const PoseOutput& output) override { Keep(poses, output); }
   void OnPath(const std::vector<PathPose>& output) override { Keep(paths, output); }
+  void OnMapTransform(const api::Pose& output) override { Keep(map_transforms, output); }
   void OnMesh(const api::Mesh& output) override { Keep(meshes, output); }
   void OnMap(std::int64_t, const std::vector<MapPartOutput>& output) override {
     Keep(parts, output);
@@ -62,6 +66,7 @@ class RecordingListener : public RobotListener {
   std::vector<OdometryOutput> odometry;
   std::vector<PoseOutput> poses;
   std::vector<std::vector<PathPose>> paths;
+  std::vector<api::Pose> map_transforms;
   std::vector<api::Mesh> meshes;
   std::vector<std::vector<MapPartOutput>> parts;
   std::vector<PlanesOutput> planes;
@@ -157,6 +162,9 @@ TEST_F(RobotNodeTest, PosesAreThoseOfTheOdometry) {
   EXPECT_EQ(listener_.meshes.back().faces, odometry.HorizonMesh().faces);
   EXPECT_FALSE(listener_.planes.empty());
   EXPECT_FALSE(listener_.paths.empty());
+  ASSERT_EQ(listener_.map_transforms.size(), 1u) << "the identity, once";
+  EXPECT_EQ(listener_.map_transforms[0].p, api::Pose().p);
+  EXPECT_EQ(listener_.map_transforms[0].q, api::Pose().q);
   const Diagnosis diagnosis = node.Diagnose();
   EXPECT_NE(diagnosis.level, Diagnosis::Level::kError) << diagnosis.summary;
   EXPECT_EQ(Value(node, "dropped pairs") + Value(node, "lone images"), 0);
@@ -303,6 +311,67 @@ std::string ErrorOf(const RobotOptions& options) {
     return error.what();
   }
   return "no error";
+}
+
+// A painted recording, and the second half of it as a later run that looks for itself.
+TEST_F(RobotNodeTest, TellsWhereItsWorldIsInTheMapOfAnEarlierRun) {
+  const facet::testing::PaintedRecording recording = facet::testing::PaintRecording();
+  const TempFolder folder;
+  options_.calibration = api::PlainCalibration(recording.rig, ImuNoise());
+  api::Odometry::Options keeping;
+  keeping.keeps_map = true;
+  api::Odometry first(*options_.calibration, keeping);
+  std::map<std::int64_t, api::State> then;
+  const auto sample_of = [](const facet::ImuSample& imu) {
+    return api::ImuSample{imu.t.ns,
+                          {{imu.gyro.x(), imu.gyro.y(), imu.gyro.z()}},
+                          {{imu.accel.x(), imu.accel.y(), imu.accel.z()}}};
+  };
+  const auto view_of = [](const cv::Mat& image) {
+    return api::Image{image.data, image.cols, image.rows};
+  };
+  facet::testing::Feed(
+      recording,
+      [&](const facet::ImuSample& imu) { first.AddImu(sample_of(imu)); },
+      [&](const StereoFrame& frame) {
+        then[frame.t.ns] = first.AddStereo(frame.t.ns, view_of(frame.left), view_of(frame.right));
+      });
+  options_.known_map = (folder / "map").string();
+  ASSERT_TRUE(first.SaveMap(options_.known_map));
+
+  RobotNode node(options_, listener_);
+  constexpr std::size_t kFirstFrame = 24;
+  const auto image_of = [](const StereoFrame& frame, const cv::Mat& image) {
+    const std::size_t size = image.total();
+    return ReceivedImage{frame.t.ns,
+                         {"mono8",
+                          image.cols,
+                          image.rows,
+                          static_cast<std::size_t>(image.cols),
+                          false,
+                          image.data,
+                          size},
+                         nullptr};
+  };
+  facet::testing::Feed(
+      recording,
+      [&](const facet::ImuSample& imu) {
+        if (imu.t >= recording.frames[kFirstFrame].t) node.AddImu(sample_of(imu));
+      },
+      [&](const StereoFrame& frame) {
+        if (frame.t < recording.frames[kFirstFrame].t) return;
+        node.AddImage(0, image_of(frame, frame.left));
+        node.AddImage(1, image_of(frame, frame.right));
+      });
+  Wait(node);
+  ASSERT_FALSE(listener_.map_transforms.empty());
+  ASSERT_FALSE(listener_.poses.empty());
+  const PoseOutput& pose = listener_.poses.back();
+  const SE3 T_map_odom = api::Internal(listener_.map_transforms.back(), "map");
+  const SE3 T_odom_base = api::Internal(pose.T_odom_base, "odom");
+  const SE3 expected = api::Internal(then.at(pose.t_ns).T_WB, "then");
+  EXPECT_LT(((T_map_odom * T_odom_base).p - expected.p).norm(), 0.03);
+  EXPECT_GT((T_odom_base.p - expected.p).norm(), 0.05) << "its world began elsewhere";
 }
 
 TEST(RobotOptionsTest, SaysWhatIsWrong) {

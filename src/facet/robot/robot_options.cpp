@@ -51,6 +51,7 @@ api::LiveOdometry::Options LiveOptionsOf(const RobotOptions& options) {
   api::LiveOdometry::Options live;
   live.config_file = options.config_file;
   live.overrides = options.overrides;
+  live.known_map = options.known_map;
   live.T_BF = Inverse(options.T_base_imu);
   live.smoothing_s = options.smoothing_s;
   live.max_age_s = options.max_age_s;

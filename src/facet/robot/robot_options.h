@@ -18,7 +18,8 @@ struct RobotOptions {
   api::Pose T_base_imu;     ///< IMU to the frame that is output; none given: the IMU's own
   std::string config_file;  ///< as of `facet run`; may be empty
   std::vector<std::string> overrides;  ///< key.path=value
-  bool is_started = true;              ///< from the beginning, without Start
+  std::string known_map;   ///< folder of the map of earlier runs, or empty (api::Odometry::Options)
+  bool is_started = true;  ///< from the beginning, without Start
 
   double smoothing_s = 0;       ///< as api::LiveOdometry::Options
   double max_age_s = 1;         ///< the same: no odometry for longer after the newest pair

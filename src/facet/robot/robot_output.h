@@ -63,6 +63,9 @@ class RobotListener {
   /// On the estimator's thread: short.
   virtual void OnPose(const PoseOutput& pose) = 0;
   virtual void OnPath(const std::vector<PathPose>& path) = 0;
+  /// Where odom lies in the map: at the begin the identity, but for who is looked for in the map of
+  /// earlier runs; then whenever a place is recognised. A heading and a position.
+  virtual void OnMapTransform(const api::Pose& T_map_odom) = 0;
   /// On a thread of their own.
   virtual void OnMesh(const api::Mesh& horizon) = 0;
   virtual void OnMap(std::int64_t t_ns, const std::vector<MapPartOutput>& parts) = 0;
