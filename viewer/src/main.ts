@@ -185,7 +185,7 @@ class Page {
   private showMoment(): void {
     if (this.model.sources.length === 0) return;
     const indices = this.indices();
-    this.stage.setMoment(indices);
+    this.stage.setMoment(indices, this.timeline.isPlaying);
     const i = this.mainSource(), source = this.model.sources[i]!;
     this.state.show(source, indices[i]!);
     this.timing.show(this.model, source, indices[i]!);

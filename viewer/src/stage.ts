@@ -37,10 +37,11 @@ const PATH_COLOURS = [
 ];
 
 const RECOLOUR_PERIOD_MS = 1000;
-// A picture in motion that takes longer than this gets fewer faces, until it is at rest for a moment.
-const SLOW_PICTURE_MS = 120;
+// Where a picture of all faces takes longer than this, pictures in motion have fewer, until they are at rest for a moment.
+const SLOW_PICTURE_MS = 90;
 const REST_MS = 300;
 const MANY_FACES = 150000;
+const COARSE_FACES = 50000;
 
 export class Stage {
   readonly camera = new PerspectiveCamera(50, 1, 0.02, 2000);
@@ -64,8 +65,8 @@ export class Stage {
   private framedBy: 'nothing' | 'path' | 'mesh' | 'user' = 'nothing';
   private lastRecolour = 0;
   private lastMotion = -Infinity;
-  private dirtySince = 0;
-  private isSlow = false;
+  private fullPictureMs = 0;
+  private drawing: { since: number; sync: WebGLSync } | null = null;
   private isCoarse = false;
   private lastFollowed: Vector3 | null = null;
 
@@ -93,32 +94,55 @@ export class Stage {
     const render = (): void => {
       requestAnimationFrame(render);
       const now = performance.now();
-      if (this.isCoarse && now - this.lastMotion > REST_MS) this.invalidate();
-      if (!this.isDirty) return;
+      this.clockFullPicture(now);
       const isMoving = now - this.lastMotion < REST_MS;
-      // The browser lets a picture wait for the one before it.
-      if (isMoving && now - this.dirtySince > SLOW_PICTURE_MS) this.isSlow = true;
-      this.setCoarse(this.isSlow && isMoving);
+      if (this.isCoarse && !isMoving) this.invalidate();
+      if (!this.isDirty) return;
+      this.setCoarse(isMoving && this.fullPictureMs > SLOW_PICTURE_MS);
       this.render();
+      this.startClock(now);
     };
     requestAnimationFrame(render);
   }
 
   invalidate(): void {
-    if (!this.isDirty) this.dirtySince = performance.now();
     this.isDirty = true;
   }
 
-  private move(): void {
+  /** The next pictures are in motion: they may have fewer faces. */
+  move(): void {
     this.lastMotion = performance.now();
     this.invalidate();
+  }
+
+  // Drawing ends long after the call that asks for it; a fence behind its commands says when.
+  private startClock(now: number): void {
+    if (this.isCoarse || this.drawing) return;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    if (sync) this.drawing = { since: now, sync };
+  }
+
+  private clockFullPicture(now: number): void {
+    if (!this.drawing) return;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (gl.getSyncParameter(this.drawing.sync, gl.SYNC_STATUS) !== gl.SIGNALED) return;
+    gl.deleteSync(this.drawing.sync);
+    this.fullPictureMs = now - this.drawing.since;
+    this.drawing = null;
   }
 
   private setCoarse(coarse: boolean): void {
     let num = 0;
     for (const s of this.sources) for (const m of s.meshes.values()) num += m.mesh.faces.length / 3;
     this.isCoarse = coarse && num > MANY_FACES;
-    for (const s of this.sources) for (const m of s.meshes.values()) m.coarse = this.isCoarse;
+    const edgesPerCell = this.isCoarse ? edgesPerCellFor(num) : 0;
+    for (const s of this.sources) for (const m of s.meshes.values()) m.setCoarse(edgesPerCell);
+    const ratio = Math.min(window.devicePixelRatio, this.isCoarse ? 1 : 2);
+    if (this.renderer.getPixelRatio() === ratio) return;
+    this.renderer.setPixelRatio(ratio); // empties the canvas
+    this.invalidate();
   }
 
   // ------------------------------------------------------------------ what is shown
@@ -126,6 +150,7 @@ export class Stage {
   reset(): void {
     for (const s of this.sources) {
       s.planes.dispose();
+      for (const mesh of s.meshes.values()) mesh.dispose();
       disposeAll(s.group);
     }
     this.sources.length = 0;
@@ -188,8 +213,8 @@ export class Stage {
     this.invalidate();
   }
 
-  /** Shows the run as it was at the frame of each source. */
-  setMoment(indices: number[]): void {
+  /** Shows the run as it was at the frame of each source; while it plays, the picture is in motion. */
+  setMoment(indices: number[], isPlaying: boolean): void {
     indices.forEach((index, i) => {
       const s = this.sources[i];
       const frame = this.source(i).frames.at(index);
@@ -200,7 +225,8 @@ export class Stage {
       s.path.setFrustum(frame.pose, this.source(i).hello.camera, 0.35);
       if (i === this.mainSource()) this.follow(new Vector3(frame.pose[0], frame.pose[1], frame.pose[2]));
     });
-    this.invalidate();
+    if (isPlaying) this.move();
+    else this.invalidate();
   }
 
   selectPlane(id: number | null): void {
@@ -325,14 +351,12 @@ export class Stage {
     const box = this.bounds();
     if (box.isEmpty()) return;
     const centre = box.getCenter(new Vector3());
-    const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), 0.5);
+    const direction = this.cameraMode === 'top' ? new Vector3(0, -1e-3, 1) : new Vector3(-0.55, -0.75, 0.75);
     const view = this.views()[0];
     const aspect = view ? view.width / Math.max(this.canvas.clientHeight, 1) : this.camera.aspect;
-    const narrow = Math.min(1, aspect);
-    const distance = (0.74 * radius) / (Math.tan((0.5 * this.camera.fov * Math.PI) / 180) * narrow);
-    const direction = this.cameraMode === 'top' ? new Vector3(0, -1e-3, 1) : new Vector3(-0.55, -0.75, 0.75);
+    const distance = distanceToSee(box, direction.normalize(), 0.5 * this.camera.fov * (Math.PI / 180), aspect);
     this.controls.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(direction.normalize(), distance);
+    this.camera.position.copy(centre).addScaledVector(direction, distance);
     this.controls.update();
     this.grid.position.z = this.floorHeight();
     this.invalidate();
@@ -506,6 +530,8 @@ export class Stage {
       target: this.controls.target.toArray(),
       colour: this.firstColour(),
       isCoarse: this.isCoarse,
+      fullPictureMs: this.fullPictureMs,
+      slowPictureMs: SLOW_PICTURE_MS,
       triangles: this.renderer.info.render.triangles,
       measure: this.measure.children.length,
       frames: this.numFrames,
@@ -519,6 +545,29 @@ export class Stage {
     }
     return [];
   }
+}
+
+/** How far from its centre, in a direction, a camera that looks there has all of a box in its picture, with a margin. */
+function distanceToSee(box: Box3, direction: Vector3, halfAngle: number, aspect: number): number {
+  const MARGIN = 1.04, CLOSEST = 1;
+  const centre = box.getCenter(new Vector3());
+  const right = new Vector3(0, 0, 1).cross(direction).normalize(), up = direction.clone().cross(right);
+  const tall = Math.tan(halfAngle) / MARGIN, wide = tall * aspect;
+  let distance = CLOSEST;
+  for (let corner = 0; corner < 8; corner++) {
+    const [x, y, z] = [1, 2, 4].map((bit, k) => (corner & bit ? box.max : box.min).getComponent(k));
+    const p = new Vector3(x, y, z).sub(centre);
+    const needed = Math.max(Math.abs(p.dot(right)) / wide, Math.abs(p.dot(up)) / tall);
+    distance = Math.max(distance, p.dot(direction) + needed);
+  }
+  return distance;
+}
+
+/** In steps, so that a map that grows is not made anew again and again. */
+function edgesPerCellFor(numFaces: number): number {
+  // One and a half faces, about, for each square of a cell's side.
+  const wanted = Math.sqrt((1.5 * numFaces) / COARSE_FACES);
+  return 3 * Math.max(1, 2 ** (0.5 * Math.ceil(2 * Math.log2(wanted / 3))));
 }
 
 /** Grows by most of the points: a few strays do not push the scene into the distance. */
