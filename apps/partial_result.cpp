@@ -160,7 +160,8 @@ void PartialResult::WriteRest() {
     snapshot_written_ = snapshot_;
   }
   if (mesh_ != mesh_written_) {
-    folder_.Replace("mesh.ply", [&](const auto& file) { WritePlyMesh(file, mesh_->mesh); });
+    folder_.Replace("mesh.ply",
+                    [&](const auto& file) { WritePlyMesh(file, MeshWithSigmas(*mesh_)); });
     mesh_written_ = mesh_;
   }
   if (std::exchange(has_new_planes_, false)) {

@@ -205,7 +205,7 @@ class MeshFiles {
     if (as_glb_) {
       WriteGlbMesh(fresh, output.mesh->mesh);
     } else {
-      WritePlyMesh(fresh, output.mesh->mesh);
+      WritePlyMesh(fresh, MeshWithSigmas(*output.mesh));
     }
     std::filesystem::rename(fresh, folder_ / name, error);
     if (error) throw OutputError((folder_ / name).string() + ": cannot be written");

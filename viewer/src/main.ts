@@ -42,8 +42,8 @@ class Page {
 
   constructor() {
     this.stage = new Stage(byId<HTMLCanvasElement>('canvas'), byId('overlay'), this.model, (p) => this.selectPlane(p));
-    this.colours = new ColourPanel(this.stage, this.model);
     this.layers = new LayerPanel(this.stage, this.model);
+    this.colours = new ColourPanel(this.stage, this.model, () => this.layers.update());
     this.timeline = new Timeline(this.model, () => this.showMoment());
     this.camera = new Segments(byId('camera'), [
       ['orbit', 'Orbit', 'Around the scene (O)'], ['follow', 'Follow', 'Behind the camera (Q)'],

@@ -16,16 +16,18 @@ export class ColourPanel {
   private readonly select = make('select', { id: 'colour', 'aria-label': 'Colour of the mesh' });
   private readonly legend = make('div', { class: 'legend', id: 'legend' });
 
-  constructor(private readonly stage: Stage, private readonly model: Model) {
+  constructor(
+    private readonly stage: Stage, private readonly model: Model, private readonly onLayers: () => void,
+  ) {
     byId('colouring').append(this.select, this.legend);
     this.select.addEventListener('change', () => this.choose(this.select.value as Colouring));
     this.update();
   }
 
   choose(colouring: Colouring): void {
-    this.stage.colouring = colouring;
-    this.stage.recolour();
+    this.stage.choose(colouring);
     this.update();
+    this.onLayers();
   }
 
   next(): void {
@@ -58,7 +60,8 @@ export class ColourPanel {
         ` ${'AB'[i]}: ${s.hello.name}`));
       case 'height': return bar('m', 1, 2);
       case 'age': return bar('s', 1, 1);
-      case 'sigma':
+      case 'sigma': return [...bar('cm', 100, 1), make('div', {},
+        '1-sigma of the distance from the camera; grey: not known. Only the horizon mesh has it.')];
       case 'error': return bar('cm', 100, 1);
     }
   }

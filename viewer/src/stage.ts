@@ -68,6 +68,7 @@ export class Stage {
   private fullPictureMs = 0;
   private drawing: { since: number; sync: WebGLSync } | null = null;
   private isCoarse = false;
+  private layersBefore: { map: boolean; horizon: boolean } | null = null;
   private lastFollowed: Vector3 | null = null;
 
   constructor(
@@ -241,6 +242,21 @@ export class Stage {
     const isDue = this.model.mode === 'finished' || performance.now() - this.lastRecolour > RECOLOUR_PERIOD_MS;
     if (!hasRange || !isDue) return;
     this.lastRecolour = performance.now();
+    this.recolour();
+  }
+
+  /** Only the horizon mesh knows how uncertain its vertices are: while that is shown, the map stands back. */
+  choose(colouring: Colouring): void {
+    if (colouring === this.colouring) return;
+    if (colouring === 'sigma') {
+      this.layersBefore = { map: this.layers.map, horizon: this.layers.horizon };
+      Object.assign(this.layers, { map: false, horizon: true });
+    } else if (this.layersBefore) {
+      Object.assign(this.layers, this.layersBefore);
+      this.layersBefore = null;
+    }
+    this.colouring = colouring;
+    this.applyLayers();
     this.recolour();
   }
 
@@ -529,6 +545,7 @@ export class Stage {
       camera: this.camera.position.toArray(),
       target: this.controls.target.toArray(),
       colour: this.firstColour(),
+      range: this.range,
       isCoarse: this.isCoarse,
       fullPictureMs: this.fullPictureMs,
       slowPictureMs: SLOW_PICTURE_MS,

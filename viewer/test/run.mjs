@@ -33,6 +33,14 @@ function facesOf(ply) {
   return Number(/element face (\d+)/.exec(readFileSync(ply, 'latin1').slice(0, 2000))[1]);
 }
 
+/** The 1-sigma of each vertex. */
+function sigmasOf(ply) {
+  const bytes = readFileSync(ply), text = bytes.toString('latin1');
+  const count = Number(/element vertex (\d+)/.exec(text)[1]), begin = text.indexOf('end_header\n') + 11;
+  assert.match(text.slice(0, begin), /property uchar blue\nproperty float sigma_m\nelement face/);
+  return Array.from({ length: count }, (_, i) => bytes.readFloatLE(begin + 31 * i + 27));
+}
+
 function near(actual, expected, tolerance, what) {
   assert.ok(Math.abs(actual - expected) <= tolerance, `${what}: ${actual} instead of ${expected}`);
 }
@@ -132,7 +140,7 @@ test('time is played, stepped and sought', async (browser, { url, result }) => {
   await page.close();
 });
 
-test('layers, colours and cameras change the picture', async (browser, { url }) => {
+test('layers, colours and cameras change the picture', async (browser, { url, result }) => {
   const page = await open(browser, url, 1280, 800);
   const first = await page.until((x) => x.faces[0]?.map > 0 && x.ellipsoids[0] > 0 && x.keyframes[0] > 0, 'the result');
   await page.click('#layer-map');
@@ -167,6 +175,18 @@ test('layers, colours and cameras change the picture', async (browser, { url }) 
     await page.shot(`colour_${colour}`);
   }
   assert.ok(colours.size >= 4, 'each colouring colours differently');
+  const { horizonStamps } = await page.until((x) => existsSync(join(result, 'meshes', `${x.horizonStamps[0]}.ply`)),
+    'the horizon mesh of the end');
+  const sigmas = sigmasOf(join(result, 'meshes', `${horizonStamps[0]}.ply`)).sort((a, b) => a - b);
+  await page.select('#colour', 'sigma');
+  const uncertain = await drawn(page);
+  assert.equal(uncertain.visible[0], uncertain.faces[0].horizon, 'the horizon mesh alone');
+  assert.equal(uncertain.layers.map, false);
+  near(uncertain.range.high, sigmas[Math.ceil(0.98 * (sigmas.length - 1))], 1e-6, 'the end of the colours');
+  assert.match(await page.$eval('#legend', (e) => e.textContent), /1-sigma/);
+  await page.shot('colour_sigma');
+  await page.select('#colour', 'plane');
+  assert.equal((await page.stats()).layers.map, true);
   await page.click('#camera [data-value=top]');
   const top = await page.stats();
   assert.ok(top.camera[2] > top.target[2] + 2 && Math.abs(top.camera[0] - top.target[0]) < 0.1, 'from above');

@@ -264,11 +264,11 @@ class Values {
 };
 
 // Where a scalar property goes.
-enum Slot { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kPlaneId, kNumSlots, kSkip };
+enum Slot { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kSigma, kPlaneId, kNumSlots, kSkip };
 
 Slot SlotOf(const std::string& name) {
   constexpr std::string_view kNames[kNumSlots] = {
-      "x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "plane_id"};
+      "x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "sigma_m", "plane_id"};
   for (int i = 0; i < kNumSlots; ++i) {
     if (name == kNames[i]) return static_cast<Slot>(i);
   }
@@ -312,6 +312,7 @@ class MeshReader {
     }
     has_normals_ = seen[kNx] && seen[kNy] && seen[kNz];
     has_colours_ = seen[kRed] && seen[kGreen] && seen[kBlue];
+    has_sigmas_ = seen[kSigma];
     has_plane_ids_ = seen[kPlaneId];
     values_.Begin(element.name, 0);
     if (element.name == "vertex" && !(seen[kX] && seen[kY] && seen[kZ])) {
@@ -350,6 +351,7 @@ class MeshReader {
     if (!p.allFinite()) values_.Fail("the position is not finite");
     mesh_.vertices.push_back(p);
     if (has_normals_) mesh_.normals.emplace_back(v[kNx], v[kNy], v[kNz]);
+    if (has_sigmas_) mesh_.sigma_m.push_back(static_cast<float>(v[kSigma]));
     if (!has_colours_) return;
     mesh_.colours.push_back({Byte(v[kRed]), Byte(v[kGreen]), Byte(v[kBlue])});
   }
@@ -391,7 +393,7 @@ class MeshReader {
   std::vector<Slot> slots_;
   double slot_values_[kNumSlots] = {};
   std::vector<double> list_;
-  bool has_normals_ = false, has_colours_ = false, has_plane_ids_ = false;
+  bool has_normals_ = false, has_colours_ = false, has_sigmas_ = false, has_plane_ids_ = false;
 };
 
 std::string ReadBytes(const std::filesystem::path& file) {

@@ -8,8 +8,8 @@
 
 namespace facet {
 
-/// Reads vertices (x y z, and nx ny nz, red green blue where they are there) and faces
-/// (vertex_indices or vertex_index, and plane_id); other elements and properties are skipped.
+/// Reads vertices (x y z, and nx ny nz, red green blue, sigma_m where they are there) and
+/// faces (vertex_indices or vertex_index, and plane_id); other elements and properties are skipped.
 /// Polygons become fans of triangles that share their polygon's plane_id.
 ///
 /// Throws InputError with the file, and the line or the number of the vertex or face, for anything

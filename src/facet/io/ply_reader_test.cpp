@@ -57,6 +57,17 @@ TEST_F(PlyReaderTest, ReadsBackWhatWasWritten) {
   EXPECT_EQ(again.colours, mesh.colours);
   EXPECT_EQ(again.faces, mesh.faces);
   EXPECT_EQ(again.plane_ids, mesh.plane_ids);
+  EXPECT_TRUE(again.sigma_m.empty());
+}
+
+TEST_F(PlyReaderTest, AMeshComesBackWithTheSigmasOfItsVertices) {
+  TriangleMesh mesh = Tetrahedron();
+  mesh.sigma_m = {0.5F, 0.25F, 0.125F, 2};
+  WritePlyMesh(folder_ / "b.ply", mesh);
+  const TriangleMesh again = ReadPly(folder_ / "b.ply");
+  EXPECT_EQ(again.sigma_m, mesh.sigma_m);
+  EXPECT_EQ(again.colours, mesh.colours);
+  EXPECT_EQ(again.vertices, mesh.vertices);
 }
 
 TEST_F(PlyReaderTest, PointsHaveNoFaces) {

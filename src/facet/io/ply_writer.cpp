@@ -43,13 +43,15 @@ void WritePlyMesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
   FACET_CHECK(mesh.normals.empty() || mesh.normals.size() == n) << mesh.normals.size();
   FACET_CHECK(mesh.colours.empty() || mesh.colours.size() == n) << mesh.colours.size();
+  FACET_CHECK(mesh.sigma_m.empty() || mesh.sigma_m.size() == n) << mesh.sigma_m.size();
   FACET_CHECK(mesh.plane_ids.empty() || mesh.plane_ids.size() == mesh.faces.size())
       << mesh.plane_ids.size();
   std::ofstream stream(file, std::ios::binary);
   stream << "ply\nformat binary_little_endian 1.0\nelement vertex " << n
          << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx"
             "\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar green"
-            "\nproperty uchar blue\nelement face "
+            "\nproperty uchar blue"
+         << (mesh.sigma_m.empty() ? "" : "\nproperty float sigma_m") << "\nelement face "
          << mesh.faces.size()
          << "\nproperty list uchar int vertex_indices\nproperty int plane_id\nend_header\n";
   constexpr std::array<std::uint8_t, 3> kGrey = {160, 160, 160};
@@ -57,6 +59,7 @@ void WritePlyMesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
     PutVector(stream, mesh.vertices[i]);
     PutVector(stream, mesh.normals.empty() ? Vector3d(0, 0, 1) : mesh.normals[i]);
     Put(stream, mesh.colours.empty() ? kGrey : mesh.colours[i]);
+    if (!mesh.sigma_m.empty()) Put(stream, mesh.sigma_m[i]);
   }
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     Put(stream, std::uint8_t{3});

@@ -197,9 +197,7 @@ void LiveView::PostFrames() {
 void LiveView::PostMesh(const std::shared_ptr<const MeshSnapshot>& mesh) {
   if (!mesh || mesh == mesh_posted_) return;
   mesh_posted_ = mesh;
-  VertexFigures figures;
-  figures.sigma_m.assign(mesh->sigma_depth_m.begin(), mesh->sigma_depth_m.end());
-  Post("0/horizon", MeshMessage({MessageType::kMesh, 0, mesh->t, kHorizon}, mesh->mesh, figures));
+  Post("0/horizon", MeshMessage({MessageType::kMesh, 0, mesh->t, kHorizon}, MeshWithSigmas(*mesh)));
 }
 
 void LiveView::PostSnapshot(const std::shared_ptr<const MapSnapshot>& snapshot) {

@@ -66,13 +66,13 @@ std::vector<StampedPose> TruthInW(const GroundTruth& truth,
   return thinned;
 }
 
-VertexFigures ErrorsOf(const TriangleMesh& mesh, GroundTruth& truth, const SE3& T_GW) {
-  VertexFigures figures;
-  if (!truth.surface) return figures;
+std::vector<float> ErrorsOf(const TriangleMesh& mesh, GroundTruth& truth, const SE3& T_GW) {
+  std::vector<float> errors_m;
+  if (!truth.surface) return errors_m;
   const TruthSurface& surface = truth.surface->Get();
   for (const Vector3d& p_W : mesh.vertices)
-    figures.error_m.push_back(static_cast<float>(surface.Closest(T_GW * p_W).distance));
-  return figures;
+    errors_m.push_back(static_cast<float>(surface.Closest(T_GW * p_W).distance));
+  return errors_m;
 }
 
 /// A run that found nothing leaves files without a vertex, which the reader refuses.
@@ -205,13 +205,13 @@ void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* trut
   const auto add_mesh = [&](const char* name, int index) {
     if (!HasVertices(folder / name)) return;
     const TriangleMesh mesh = ReadPly(folder / name);
-    VertexFigures figures;
-    if (alignment) figures = ErrorsOf(mesh, *truth, alignment->T_GW);
+    std::vector<float> errors_m;
+    if (alignment) errors_m = ErrorsOf(mesh, *truth, alignment->T_GW);
     const Timestamp t = frames.empty() ? Timestamp{} : frames.back().t;
     messages_.push_back(
         {s + name,
          MeshMessage(
-             {MessageType::kMesh, source, t, static_cast<std::uint32_t>(index)}, mesh, figures)});
+             {MessageType::kMesh, source, t, static_cast<std::uint32_t>(index)}, mesh, errors_m)});
   };
   add_mesh("map.ply", kMap);
   add_mesh("mesh.ply", kHorizon);
