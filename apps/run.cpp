@@ -30,6 +30,7 @@
 #include "view.h"
 
 #include "facet/estimator/window/imu_link.h"
+#include "facet/eval/ground_truth.h"
 #include "facet/io/errors.h"
 #include "facet/io/glb_writer.h"
 #include "facet/io/ply_writer.h"
@@ -351,6 +352,17 @@ void PrintFoxgloveAddress(const ViewServer& server) {
   std::fflush(stdout);
 }
 
+/// For the page alone, which shows them beside the estimate; empty where the recording has none.
+std::vector<StampedPose> TruePoses(const RunArguments& arguments) {
+  if (arguments.view.empty() || !HasGroundTruth(arguments.sequence)) return {};
+  try {
+    return LoadGroundTruth(arguments.sequence).poses;
+  } catch (const InputError& error) {
+    Tell(arguments, "warning", std::string("the page shows no truth: ") + error.what());
+    return {};
+  }
+}
+
 /// Null where neither page nor messages were asked for.
 std::unique_ptr<LiveView> OpenLiveView(const RunArguments& arguments,
                                        const VioOptions& options,
@@ -365,6 +377,7 @@ std::unique_ptr<LiveView> OpenLiveView(const RunArguments& arguments,
   view.name = name;
   view.map = options.mesh.map;
   view.result = result;
+  view.truth = TruePoses(arguments);
   view.server.host = arguments.view_host;
   view.server.port = port;
   view.server.protocol = std::move(protocol);

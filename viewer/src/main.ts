@@ -122,9 +122,13 @@ class Page {
   private showChanges(): void {
     const changes = [...this.changed].map((c) => c.split(' ') as [Change, string]);
     this.changed.clear();
+    for (const [i, source] of this.model.sources.entries()) {
+      if (changes.some(([c, at]) => (c === 'frames' || c === 'truth') && Number(at) === i)) source.updateErrors();
+    }
     for (const [change, at] of changes) {
       const i = Number(at);
       if (change === 'frames') this.stage.setFrames(i);
+      if (change === 'truth') this.model.sources.forEach((_, k) => this.stage.setFrames(k));
       if (change === 'keyframes' || change === 'truth') this.stage.setKeyframes(i);
       if (change === 'planes') this.stage.setPlanes(i);
       if (change === 'points') this.stage.setPoints(i);
@@ -137,6 +141,7 @@ class Page {
     const kinds = new Set(changes.map(([c]) => c));
     if (kinds.has('mesh')) this.stage.updateRange();
     if (kinds.has('planes')) this.showPlanes();
+    if (kinds.has('truth')) this.stage.applyLayers();
     if (kinds.has('mesh') || kinds.has('truth') || kinds.has('points') || kinds.has('reset')) {
       this.colours.update();
       this.layers.update();
@@ -399,6 +404,8 @@ class Page {
       planeIds: this.model.sources.map((s) => s.planes.map((p) => p.id)),
       keyframeCounts: this.model.sources.map((s) => s.keyframes?.stamps.length ?? 0),
       truthCounts: this.model.sources.map((s) => s.truth?.stamps.length ?? 0),
+      largestErrors: this.model.sources.map((s) => s.largestError),
+      errorNow: this.model.sources.map((s, i) => s.errors[this.indices()[i]!] ?? null),
       stampNs: String(this.timeline.stampNs),
       indices: this.indices(),
       isPlaying: this.timeline.isPlaying,

@@ -162,6 +162,20 @@ export interface CameraImage {
   stampNs: bigint;
 }
 
+/** Distance of each frame's position to the true one of the same stamp [m]; nan where that is not known. */
+function errorsAlong(frames: Frames, truth: StampedPoses | null): Float32Array {
+  const errors = new Float32Array(frames.count).fill(NaN);
+  if (!truth) return errors;
+  let k = 0;
+  for (let i = 0; i < errors.length; i++) {
+    const f = frames.at(i)!;
+    while (k < truth.stamps.length && truth.stamps[k]! < f.stampNs) k++;
+    if (!f.hasPose || truth.stamps[k] !== f.stampNs) continue;
+    errors[i] = Math.hypot(...[0, 1, 2].map((axis) => f.pose[axis]! - truth.poses[7 * k + axis]!));
+  }
+  return errors;
+}
+
 /** One result, or the live run. */
 export class Source {
   hello: SourceHello = { name: '', downloads: [] };
@@ -169,9 +183,17 @@ export class Source {
   readonly meshes = new Map<string, Mesh>(); // 'map', 'horizon', and 'map:x,y,z' for its parts
   keyframes: StampedPoses | null = null;
   truth: StampedPoses | null = null;
+  errors = new Float32Array(0); // by frame
+  largestError = 0;
   planes: Plane[] = [];
   points = new Float32Array(0);
   image: CameraImage | null = null;
+
+  /** After frames or the truth have come. */
+  updateErrors(): void {
+    this.errors = errorsAlong(this.frames, this.truth);
+    this.largestError = this.errors.reduce((most, e) => (e > most ? e : most), 0);
+  }
 }
 
 export type Change =
@@ -254,6 +276,11 @@ export class Model {
     this.history = hello.history ?? 0;
     hello.sources.forEach((s, i) => (this.sources[i]!.hello = s));
     return { change: isSame ? 'hello' : 'reset', source: 0 };
+  }
+
+  /** Of all sources, so that their paths have the same colours [m]. */
+  get largestError(): number {
+    return Math.max(0, ...this.sources.map((s) => s.largestError));
   }
 
   /** From the first to the last frame of any source [ns]. */

@@ -14,7 +14,7 @@ import { PlaneObjects } from './plane_object';
 export type CameraMode = 'orbit' | 'follow' | 'top';
 export type Arrangement = 'a' | 'b' | 'overlay' | 'side';
 export type Layer =
-  | 'map' | 'horizon' | 'planes' | 'landmarks' | 'trajectory' | 'keyframes' | 'ellipsoids' | 'frustum' | 'truth'
+  | 'map' | 'horizon' | 'planes' | 'landmarks' | 'trajectory' | 'keyframes' | 'ellipsoids' | 'frustum' | 'truth' | 'error'
   | 'grid' | 'backs' | 'edges';
 
 export interface Hit {
@@ -47,7 +47,7 @@ export class Stage {
   readonly camera = new PerspectiveCamera(50, 1, 0.02, 2000);
   readonly layers: Record<Layer, boolean> = {
     map: true, horizon: true, planes: true, landmarks: false, trajectory: true, keyframes: true, ellipsoids: true,
-    frustum: true, truth: true, grid: true, backs: false, edges: false,
+    frustum: true, truth: true, error: true, grid: true, backs: false, edges: false,
   };
   colouring: Colouring = 'plane';
   arrangement: Arrangement = 'overlay';
@@ -192,7 +192,8 @@ export class Stage {
   }
 
   setFrames(i: number): void {
-    this.sources[i]!.path.setFrames(this.source(i).frames);
+    const { frames, errors } = this.source(i);
+    this.sources[i]!.path.setFrames(frames, errors, this.model.largestError);
     this.invalidate();
   }
 
@@ -298,7 +299,7 @@ export class Stage {
 
   applyLayers(): void {
     const show = this.layers;
-    this.sources.forEach((s) => {
+    this.sources.forEach((s, i) => {
       for (const [name, m] of s.meshes) {
         m.object.visible = name === 'horizon' ? show.horizon : show.map;
         m.bothSides = show.backs;
@@ -311,6 +312,7 @@ export class Stage {
       s.path.ellipsoidGroup.visible = show.ellipsoids;
       s.path.frustum.visible = show.frustum;
       s.path.truth.visible = show.truth;
+      s.path.byError = show.error && this.model.sources[i]?.truth != null;
     });
     this.grid.visible = show.grid;
     this.invalidate();
@@ -536,6 +538,7 @@ export class Stage {
       }),
       visible: this.sources.map((s) =>
         [...s.meshes.values()].filter((m) => m.object.visible).reduce((n, m) => n + m.mesh.faces.length / 3, 0)),
+      pathColours: this.sources.map((s) => s.path.coloursShown()),
       segmentsShown: this.sources.map((s) => s.path.segmentsShown),
       ellipsoids: this.sources.map((s) => (s.path.ellipsoidGroup.visible ? s.path.ellipsoids?.count ?? 0 : 0)),
       labels: this.sources.map((s) => s.planes.numLabelsShown),

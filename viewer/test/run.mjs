@@ -212,6 +212,26 @@ test('layers, colours and cameras change the picture', async (browser, { url, re
   await page.close();
 });
 
+test('the path is coloured by its error, which is that of facet evaluate', async (browser, { url, result }) => {
+  const page = await open(browser, url, 1280, 800);
+  const s = await page.until((x) => x.largestErrors[0] > 0 && x.pathColours[0].length > 100, 'the errors');
+  const { ate } = JSON.parse(readFileSync(join(result, 'evaluation.json'), 'utf8'));
+  near(s.largestErrors[0], ate.max_m, 2e-6, 'the largest error');
+  assert.equal(s.pathColours[0].length, s.segmentsShown[0]);
+  const brightest = s.pathColours[0].reduce((a, b) => (b[0] > a[0] ? b : a));
+  [253, 231, 37].forEach((c, k) => near(brightest[k], c, 1, 'the colour of the largest error'));
+  const text = `${(1000 * ate.max_m).toFixed(1)} mm`;
+  assert.ok((await page.$eval('#error-legend', (e) => e.textContent)).includes(text));
+  assert.match(await page.$eval('#values', (e) => e.textContent), new RegExp(`Largest so far${text}`));
+  assert.match(await page.$eval('#values', (e) => e.textContent),
+    new RegExp(`Error${(1000 * s.errorNow[0]).toFixed(1)} mm`));
+  await page.shot('path_error');
+  await page.click('#layer-error');
+  assert.deepEqual((await page.stats()).pathColours, [[]]);
+  assert.ok(await page.$eval('#error-legend', (e) => e.hidden));
+  await page.close();
+});
+
 test('planes are chosen and distances measured', async (browser, { url, result }) => {
   const page = await open(browser, url, 1280, 800);
   await page.until((x) => x.faces[0]?.map > 0 && x.labels[0] > 0, 'the labels');
@@ -359,7 +379,8 @@ test('a run is shown while it goes on, and its result after it', async (browser,
   assert.ok(early.image.triangles > 20);
   assert.equal(early.cameraMode, 'follow');
   const later = await page.until((x) => x.frameCounts[0] > early.frameCounts[0] + 20 && x.faces[0].map > 0 &&
-    x.planeIds[0].length > 0, 'more frames and the map');
+    x.planeIds[0].length > 0 && x.truthCounts[0] > 20, 'more frames, the map and the truth');
+  assert.ok(later.largestErrors[0] > 0 && later.largestErrors[0] < 0.05, `live error ${later.largestErrors[0]} m`);
   assert.ok(BigInt(later.stampNs) > BigInt(early.stampNs));
   await page.shot('live');
   await page.click('#image-triangles');
@@ -369,6 +390,9 @@ test('a run is shown while it goes on, and its result after it', async (browser,
   assert.equal(ended.ended.code, 0);
   assert.equal(ended.faces[0].map, facesOf(join(out, 'map.ply')));
   assert.equal(ended.frameCounts[0], csv(join(out, 'states.csv')).length);
+  await runProgram(program, ['evaluate', out, '--truth', recording], 'ignore');
+  const { ate } = JSON.parse(readFileSync(join(out, 'evaluation.json'), 'utf8'));
+  await page.until((x) => Math.abs(x.largestErrors[0] - ate.max_m) < 2e-6, 'the error of the whole run');
   assert.deepEqual(page.problems, []);
   assert.equal(ended.errors.length, 0);
   assert.equal(await server.stop(), 0);
@@ -420,10 +444,12 @@ const result = join(folder, 'SPR'), resultS = join(folder, 'S');
 const run = ['--duration', '14', '--quiet'];
 await runProgram(program, ['run', recording, '--out', result, '--mesh-every', '4', ...run]);
 await runProgram(program, ['run', recording, '--out', resultS, '--pipeline', 'S', ...run]);
+await runProgram(program, ['evaluate', result, '--truth', recording], 'ignore');
 const server = await startProgram(program, ['view', result, '--truth', recording, '--port', '0']);
 const browser = await openBrowser(chromium);
 let failures = 0;
-for (const [name, body] of tests) {
+const only = process.env.ONLY;
+for (const [name, body] of tests.filter(([n]) => !only || n.includes(only))) {
   const begin = Date.now();
   try {
     await body(browser, { url: server.url, result, resultS, folder });

@@ -14,6 +14,7 @@
 #include "facet/viewer/jpeg_encoder.h"
 #include "facet/viewer/result_view.h"
 #include "facet/viewer/scene_messages.h"
+#include "facet/viewer/truth_path.h"
 
 namespace facet {
 namespace {
@@ -141,6 +142,7 @@ void LiveView::Update() {
     T_WB = inbox_.T_WB;
   }
   PostFrames();
+  PostTruth();
   PostSnapshot(snapshot);
   PostMesh(mesh);
   if (!keyframes.empty()) PostKeyframes(keyframes);
@@ -214,6 +216,26 @@ void LiveView::PostSnapshot(const std::shared_ptr<const MapSnapshot>& snapshot) 
   message.Add(BlockName::kPositions, std::span<const float>(floats), 3);
   message.Add(BlockName::kSigma, std::span<const float>(sigmas), 1);
   Post("0/points", message.Finish());
+}
+
+// The alignment changes with every pose; the whole path goes with it.
+void LiveView::PostTruth() {
+  if (options_.truth.empty()) return;
+  std::vector<StampedPose> poses;
+  std::vector<Timestamp> stamps;
+  {
+    const std::lock_guard lock(inbox_mutex_);
+    const std::vector<FrameRecord>& frames = inbox_.history.frames();
+    if (frames.empty()) return;
+    if (ToSeconds(frames.back().t - truth_posted_) < options_.truth_period_s) return;
+    for (const FrameRecord& frame : frames) {
+      stamps.push_back(frame.t);
+      if (frame.has_pose) poses.push_back({frame.t, frame.state.T_WB});
+    }
+  }
+  truth_posted_ = stamps.back();
+  const auto path = FindTruthPath(poses, stamps, options_.truth);
+  if (path) Post("0/truth", PosesMessage({MessageType::kTruth}, path->poses_W));
 }
 
 void LiveView::PostKeyframes(const std::vector<StampedPose>& keyframes) {
@@ -297,7 +319,10 @@ void LiveView::ShowResult(int code, const std::string& message) {
   for (const std::string& slot : slots_) {
     if (slot != "0/image") server_->board().Remove(slot);
   }
-  const ResultView result({options_.result}, nullptr, DescribeCamera(rig_).dump());
+  GroundTruth truth;  // poses only: distances of a whole map to a laser scan would take a while
+  truth.poses = options_.truth;
+  const ResultView result(
+      {options_.result}, truth.poses.empty() ? nullptr : &truth, DescribeCamera(rig_).dump());
   server_->SetDownloads(result.Downloads());
   result.PostTo(server_->board());
   const Json ended = {{"code", code}, {"message", message}};

@@ -24,11 +24,13 @@
 namespace facet {
 
 struct LiveViewOptions {
-  std::string name;              ///< of the recording
-  SurfaceMapOptions map;         ///< as in the pipeline
-  std::filesystem::path result;  ///< where the result will be
-  ViewServerOptions server;      ///< its `update` is not used
-  double scene_period_s = 2;     ///< between updates of map and planes
+  std::string name;                ///< of the recording
+  SurfaceMapOptions map;           ///< as in the pipeline
+  std::filesystem::path result;    ///< where the result will be
+  ViewServerOptions server;        ///< its `update` is not used
+  double scene_period_s = 2;       ///< between updates of map and planes
+  double truth_period_s = 2;       ///< between updates of the true trajectory
+  std::vector<StampedPose> truth;  ///< for the page only; empty: not known
 };
 
 /// Results are the same with and without it.
@@ -82,6 +84,7 @@ class LiveView {
   void PostFrames();
   void PostMesh(const std::shared_ptr<const MeshSnapshot>& mesh);
   void PostSnapshot(const std::shared_ptr<const MapSnapshot>& snapshot);
+  void PostTruth();
   void PostKeyframes(const std::vector<StampedPose>& keyframes);
   void TakeScene(const std::vector<std::shared_ptr<const SceneUpdate>>& updates);
   void PostMapParts();
@@ -102,6 +105,7 @@ class LiveView {
   bool is_over_ = false;
   std::set<std::string> slots_;
   std::size_t num_frames_posted_ = 0;
+  Timestamp truth_posted_{};
   int history_posted_ = -1;
   int num_updates_ = 0;
   std::shared_ptr<const MeshSnapshot> mesh_posted_;

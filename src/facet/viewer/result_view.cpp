@@ -11,13 +11,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "facet/eval/trajectory_error.h"
 #include "facet/io/errors.h"
 #include "facet/io/frame_records.h"
 #include "facet/io/glb_writer.h"
 #include "facet/io/json_file.h"
 #include "facet/io/ply_reader.h"
 #include "facet/viewer/scene_messages.h"
+#include "facet/viewer/truth_path.h"
 
 namespace facet {
 namespace {
@@ -38,32 +38,6 @@ std::string ReadBytes(const fs::path& file) {
 std::string NameOf(const fs::path& folder) {
   const fs::path clean = fs::absolute(folder).lexically_normal();
   return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
-}
-
-/// How W lies in the frame of the truth; empty where the two share no time.
-std::optional<TrajectoryAlignment> Align(const std::vector<StampedPose>& estimate,
-                                         const GroundTruth& truth) {
-  const Association association = Associate(estimate, truth.poses);
-  constexpr std::size_t kFewest = 3;
-  if (association.pairs.size() < kFewest) return std::nullopt;
-  return AlignPairs(association.pairs, AlignmentKind::kSE3);
-}
-
-std::vector<StampedPose> TruthInW(const GroundTruth& truth,
-                                  const SE3& T_GW,
-                                  Timestamp first,
-                                  Timestamp last) {
-  std::vector<StampedPose> poses;
-  for (const StampedPose& pose : truth.poses) {
-    if (pose.t >= first && pose.t <= last) poses.push_back({pose.t, T_GW.Inverse() * pose.T_WB});
-  }
-  // A motion-capture system has some hundred poses a second; a tenth of them is a smooth line.
-  constexpr std::size_t kMostPoses = 20000;
-  const std::size_t step = poses.size() / kMostPoses + 1;
-  std::vector<StampedPose> thinned;
-  for (std::size_t i = 0; i < poses.size(); i += step)
-    thinned.push_back(poses[i]);
-  return thinned;
 }
 
 std::vector<float> ErrorsOf(const TriangleMesh& mesh, GroundTruth& truth, const SE3& T_GW) {
@@ -173,10 +147,6 @@ ResultView::ResultView(const std::vector<fs::path>& results,
 void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* truth) {
   const std::string s = std::to_string(source) + "/";
   const std::vector<FrameRecord> frames = ReadFrameRecords(folder);
-  std::vector<StampedPose> poses;
-  for (const FrameRecord& f : frames) {
-    if (f.has_pose) poses.push_back({f.t, f.state.T_WB});
-  }
   for (std::size_t begin = 0; begin < frames.size(); begin += kFramesPerGroup) {
     const auto group =
         std::span(frames).subspan(begin).first(std::min(kFramesPerGroup, frames.size() - begin));
@@ -194,19 +164,22 @@ void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* trut
                          PosesMessage({MessageType::kKeyframes, source},
                                       ReadTrajectory(folder / "keyframes.tum").poses)});
   }
-  std::optional<TrajectoryAlignment> alignment;
-  if (truth != nullptr && !poses.empty()) alignment = Align(poses, *truth);
-  if (alignment) {
-    messages_.push_back(
-        {s + "truth",
-         PosesMessage({MessageType::kTruth, source},
-                      TruthInW(*truth, alignment->T_GW, poses.front().t, poses.back().t))});
+  std::vector<StampedPose> poses;
+  std::vector<Timestamp> stamps;
+  for (const FrameRecord& f : frames) {
+    stamps.push_back(f.t);
+    if (f.has_pose) poses.push_back({f.t, f.state.T_WB});
+  }
+  std::optional<TruthPath> path;
+  if (truth != nullptr) path = FindTruthPath(poses, stamps, truth->poses);
+  if (path) {
+    messages_.push_back({s + "truth", PosesMessage({MessageType::kTruth, source}, path->poses_W)});
   }
   const auto add_mesh = [&](const char* name, int index) {
     if (!HasVertices(folder / name)) return;
     const TriangleMesh mesh = ReadPly(folder / name);
     std::vector<float> errors_m;
-    if (alignment) errors_m = ErrorsOf(mesh, *truth, alignment->T_GW);
+    if (path) errors_m = ErrorsOf(mesh, *truth, path->T_GW);
     const Timestamp t = frames.empty() ? Timestamp{} : frames.back().t;
     messages_.push_back(
         {s + name,

@@ -46,7 +46,7 @@ enum class MessageType : std::uint16_t {
   kPlanes = 6,     ///< text: JSON, replaces all planes
   kPoints = 7,     ///< replaces the landmarks
   kImage = 8,      ///< replaces the camera's image
-  kTruth = 9,      ///< the true trajectory
+  kTruth = 9,      ///< the true trajectory, at the stamps of frames
   kEnded = 10      ///< text: JSON with code and message; the run is over
 };
 
