@@ -407,7 +407,7 @@ void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRu
   } catch (const std::exception& error) {  // the run ends as it ended
     std::fprintf(stderr, "facet: warning: the result cannot be shown: %s\n", error.what());
   }
-  if (arguments.view_exit) return;
+  if (arguments.view_exit) return live->WaitUntilSent();
   std::printf("the result is at %s; Ctrl-C ends\n", live->server().url().c_str());
   std::fflush(stdout);
   WaitForInterrupt();

@@ -173,7 +173,7 @@ class Page {
     if (ended && state !== 'stored') text = ended.code === 0 ? 'run ended' : `run ended: ${ended.message}`;
     pill.textContent = text;
     pill.title = text;
-    const isBad = state === 'lost' || (ended !== null && ended.code !== 0);
+    const isBad = ended ? ended.code !== 0 : state === 'lost';
     pill.className = `pill ${isBad ? 'bad' : state === 'connected' && mode === 'live' && !ended ? 'good' : ''}`;
   }
 

@@ -353,26 +353,32 @@ export class Stage {
   }
 
   bounds(): Box3 {
-    const box = new Box3();
+    return new Box3().setFromPoints(this.samples());
+  }
+
+  /** Points of the surfaces, without a few strays, and of the path. */
+  private samples(): Vector3[] {
+    const samples: Vector3[] = [];
     for (const s of this.model.sources) {
-      for (const mesh of s.meshes.values()) addSpread(box, mesh.positions);
+      for (const mesh of s.meshes.values()) addSamples(samples, mesh.positions);
       for (let i = 0; i < s.frames.count; i += 10) {
         const f = s.frames.at(i)!;
-        if (f.hasPose) box.expandByPoint(new Vector3(f.pose[0], f.pose[1], f.pose[2]));
+        if (f.hasPose) samples.push(new Vector3(f.pose[0], f.pose[1], f.pose[2]));
       }
     }
-    return box;
+    return samples;
   }
 
   /** All of the scene in the picture, from the direction of the camera's mode. */
   frameAll(): void {
-    const box = this.bounds();
-    if (box.isEmpty()) return;
-    const centre = box.getCenter(new Vector3());
+    const samples = this.samples();
+    if (samples.length === 0) return;
+    const centre = new Box3().setFromPoints(samples).getCenter(new Vector3());
     const direction = this.cameraMode === 'top' ? new Vector3(0, -1e-3, 1) : new Vector3(-0.55, -0.75, 0.75);
     const view = this.views()[0];
     const aspect = view ? view.width / Math.max(this.canvas.clientHeight, 1) : this.camera.aspect;
-    const distance = distanceToSee(box, direction.normalize(), 0.5 * this.camera.fov * (Math.PI / 180), aspect);
+    const distance = distanceToSee(
+      samples.map((p) => p.sub(centre)), direction.normalize(), 0.5 * this.camera.fov * (Math.PI / 180), aspect);
     this.controls.target.copy(centre);
     this.camera.position.copy(centre).addScaledVector(direction, distance);
     this.controls.update();
@@ -567,20 +573,15 @@ export class Stage {
   }
 }
 
-/** How far from its centre, in a direction, a camera that looks there has all of a box in its picture, with a margin. */
-function distanceToSee(box: Box3, direction: Vector3, halfAngle: number, aspect: number): number {
-  const MARGIN = 1.04, CLOSEST = 1;
-  const centre = box.getCenter(new Vector3());
+/** How far from their centre, in a direction, a camera that looks there has all points in its picture, with a margin. */
+function distanceToSee(fromCentre: Vector3[], direction: Vector3, halfAngle: number, aspect: number): number {
+  const MARGIN = 1.08, CLOSEST = 1;
   const right = new Vector3(0, 0, 1).cross(direction).normalize(), up = direction.clone().cross(right);
   const tall = Math.tan(halfAngle) / MARGIN, wide = tall * aspect;
-  let distance = CLOSEST;
-  for (let corner = 0; corner < 8; corner++) {
-    const [x, y, z] = [1, 2, 4].map((bit, k) => (corner & bit ? box.max : box.min).getComponent(k));
-    const p = new Vector3(x, y, z).sub(centre);
+  return fromCentre.reduce((distance, p) => {
     const needed = Math.max(Math.abs(p.dot(right)) / wide, Math.abs(p.dot(up)) / tall);
-    distance = Math.max(distance, p.dot(direction) + needed);
-  }
-  return distance;
+    return Math.max(distance, p.dot(direction) + needed);
+  }, CLOSEST);
 }
 
 /** In steps, so that a map that grows is not made anew again and again. */
@@ -590,18 +591,18 @@ function edgesPerCellFor(numFaces: number): number {
   return 3 * Math.max(1, 2 ** (0.5 * Math.ceil(2 * Math.log2(wanted / 3))));
 }
 
-/** Grows by most of the points: a few strays do not push the scene into the distance. */
-function addSpread(box: Box3, positions: Float32Array): void {
-  const n = positions.length / 3;
+/** Adds points of a mesh, but not a few strays, which would push the scene into the distance. */
+function addSamples(samples: Vector3[], positions: Float32Array): void {
+  const n = positions.length / 3, step = Math.max(1, Math.floor(n / 3000));
+  const points: Vector3[] = [];
+  for (let i = 0; i < n; i += step) points.push(new Vector3().fromArray(positions, 3 * i));
   if (n === 0) return;
-  const step = Math.max(1, Math.floor(n / 3000));
-  const low = new Vector3(), high = new Vector3();
-  for (let k = 0; k < 3; k++) {
-    const values: number[] = [];
-    for (let i = 0; i < n; i += step) values.push(positions[3 * i + k]!);
-    values.sort((a, b) => a - b);
-    low.setComponent(k, values[Math.floor(0.02 * (values.length - 1))]!);
-    high.setComponent(k, values[Math.ceil(0.98 * (values.length - 1))]!);
-  }
-  box.expandByPoint(low).expandByPoint(high);
+  const limits = (['x', 'y', 'z'] as const).map((axis) => {
+    const values = points.map((p) => p[axis]).sort((a, b) => a - b);
+    return [values[Math.floor(0.02 * (values.length - 1))]!, values[Math.ceil(0.98 * (values.length - 1))]!] as const;
+  });
+  const box = new Box3(
+    new Vector3(...limits.map((l) => l[0]) as [number, number, number]),
+    new Vector3(...limits.map((l) => l[1]) as [number, number, number]));
+  samples.push(...points.filter((p) => box.containsPoint(p)));
 }

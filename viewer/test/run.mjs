@@ -345,6 +345,40 @@ test('it fits a phone and works by touch', async (browser, { url }) => {
   await page.close();
 });
 
+test('what does not fit the height of the window is scrolled to', async (browser, { url }) => {
+  for (const height of [900, 500]) {
+    const page = await open(browser, url, 1280, height);
+    await page.until((x) => x.faces[0]?.map > 0 && x.frameCounts[0] > 0 && x.messages > 10, 'the result');
+    for (const side of ['#left', '#right']) {
+      const bottom = await page.$eval(side, (panel) => {
+        panel.scrollTop = panel.scrollHeight;
+        const last = panel.querySelector('section:last-of-type').lastElementChild.getBoundingClientRect();
+        return { last: last.bottom, panel: panel.getBoundingClientRect().bottom, overflow: panel.scrollTop };
+      });
+      assert.ok(bottom.last <= bottom.panel, `${side} at ${height} px: ends ${bottom.last - bottom.panel} px below`);
+      if (height === 500) assert.ok(bottom.overflow > 0, `${side} is scrolled`);
+    }
+    await page.shot(`height_${height}`);
+    await page.close();
+  }
+});
+
+test('the end of a run that ends with its page reaches it', async (browser, { folder }) => {
+  const out = join(folder, 'short');
+  const server = await startProgram(program,
+    ['run', recording, '--out', out, '--view=0', '--view-exit', '--realtime', '--duration', '4', '--quiet']);
+  const page = await open(browser, server.url, 1280, 800);
+  await page.until((x) => x.mode === 'live' && x.frameCounts[0] > 0, 'the run');
+  assert.equal(await server.exited, 0);
+  const s = await page.until((x) => x.ended !== null && x.faces[0]?.map > 0, 'the end');
+  assert.equal(s.mode, 'finished');
+  assert.equal(s.faces[0].map, facesOf(join(out, 'map.ply')));
+  assert.equal(s.frameCounts[0], csv(join(out, 'states.csv')).length);
+  await page.until((x) => x.connection !== 'connected', 'the loss of the connection');
+  assert.equal(await page.$eval('#connection', (e) => e.textContent), 'run ended');
+  await page.close();
+});
+
 test('two results stand beside and over each other', async (browser, { result, resultS }) => {
   const server = await startProgram(program, ['view', result, resultS, '--port', '0']);
   const page = await open(browser, server.url, 1280, 800);

@@ -4,6 +4,7 @@
 // looks.
 #pragma once
 
+#include <chrono>
 #include <deque>
 #include <filesystem>
 #include <memory>
@@ -55,6 +56,9 @@ class LiveView {
 
   /// From now on the result is shown as its files say. `code`, `message`: how the run ended.
   void ShowResult(int code, const std::string& message);
+
+  /// Waits until the clients have it, but not long for slow ones: before the program ends.
+  void WaitUntilSent() { server_->WaitUntilSent(std::chrono::seconds(3)); }
 
   const ViewServer& server() const { return *server_; }
 

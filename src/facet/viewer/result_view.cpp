@@ -127,8 +127,8 @@ ResultView::ResultView(const std::vector<fs::path>& results,
     Json description = {{"name", NameOf(folder)}, {"downloads", Json::array()}};
     if (!camera.empty()) description["camera"] = Json::parse(camera);
     for (const char* name : {"summary", "evaluation"}) {
-      Json json = ReadJsonFile(folder / (std::string(name) + ".json"));
-      if (json.is_object()) description[name] = std::move(json);
+      const fs::path file = folder / (std::string(name) + ".json");
+      if (fs::exists(file)) description[name] = ReadJsonObject(file);
     }
     for (ViewDownload& download : PlainDownloads(folder, source)) {
       fs::path file = folder / fs::path(download.name).filename();
