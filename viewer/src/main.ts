@@ -5,7 +5,7 @@ import { Connection, downloadUrl, type ConnectionState } from './connection';
 import { byId, colourOf, make, save, Segments } from './dom';
 import { ImagePanel } from './image_panel';
 import { Measure, type Measurement, type MeasureMode } from './measure';
-import { type Change, meshOf, Model, type Plane } from './model';
+import { type Change, imageOf, meshOf, Model, type Plane } from './model';
 import { ColourPanel, LayerPanel, makeHelp, PlanePanel } from './panels';
 import { describePlane } from './plane_object';
 import { Message } from './protocol';
@@ -38,6 +38,8 @@ class Page {
   private readonly changed = new Set<string>();
   private horizonShown = '';
   private isFetching = false;
+  private recordedShown = '';
+  private isFetchingImage = false;
   private selected: Plane | null = null;
 
   constructor() {
@@ -87,7 +89,7 @@ class Page {
 
   private reset(): void {
     this.stage.reset();
-    this.horizonShown = '';
+    this.horizonShown = this.recordedShown = '';
     this.showHello();
     const isPair = this.model.sources.length > 1;
     byId('arrangement').hidden = !isPair;
@@ -132,10 +134,7 @@ class Page {
       if (change === 'keyframes' || change === 'truth') this.stage.setKeyframes(i);
       if (change === 'planes') this.stage.setPlanes(i);
       if (change === 'points') this.stage.setPoints(i);
-      if (change === 'image' && this.model.sources[i]?.image) {
-        byId('tabs').querySelector<HTMLElement>('[data-tab=image]')!.hidden = false;
-        this.image.set(this.model.sources[i]!.image!).catch((e: unknown) => this.report(e));
-      }
+      if (change === 'image') this.showImage(i);
       if (change === 'ended') this.showConnection(this.connectionState);
     }
     const kinds = new Set(changes.map(([c]) => c));
@@ -195,6 +194,7 @@ class Page {
     this.state.show(source, indices[i]!);
     this.timing.show(this.model, source, indices[i]!);
     this.showHorizon().catch((e: unknown) => this.report(e));
+    this.showRecorded().catch((e: unknown) => this.report(e));
     if (this.connectionState === 'connected') this.showConnection('connected');
   }
 
@@ -223,6 +223,33 @@ class Page {
       this.isFetching = false;
     }
     await this.showHorizon();
+  }
+
+  private showImage(source: number): void {
+    const { image } = this.model.sources[source]!;
+    if (!image) return;
+    byId('tabs').querySelector<HTMLElement>('[data-tab=image]')!.hidden = false;
+    this.image.set(image).catch((e: unknown) => this.report(e));
+  }
+
+  /** The recorded image of the moment, where the program knows the recording of a finished run. */
+  private async showRecorded(): Promise<void> {
+    const i = this.mainSource(), source = this.model.sources[i]!;
+    if (this.isFetchingImage || this.connectionState !== 'connected' || !source.hello.images) return;
+    const frame = source.frames.at(this.indices()[i]!);
+    if (!frame?.hasPose || `${i} ${frame.stampNs}` === this.recordedShown) return;
+    this.isFetchingImage = true;
+    try {
+      const answer = await fetch(downloadUrl(`${'ab'[i]}/image-${frame.stampNs}.facet`));
+      this.recordedShown = `${i} ${frame.stampNs}`;
+      if (answer.status === 404) return; // the recording lacks this one
+      if (!answer.ok) throw new Error(`the image: ${await answer.text()}`);
+      source.image = imageOf(new Message(await answer.arrayBuffer()));
+      this.showImage(i);
+    } finally {
+      this.isFetchingImage = false;
+    }
+    await this.showRecorded();
   }
 
   // ------------------------------------------------------------------ controls

@@ -30,6 +30,7 @@ export interface SourceHello {
   evaluation?: Record<string, unknown>;
   downloads: string[];
   horizon?: { stamp_ns: string; name: string }[];
+  images?: number; // how many images of the recording can be asked for
   camera?: CameraShape;
 }
 
@@ -159,6 +160,8 @@ export interface CameraImage {
   pixels: Float32Array;
   depths: Float32Array;
   triangles: Uint32Array;
+  planeIds: Int32Array; // by triangle; empty: not known
+  of: string; // what the triangles are of; empty: between tracks
   stampNs: bigint;
 }
 
@@ -244,13 +247,7 @@ export class Model {
         source.points = m.floats(Block.positions);
         return { change: 'points', ...at };
       case MessageType.image:
-        source.image = {
-          jpeg: m.bytes(Block.image),
-          pixels: m.floats(Block.pixels),
-          depths: m.floats(Block.depths),
-          triangles: m.uint32(Block.triangles),
-          stampNs: m.stampNs,
-        };
+        source.image = imageOf(m);
         return { change: 'image', ...at };
       case MessageType.ended:
         this.ended = m.json<{ code: number; message: string }>();
@@ -295,6 +292,18 @@ export class Model {
     }
     return [first, last];
   }
+}
+
+export function imageOf(m: Message): CameraImage {
+  return {
+    jpeg: m.bytes(Block.image),
+    pixels: m.floats(Block.pixels),
+    depths: m.floats(Block.depths),
+    triangles: m.uint32(Block.triangles),
+    planeIds: m.int32(Block.planeIds),
+    of: m.text(),
+    stampNs: m.stampNs,
+  };
 }
 
 export function meshOf(m: Message): Mesh {

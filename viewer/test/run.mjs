@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // node viewer/test/run.mjs FACET WORK DATA [PICTURES]: the page in a browser without a display, against what the result
 // files say. FACET: the program; WORK: a folder to write to; DATA: where the recordings are; PICTURES: a folder for
-// screenshots. Exits with 77 where a browser, the packages or the recording are not there.
+// screenshots; ONLY, in the environment: a part of the names of the tests to run. Exits with 77 where a browser, the packages or the recording are not there.
 import assert from 'node:assert/strict';
 import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
@@ -229,6 +229,29 @@ test('the path is coloured by its error, which is that of facet evaluate', async
   await page.click('#layer-error');
   assert.deepEqual((await page.stats()).pathColours, [[]]);
   assert.ok(await page.$eval('#error-legend', (e) => e.hidden));
+  await page.close();
+});
+
+test('the recorded image of the moment has the mesh over it', async (browser, { url, result }) => {
+  const page = await open(browser, url, 1280, 900);
+  const states = csv(join(result, 'states.csv'));
+  const last = await page.until((x) => x.image.stampNs === states.at(-1).timestamp_ns, 'the last image');
+  assert.ok(last.image.triangles > 50 && last.image.tracks === 0, JSON.stringify(last.image));
+  assert.ok(last.image.triangles < facesOf(join(result, 'meshes', `${last.horizonStamps[0]}.ply`)));
+  assert.match(await page.$eval('#image', (e) => e.textContent),
+    new RegExp(`${last.image.triangles} faces of the horizon mesh`));
+  await page.shot('recorded_image');
+  await page.$eval('#seek', (slider) => {
+    slider.value = '7';
+    slider.dispatchEvent(new Event('input'));
+  });
+  const index = (await page.stats()).indices[0];
+  const s = await page.until((x) => x.image.stampNs === states[index].timestamp_ns, 'the sought image');
+  assert.notEqual(s.image.triangles, last.image.triangles);
+  const size = await page.$eval('#camera-image', (c) => [c.width, c.height]);
+  assert.deepEqual(size, [752, 480]);
+  assert.equal(s.errors.length, 0);
+  assert.deepEqual(page.problems, []);
   await page.close();
 });
 
@@ -482,8 +505,8 @@ await runProgram(program, ['evaluate', result, '--truth', recording], 'ignore');
 const server = await startProgram(program, ['view', result, '--truth', recording, '--port', '0']);
 const browser = await openBrowser(chromium);
 let failures = 0;
-const only = process.env.ONLY;
-for (const [name, body] of tests.filter(([n]) => !only || n.includes(only))) {
+const chosen = tests.filter(([name]) => name.includes(process.env.ONLY ?? ''));
+for (const [name, body] of chosen) {
   const begin = Date.now();
   try {
     await body(browser, { url: server.url, result, resultS, folder });
@@ -496,5 +519,5 @@ for (const [name, body] of tests.filter(([n]) => !only || n.includes(only))) {
 await browser.close();
 await server.stop();
 rmSync(folder, { recursive: true, force: true });
-console.log(`${tests.length - failures} of ${tests.length} tests passed`);
+console.log(`${chosen.length - failures} of ${chosen.length} tests passed`);
 process.exit(failures === 0 ? 0 : 1);

@@ -11,6 +11,7 @@
 
 #include "facet/io/json_file.h"
 #include "facet/regularities/report/plane_ids.h"
+#include "facet/viewer/camera_images.h"
 #include "facet/viewer/jpeg_encoder.h"
 #include "facet/viewer/result_view.h"
 #include "facet/viewer/scene_messages.h"
@@ -32,19 +33,6 @@ constexpr std::size_t kMaxKeyframes = 20000;
 constexpr int kMaxPartsPerUpdate = 16;
 // Keyframes and images are sent at a lower rate than the board is updated.
 constexpr int kImageEvery = 2, kKeyframesEvery = 10;
-
-Json ArrayOf(const SE3& T) {
-  return {T.p.x(), T.p.y(), T.p.z(), T.q.w(), T.q.x(), T.q.y(), T.q.z()};
-}
-
-Json DescribeCamera(const StereoRig& rig) {
-  const CameraIntrinsics& k = rig.cameras[0].intrinsics();
-  return {{"T_BC0", ArrayOf(rig.T_BC[0])},
-          {"width", k.width},
-          {"height", k.height},
-          {"focal", {k.fx, k.fy}},
-          {"centre", {k.cx, k.cy}}};
-}
 
 EstimatedPlane PlaneOf(const PlaneRecord& record) {
   EstimatedPlane plane;
@@ -156,8 +144,9 @@ void LiveView::PostHello(int history) {
   if (history == history_posted_) return;
   history_posted_ = history;
   num_frames_posted_ = 0;
-  const Json source = {
-      {"name", options_.name}, {"downloads", Json::array()}, {"camera", DescribeCamera(rig_)}};
+  const Json source = {{"name", options_.name},
+                       {"downloads", Json::array()},
+                       {"camera", ParseJson(DescribeCamera(rig_))}};
   const Json hello = {{"mode", "live"},
                       {"stages", kStageNames},
                       {"history", history},
@@ -322,7 +311,7 @@ void LiveView::ShowResult(int code, const std::string& message) {
   GroundTruth truth;  // poses only: distances of a whole map to a laser scan would take a while
   truth.poses = options_.truth;
   const ResultView result(
-      {options_.result}, truth.poses.empty() ? nullptr : &truth, DescribeCamera(rig_).dump());
+      {options_.result}, truth.poses.empty() ? nullptr : &truth, DescribeCamera(rig_));
   server_->SetDownloads(result.Downloads());
   result.PostTo(server_->board());
   const Json ended = {{"code", code}, {"message", message}};

@@ -2,7 +2,6 @@
 #include "facet/viewer/result_view.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -70,21 +69,6 @@ bool HasPose(const fs::path& file) {
   return false;
 }
 
-/// The stamps of the meshes that were written on the way, in order.
-std::vector<std::int64_t> MeshStamps(const fs::path& folder) {
-  std::vector<std::int64_t> stamps;
-  std::error_code none;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
-    const std::string stem = entry.path().stem().string();
-    std::int64_t stamp = 0;
-    const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), stamp);
-    const bool is_stamp = error == std::errc() && end == stem.data() + stem.size() && stamp >= 0;
-    if (is_stamp && entry.path().extension() == ".ply") stamps.push_back(stamp);
-  }
-  std::ranges::sort(stamps);
-  return stamps;
-}
-
 }  // namespace
 
 std::vector<ViewDownload> PlainDownloads(const fs::path& folder, int source) {
@@ -116,7 +100,9 @@ std::vector<ViewDownload> PlainDownloads(const fs::path& folder, int source) {
 
 ResultView::ResultView(const std::vector<fs::path>& results,
                        GroundTruth* truth,
-                       const std::string& camera) {
+                       const std::string& camera,
+                       std::shared_ptr<const CameraImages> images)
+    : images_(std::move(images)) {
   messages_.push_back({"hello", ""});  // first, when what follows is known
   Json hello = {{"mode", "finished"}, {"stages", kStageNames}, {"sources", Json::array()}};
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -125,7 +111,8 @@ ResultView::ResultView(const std::vector<fs::path>& results,
       throw InputError(folder.string() + ": is not a result folder of 'facet run'");
     const int source = static_cast<int>(i);
     Json description = {{"name", NameOf(folder)}, {"downloads", Json::array()}};
-    if (!camera.empty()) description["camera"] = Json::parse(camera);
+    if (!camera.empty()) description["camera"] = ParseJson(camera);
+    if (images_) description["camera"] = ParseJson(DescribeCamera(images_->rig));
     for (const char* name : {"summary", "evaluation"}) {
       const fs::path file = folder / (std::string(name) + ".json");
       if (fs::exists(file)) description[name] = ReadJsonObject(file);
@@ -137,16 +124,42 @@ ResultView::ResultView(const std::vector<fs::path>& results,
       description["downloads"].push_back(download.name);
       downloads_.push_back(std::move(download));
     }
-    AddResult(folder, source, truth);
+    AddResult(folder, source, truth, description);
     AddMeshes(folder, source, description);
     hello["sources"].push_back(std::move(description));
   }
   messages_.front().bytes = TextMessage({MessageType::kHello}, JsonText(hello));
 }
 
-void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* truth) {
+// For each frame whose image there is a download; the page asks for those that it shows.
+void ResultView::AddImages(const fs::path& folder,
+                           int source,
+                           std::span<const FrameRecord> frames,
+                           Json& description) {
+  if (!images_) return;
+  const auto meshes = std::make_shared<ResultMeshes>(folder);  // server's thread only
+  int num_images = 0;
+  for (const FrameRecord& frame : frames) {
+    if (!frame.has_pose || !images_->Has(frame.t)) continue;
+    const std::string name =
+        (source == 0 ? "a/image-" : "b/image-") + std::to_string(frame.t.ns) + ".facet";
+    downloads_.push_back({name,
+                          "application/octet-stream",
+                          [images = images_, meshes, source, t = frame.t, T_WB = frame.state.T_WB] {
+                            return CameraImageMessage(source, t, T_WB, *images, *meshes);
+                          }});
+    ++num_images;
+  }
+  description["images"] = num_images;
+}
+
+void ResultView::AddResult(const fs::path& folder,
+                           int source,
+                           GroundTruth* truth,
+                           Json& description) {
   const std::string s = std::to_string(source) + "/";
   const std::vector<FrameRecord> frames = ReadFrameRecords(folder);
+  AddImages(folder, source, frames, description);
   for (std::size_t begin = 0; begin < frames.size(); begin += kFramesPerGroup) {
     const auto group =
         std::span(frames).subspan(begin).first(std::min(kFramesPerGroup, frames.size() - begin));

@@ -45,7 +45,7 @@ enum class MessageType : std::uint16_t {
   kKeyframes = 5,  ///< replaces all keyframes
   kPlanes = 6,     ///< text: JSON, replaces all planes
   kPoints = 7,     ///< replaces the landmarks
-  kImage = 8,      ///< replaces the camera's image
+  kImage = 8,      ///< replaces the camera's image; text: what its triangles are of
   kTruth = 9,      ///< the true trajectory, at the stamps of frames
   kEnded = 10      ///< text: JSON with code and message; the run is over
 };
