@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // node viewer/test/run.mjs FACET WORK DATA [PICTURES]: the page in a browser without a display, against what the result
 // files say. FACET: the program; WORK: a folder to write to; DATA: where the recordings are; PICTURES: a folder for
-// screenshots; ONLY, in the environment: a part of the names of the tests to run. Exits with 77 where a browser, the packages or the recording are not there.
+// screenshots; ONLY, in the environment: a part of the names of the tests to run. Exits with 77 where a browser, the
+// packages or the recording are not there.
 import assert from 'node:assert/strict';
 import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
@@ -465,6 +466,17 @@ test('a report holds its runs in 3D and needs no server', async (browser, { fold
     await page.setOfflineMode(true);
     await page.setViewport({ width, height: 900 });
     await page.goto(`file://${report}/report.html`);
+    const images = await page.$$eval('figure image', (all) => all.map((image) => {
+      const box = image.getBoundingClientRect(), edges = image.parentElement.querySelectorAll('path');
+      return { width: box.width, right: box.right, edges: [...edges].map((e) => e.getAttribute('d').length) };
+    }));
+    assert.equal(images.length, 4);
+    for (const image of images) {
+      assert.ok(image.width > 200 && image.right <= width, `an image of ${image.width} px`);
+      assert.ok(image.edges.length > 0 && Math.max(...image.edges) > 1000, 'the mesh lies over it');
+    }
+    if (pictures) await page.$eval('figure image', (image) => image.scrollIntoView());
+    if (pictures) await page.screenshot({ path: join(pictures, `report_${width}.png`) });
     await page.$eval('.scene', (frame) => frame.scrollIntoView());
     const frame = await (await page.$('.scene')).contentFrame();
     await frame.waitForFunction('window.facet && window.facet.stats().faces[1]?.map > 0', { timeout: 60000 });
