@@ -102,6 +102,10 @@ TEST(ViewTest, WrongUseIsSaidInOneLine) {
   std::ofstream(folder.path() / "trajectory.tum") << "1 0 0 0 0 0 0 1\n";
   std::ofstream(folder.path() / "summary.json") << std::string(1'000'000, '[');
   EXPECT_EQ(exit_code("view " + folder.path().string()), 3);
+  std::filesystem::remove(folder.path() / "summary.json");
+  EXPECT_EQ(exit_code("view " + folder.path().string() + " --recording " + folder.path().string()),
+            3);
+  EXPECT_EQ(exit_code("view " + folder.path().string() + " --recording"), 2);
   EXPECT_EQ(exit_code("view"), 2);
   EXPECT_EQ(exit_code("view a b c"), 2);
   EXPECT_EQ(exit_code("view . --port 65536"), 2);

@@ -346,7 +346,8 @@ test('damaged messages are named and change nothing', async (browser, { url }) =
 test('it fits a phone and works by touch', async (browser, { url }) => {
   const page = await open(browser, url, 390, 844, true);
   await page.until((x) => x.faces[0]?.map > 0 && x.labels[0] > 0, 'the map');
-  for (const tab of ['none', 'layers', 'colouring', 'planes', 'state', 'timing']) {
+  await page.until((x) => x.image.stampNs !== '0', 'the image');
+  for (const tab of ['none', 'layers', 'colouring', 'planes', 'state', 'image', 'timing']) {
     await page.tap(`#tabs [data-tab=${tab}]`);
     const wide = await page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok(wide <= 390, `${tab}: ${wide} px wide`);
