@@ -11,7 +11,7 @@
 
 namespace facet {
 
-std::shared_ptr<const CameraImages> OpenRecordedImages(const std::filesystem::path& recording) {
+std::shared_ptr<CameraImages> OpenRecordedImages(const std::filesystem::path& recording) {
   if (!std::filesystem::is_directory(recording) || KindOfFolder(recording) == FolderKind::kOther) {
     throw InputError(recording.string() +
                      ": images are shown of folders with image files only (mav0/, KITTI raw, or "

@@ -24,6 +24,7 @@
 #include "load_options.h"
 #include "partial_result.h"
 #include "progress_bar.h"
+#include "recorded_images.h"
 #include "run_publishing.h"
 #include "run_recorder.h"
 #include "run_sequence.h"
@@ -399,11 +400,23 @@ void FinishPublishing(RunPublishing& publishing, bool is_complete, const RunArgu
   }
 }
 
+/// Null where the recording is a bag, or cannot be opened again.
+std::shared_ptr<CameraImages> ImagesAfterRun(const RunArguments& arguments) {
+  if (arguments.view_exit) return nullptr;
+  try {
+    return OpenRecordedImages(arguments.sequence);
+  } catch (const InputError&) {
+    return nullptr;
+  }
+}
+
 /// Until Ctrl-C, unless that has ended the run or nobody wants to look.
 void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRun& run) {
   if (live == nullptr || arguments.view.empty() || run.end == RunEnd::kStopped) return;
   try {
-    live->ShowResult(run.end == RunEnd::kComplete ? 0 : ExitCode(run.end), run.message);
+    live->ShowResult(run.end == RunEnd::kComplete ? 0 : ExitCode(run.end),
+                     run.message,
+                     ImagesAfterRun(arguments));
   } catch (const std::exception& error) {  // the run ends as it ended
     std::fprintf(stderr, "facet: warning: the result cannot be shown: %s\n", error.what());
   }

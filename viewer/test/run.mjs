@@ -452,6 +452,14 @@ test('a run is shown while it goes on, and its result after it', async (browser,
   await runProgram(program, ['evaluate', out, '--truth', recording], 'ignore');
   const { ate } = JSON.parse(readFileSync(join(out, 'evaluation.json'), 'utf8'));
   await page.until((x) => Math.abs(x.largestErrors[0] - ate.max_m) < 2e-6, 'the error of the whole run');
+  await page.keyboard.press('Home');
+  await page.$eval('#seek', (slider) => {
+    slider.value = '5';
+    slider.dispatchEvent(new Event('input'));
+  });
+  const { indices } = await page.stats();
+  await page.until((x) => x.image.stampNs === csv(join(out, 'states.csv'))[indices[0]].timestamp_ns &&
+    x.image.tracks === 0, 'the recorded image of that moment');
   assert.deepEqual(page.problems, []);
   assert.equal(ended.errors.length, 0);
   assert.equal(await server.stop(), 0);

@@ -11,7 +11,6 @@
 
 #include "facet/io/json_file.h"
 #include "facet/regularities/report/plane_ids.h"
-#include "facet/viewer/camera_images.h"
 #include "facet/viewer/jpeg_encoder.h"
 #include "facet/viewer/result_view.h"
 #include "facet/viewer/scene_messages.h"
@@ -302,7 +301,10 @@ void LiveView::PostImage(const Image& image,
   Post("0/image", message.Finish());
 }
 
-void LiveView::ShowResult(int code, const std::string& message) {
+void LiveView::ShowResult(int code,
+                          const std::string& message,
+                          std::shared_ptr<CameraImages> images) {
+  if (images) images->rig = rig_;
   const std::lock_guard update_lock(update_mutex_);
   is_over_ = true;
   for (const std::string& slot : slots_) {
@@ -310,8 +312,10 @@ void LiveView::ShowResult(int code, const std::string& message) {
   }
   GroundTruth truth;  // poses only: distances of a whole map to a laser scan would take a while
   truth.poses = options_.truth;
-  const ResultView result(
-      {options_.result}, truth.poses.empty() ? nullptr : &truth, DescribeCamera(rig_));
+  const ResultView result({options_.result},
+                          truth.poses.empty() ? nullptr : &truth,
+                          DescribeCamera(rig_),
+                          std::move(images));
   server_->SetDownloads(result.Downloads());
   result.PostTo(server_->board());
   const Json ended = {{"code", code}, {"message", message}};

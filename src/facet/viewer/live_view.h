@@ -19,6 +19,7 @@
 #include "facet/geometry/delaunay.h"
 #include "facet/mesh/map_follower.h"
 #include "facet/pipeline/vio_output.h"
+#include "facet/viewer/camera_images.h"
 #include "facet/viewer/frame_history.h"
 #include "facet/viewer/view_server.h"
 
@@ -55,7 +56,10 @@ class LiveView {
   // ---- called after the run.
 
   /// From now on the result is shown as its files say. `code`, `message`: how the run ended.
-  void ShowResult(int code, const std::string& message);
+  /// `images`: of the recording, for the rig of the run; may be null.
+  void ShowResult(int code,
+                  const std::string& message,
+                  std::shared_ptr<CameraImages> images = nullptr);
 
   /// Waits until the clients have it, but not long for slow ones: before the program ends.
   void WaitUntilSent() { server_->WaitUntilSent(std::chrono::seconds(3)); }
