@@ -298,6 +298,10 @@ void AddView(CLI::App& app) {
       ->required()
       ->expected(1, 2);
   command->add_option("--truth", arguments->truth, "sequence folder, or trajectory file");
+  command->add_option("--recording",
+                      arguments->recording,
+                      "folder with image files: the left images are shown, with the mesh over them "
+                      "(default: --truth, if it has images)");
   command->add_option("--port", arguments->port, "the first one that is tried; 0: any that is free")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();

@@ -209,6 +209,7 @@ ReportSection MakeSection(const NamedSequence& sequence, const ComparedSequence&
     section.runs.push_back(MakeReportRun(combination.name, EvaluateRun(run->folder, truth, {})));
   }
   AddScene(truth, section);
+  AddCameraImages(truth, section);
   return section;
 }
 

@@ -49,6 +49,7 @@ Report MakeReport(const EvaluateArguments& arguments,
   for (std::size_t i = 0; i < evaluations.size(); ++i)
     section.runs.push_back(MakeReportRun(names[i], std::move(evaluations[i])));
   AddScene(truth, section);
+  AddCameraImages(truth, section);
   report.title = "Evaluation on " + section.name;
   return report;
 }

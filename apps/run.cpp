@@ -24,18 +24,21 @@
 #include "load_options.h"
 #include "partial_result.h"
 #include "progress_bar.h"
+#include "recorded_images.h"
 #include "run_publishing.h"
 #include "run_recorder.h"
 #include "run_sequence.h"
 #include "view.h"
 
 #include "facet/estimator/window/imu_link.h"
+#include "facet/eval/ground_truth.h"
 #include "facet/io/errors.h"
 #include "facet/io/glb_writer.h"
 #include "facet/io/ply_writer.h"
 #include "facet/io/result_folder.h"
 #include "facet/io/result_writer.h"
 #include "facet/io/saved_map_file.h"
+#include "facet/io/vertex_sigmas.h"
 #include "facet/pipeline/threaded_vio.h"
 #include "facet/pipeline/vio_pipeline.h"
 #include "facet/recording/open_recording.h"
@@ -206,6 +209,7 @@ class MeshFiles {
       WriteGlbMesh(fresh, output.mesh->mesh);
     } else {
       WritePlyMesh(fresh, output.mesh->mesh);
+      WriteVertexSigmas(folder_ / name, MeshWithSigmas(*output.mesh));
     }
     std::filesystem::rename(fresh, folder_ / name, error);
     if (error) throw OutputError((folder_ / name).string() + ": cannot be written");
@@ -351,6 +355,17 @@ void PrintFoxgloveAddress(const ViewServer& server) {
   std::fflush(stdout);
 }
 
+/// For the page alone, which shows them beside the estimate; empty where the recording has none.
+std::vector<StampedPose> TruePoses(const RunArguments& arguments) {
+  if (arguments.view.empty() || !HasGroundTruth(arguments.sequence)) return {};
+  try {
+    return LoadGroundTruth(arguments.sequence).poses;
+  } catch (const InputError& error) {
+    Tell(arguments, "warning", std::string("the page shows no truth: ") + error.what());
+    return {};
+  }
+}
+
 /// Null where neither page nor messages were asked for.
 std::unique_ptr<LiveView> OpenLiveView(const RunArguments& arguments,
                                        const VioOptions& options,
@@ -365,6 +380,7 @@ std::unique_ptr<LiveView> OpenLiveView(const RunArguments& arguments,
   view.name = name;
   view.map = options.mesh.map;
   view.result = result;
+  view.truth = TruePoses(arguments);
   view.server.host = arguments.view_host;
   view.server.port = port;
   view.server.protocol = std::move(protocol);
@@ -386,15 +402,27 @@ void FinishPublishing(RunPublishing& publishing, bool is_complete, const RunArgu
   }
 }
 
+/// Null where the recording is a bag, or cannot be opened again.
+std::shared_ptr<CameraImages> ImagesAfterRun(const RunArguments& arguments) {
+  if (arguments.view_exit) return nullptr;
+  try {
+    return OpenRecordedImages(arguments.sequence);
+  } catch (const InputError&) {
+    return nullptr;
+  }
+}
+
 /// Until Ctrl-C, unless that has ended the run or nobody wants to look.
 void KeepShowing(LiveView* live, const RunArguments& arguments, const SequenceRun& run) {
   if (live == nullptr || arguments.view.empty() || run.end == RunEnd::kStopped) return;
   try {
-    live->ShowResult(run.end == RunEnd::kComplete ? 0 : ExitCode(run.end), run.message);
+    live->ShowResult(run.end == RunEnd::kComplete ? 0 : ExitCode(run.end),
+                     run.message,
+                     ImagesAfterRun(arguments));
   } catch (const std::exception& error) {  // the run ends as it ended
     std::fprintf(stderr, "facet: warning: the result cannot be shown: %s\n", error.what());
   }
-  if (arguments.view_exit) return;
+  if (arguments.view_exit) return live->WaitUntilSent();
   std::printf("the result is at %s; Ctrl-C ends\n", live->server().url().c_str());
   std::fflush(stdout);
   WaitForInterrupt();

@@ -75,7 +75,7 @@ void RunRecorder::MoveInto(RunRecord& record) {
   record.num_resets = resets_.num;
   record.num_imu_gaps = imu_gaps_.num;
   if (last_mesh_) {
-    record.mesh = last_mesh_->mesh;
+    record.mesh = MeshWithSigmas(*last_mesh_);
     if (record.planes) UseCurrentPlaneIds(*record.planes, record.mesh->plane_ids);
   }
   record.mesh_areas_m2 = std::move(mesh_areas_m2_);

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "interrupts.h"
+#include "recorded_images.h"
 
 #include "facet/eval/ground_truth.h"
 #include "facet/io/csv_reader.h"
@@ -38,11 +39,28 @@ void PrintAddress(const ViewServer& server, int wanted_port) {
   std::fflush(stdout);
 }
 
+namespace {
+
+/// Those of the recording that is named, or of the folder with the truth if it has some.
+std::shared_ptr<const CameraImages> ImagesFor(const ViewArguments& arguments) {
+  if (!arguments.recording.empty()) return OpenRecordedImages(arguments.recording);
+  if (arguments.truth.empty() || !std::filesystem::is_directory(arguments.truth)) return nullptr;
+  try {
+    return OpenRecordedImages(arguments.truth);
+  } catch (const InputError&) {
+    return nullptr;  // a truth without images is a truth
+  }
+}
+
+}  // namespace
+
 void ViewCommand(const ViewArguments& arguments) {
   std::optional<GroundTruth> truth;
   if (!arguments.truth.empty()) truth = LoadGroundTruth(arguments.truth);
   const ResultView view({arguments.results.begin(), arguments.results.end()},
-                        truth ? &*truth : nullptr);
+                        truth ? &*truth : nullptr,
+                        "",
+                        ImagesFor(arguments));
   ViewServerOptions options;
   options.host = arguments.host;
   options.port = arguments.port;

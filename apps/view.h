@@ -10,6 +10,7 @@ namespace facet {
 struct ViewArguments {
   std::vector<std::string> results;  // one or two
   std::string truth;                 // empty: none
+  std::string recording;             // with the images; empty: none
   std::string host = "127.0.0.1";
   int port = 8470;
 };

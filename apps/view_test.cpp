@@ -15,6 +15,7 @@
 
 #include "facet/testing/data_dir.h"
 #include "facet/testing/folders.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {
@@ -41,19 +42,28 @@ unsigned short PortFrom(FILE* output) {
   return static_cast<unsigned short>(std::atoi(text.c_str() + at + 10));
 }
 
-/// Reads all messages until the program ends the connection; returns how many bytes there were.
-std::size_t ReadAll(unsigned short port) {
+/// What a page has got when the program ends the connection.
+struct Received {
+  std::size_t num_bytes = 0;
+  int last_type = 0;  // as view_message.h has it
+};
+
+Received ReadAll(unsigned short port) {
   boost::asio::io_context context;
   boost::beast::websocket::stream<Tcp::socket> socket(context);
   socket.next_layer().connect({boost::asio::ip::make_address("127.0.0.1"), port});
   socket.handshake("127.0.0.1", "/live");
-  std::size_t num_bytes = 0;
+  Received received;
   boost::system::error_code error;
   while (!error) {
     boost::beast::flat_buffer buffer;
-    num_bytes += socket.read(buffer, error);
+    socket.read(buffer, error);
+    if (error) break;
+    const std::string message = boost::beast::buffers_to_string(buffer.data());
+    received.num_bytes += message.size();
+    received.last_type = message.at(6);
   }
-  return num_bytes;
+  return received;
 }
 
 TEST(ViewTest, ARunThatIsLookedAtGivesTheSameBytes) {
@@ -68,7 +78,9 @@ TEST(ViewTest, ARunThatIsLookedAtGivesTheSameBytes) {
     ASSERT_NE(output, nullptr);
     const unsigned short port = PortFrom(output);
     ASSERT_NE(port, 0);
-    EXPECT_GT(ReadAll(port), 100'000u);
+    const Received received = ReadAll(port);
+    EXPECT_GT(received.num_bytes, 100'000u);
+    EXPECT_EQ(received.last_type, 10) << "the end of the run";
     EXPECT_EQ(WEXITSTATUS(pclose(output)), 0);
     for (const char* file :
          {"trajectory.tum", "keyframes.tum", "states.csv", "planes.csv", "mesh.ply", "map.ply"}) {
@@ -86,6 +98,14 @@ TEST(ViewTest, WrongUseIsSaidInOneLine) {
     return WEXITSTATUS(std::system(command.c_str()));
   };
   EXPECT_EQ(exit_code("view /nonexistent"), 3);
+  const TempFolder folder;
+  std::ofstream(folder.path() / "trajectory.tum") << "1 0 0 0 0 0 0 1\n";
+  std::ofstream(folder.path() / "summary.json") << std::string(1'000'000, '[');
+  EXPECT_EQ(exit_code("view " + folder.path().string()), 3);
+  std::filesystem::remove(folder.path() / "summary.json");
+  EXPECT_EQ(exit_code("view " + folder.path().string() + " --recording " + folder.path().string()),
+            3);
+  EXPECT_EQ(exit_code("view " + folder.path().string() + " --recording"), 2);
   EXPECT_EQ(exit_code("view"), 2);
   EXPECT_EQ(exit_code("view a b c"), 2);
   EXPECT_EQ(exit_code("view . --port 65536"), 2);

@@ -1,9 +1,10 @@
 #!/bin/sh
-# scripts/viewer.sh [--check | --browser FACET FOLDER | --foxglove FACET FOLDER]: builds the viewer's page, viewer/dist, with npm. --check builds it
-# elsewhere and fails where the committed one is another. --browser tests the page of the program FACET in Chromium, with
-# what it writes below FOLDER. --foxglove reads what that program publishes and records with Foxglove's own packages
-# (npm ci in viewer/foxglove installs them). All three say what is not there, if something is not, and exit with 77: ctest takes it for
-# skipped.
+# scripts/viewer.sh [--check | --browser FACET FOLDER | --large-map FACET FOLDER | --foxglove FACET FOLDER]: builds the
+# viewer's page, viewer/dist, with npm. --check builds it elsewhere and fails where the committed one is another.
+# --browser tests the page of the program FACET in Chromium, with what it writes below FOLDER. --large-map prints how many
+# pictures per second there are of a map of 500 000 faces that turns. --foxglove reads what that program publishes and
+# records with Foxglove's own packages (npm ci in viewer/foxglove installs them). All say what is not there, if something
+# is not, and exit with 77: ctest takes it for skipped.
 set -eu
 cd "$(dirname "$0")/../viewer"
 if [ "${1:-}" = --browser ]; then
@@ -12,6 +13,13 @@ if [ "${1:-}" = --browser ]; then
     exit 77
   fi
   exec node test/run.mjs "$2" "$3" "${FACET_DATA_DIR:-$PWD/../../shared/data}"
+fi
+if [ "${1:-}" = --large-map ]; then
+  if ! command -v node >/dev/null; then
+    echo "large map: skipped, there is no Node"
+    exit 77
+  fi
+  exec node test/large_map.mjs "$2" "$3"
 fi
 if [ "${1:-}" = --foxglove ]; then
   if ! command -v node >/dev/null; then

@@ -2,7 +2,7 @@
 // What the left camera sees: tracks, coloured by depth, and the triangles between them.
 import { byId, colourOf, make } from './dom';
 import type { CameraImage } from './model';
-import { amountColour, AMOUNT_GRADIENT, css } from './palette';
+import { amountColour, AMOUNT_GRADIENT, css, planeColour } from './palette';
 
 type Choice = 'tracks' | 'triangles';
 
@@ -13,6 +13,7 @@ export class ImagePanel {
   private readonly canvas = make('canvas', { id: 'camera-image', 'aria-label': 'Image of the left camera' });
   private readonly show: Record<Choice, boolean> = { tracks: true, triangles: true };
   private readonly legend = make('div', { class: 'legend' });
+  private tracksOption = make('label');
   private image: CameraImage | null = null;
   private bitmap: ImageBitmap | null = null;
   private isDecoding = false;
@@ -27,7 +28,9 @@ export class ImagePanel {
         this.show[choice] = box.checked;
         this.draw();
       });
-      options.append(make('label', {}, box, text));
+      const label = make('label', {}, box, text);
+      options.append(label);
+      if (choice === 'tracks') this.tracksOption = label;
     }
     byId('image').append(this.canvas, options, this.legend);
   }
@@ -66,23 +69,30 @@ export class ImagePanel {
     const known = [...depths].filter((d) => d > 0).sort((a, b) => a - b);
     const near = known[Math.floor(0.05 * known.length)] ?? 0.5;
     const far = Math.max(known[Math.floor(0.95 * known.length)] ?? 10, near + 0.1);
-    this.numTracks = this.show.tracks ? pixels.length / 2 : 0;
+    this.numTracks = this.show.tracks && !image.of ? pixels.length / 2 : 0;
     this.numTriangles = this.show.triangles ? triangles.length / 3 : 0;
     if (this.show.triangles) {
-      context.strokeStyle = 'rgb(86 180 233 / 55%)';
-      context.lineWidth = 1;
-      context.beginPath();
+      const byPlane = new Map<number, Path2D>();
       for (let t = 0; t < triangles.length; t += 3) {
+        const id = image.planeIds[t / 3] ?? 0; // one colour where planes are not known
+        const path = byPlane.get(id) ?? new Path2D();
+        byPlane.set(id, path);
         for (let k = 0; k < 4; k++) {
           const corner = triangles[t + (k % 3)]!;
           const x = pixels[2 * corner]!, y = pixels[2 * corner + 1]!;
-          if (k === 0) context.moveTo(x, y);
-          else context.lineTo(x, y);
+          if (k === 0) path.moveTo(x, y);
+          else path.lineTo(x, y);
         }
       }
-      context.stroke();
+      context.lineWidth = 1;
+      context.globalAlpha = image.of ? 0.8 : 0.55;
+      for (const [id, path] of byPlane) {
+        context.strokeStyle = css(planeColour(id));
+        context.stroke(path);
+      }
+      context.globalAlpha = 1;
     }
-    if (this.show.tracks) {
+    if (this.numTracks > 0) {
       for (let i = 0; i < depths.length; i++) {
         const depth = depths[i]!;
         const isKnown = depth > 0;
@@ -103,5 +113,10 @@ export class ImagePanel {
       make('div', { style: `color:${colourOf('--soft')}` },
         `${pixels.length / 2} points, ${triangles.length / 3} triangles; hollow: depth not known yet`),
     );
+    // Over the image of a finished run lies the mesh, which has no tracks.
+    this.tracksOption.hidden = image.of !== '';
+    if (!image.of) return;
+    this.legend.replaceChildren(make('div', { style: `color:${colourOf('--soft')}` },
+      `${triangles.length / 3} faces of ${image.of} that the camera sees, coloured by plane`));
   }
 }

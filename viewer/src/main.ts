@@ -5,7 +5,7 @@ import { Connection, downloadUrl, type ConnectionState } from './connection';
 import { byId, colourOf, make, save, Segments } from './dom';
 import { ImagePanel } from './image_panel';
 import { Measure, type Measurement, type MeasureMode } from './measure';
-import { type Change, meshOf, Model, type Plane } from './model';
+import { type Change, imageOf, meshOf, Model, type Plane } from './model';
 import { ColourPanel, LayerPanel, makeHelp, PlanePanel } from './panels';
 import { describePlane } from './plane_object';
 import { Message } from './protocol';
@@ -38,12 +38,14 @@ class Page {
   private readonly changed = new Set<string>();
   private horizonShown = '';
   private isFetching = false;
+  private recordedShown = '';
+  private isFetchingImage = false;
   private selected: Plane | null = null;
 
   constructor() {
     this.stage = new Stage(byId<HTMLCanvasElement>('canvas'), byId('overlay'), this.model, (p) => this.selectPlane(p));
-    this.colours = new ColourPanel(this.stage, this.model);
     this.layers = new LayerPanel(this.stage, this.model);
+    this.colours = new ColourPanel(this.stage, this.model, () => this.layers.update());
     this.timeline = new Timeline(this.model, () => this.showMoment());
     this.camera = new Segments(byId('camera'), [
       ['orbit', 'Orbit', 'Around the scene (O)'], ['follow', 'Follow', 'Behind the camera (Q)'],
@@ -87,7 +89,7 @@ class Page {
 
   private reset(): void {
     this.stage.reset();
-    this.horizonShown = '';
+    this.horizonShown = this.recordedShown = '';
     this.showHello();
     const isPair = this.model.sources.length > 1;
     byId('arrangement').hidden = !isPair;
@@ -122,21 +124,23 @@ class Page {
   private showChanges(): void {
     const changes = [...this.changed].map((c) => c.split(' ') as [Change, string]);
     this.changed.clear();
+    for (const [i, source] of this.model.sources.entries()) {
+      if (changes.some(([c, at]) => (c === 'frames' || c === 'truth') && Number(at) === i)) source.updateErrors();
+    }
     for (const [change, at] of changes) {
       const i = Number(at);
       if (change === 'frames') this.stage.setFrames(i);
+      if (change === 'truth') this.model.sources.forEach((_, k) => this.stage.setFrames(k));
       if (change === 'keyframes' || change === 'truth') this.stage.setKeyframes(i);
       if (change === 'planes') this.stage.setPlanes(i);
       if (change === 'points') this.stage.setPoints(i);
-      if (change === 'image' && this.model.sources[i]?.image) {
-        byId('tabs').querySelector<HTMLElement>('[data-tab=image]')!.hidden = false;
-        this.image.set(this.model.sources[i]!.image!).catch((e: unknown) => this.report(e));
-      }
+      if (change === 'image') this.showImage(i);
       if (change === 'ended') this.showConnection(this.connectionState);
     }
     const kinds = new Set(changes.map(([c]) => c));
     if (kinds.has('mesh')) this.stage.updateRange();
     if (kinds.has('planes')) this.showPlanes();
+    if (kinds.has('truth')) this.stage.applyLayers();
     if (kinds.has('mesh') || kinds.has('truth') || kinds.has('points') || kinds.has('reset')) {
       this.colours.update();
       this.layers.update();
@@ -168,7 +172,7 @@ class Page {
     if (ended && state !== 'stored') text = ended.code === 0 ? 'run ended' : `run ended: ${ended.message}`;
     pill.textContent = text;
     pill.title = text;
-    const isBad = state === 'lost' || (ended !== null && ended.code !== 0);
+    const isBad = ended ? ended.code !== 0 : state === 'lost';
     pill.className = `pill ${isBad ? 'bad' : state === 'connected' && mode === 'live' && !ended ? 'good' : ''}`;
   }
 
@@ -185,11 +189,12 @@ class Page {
   private showMoment(): void {
     if (this.model.sources.length === 0) return;
     const indices = this.indices();
-    this.stage.setMoment(indices);
+    this.stage.setMoment(indices, this.timeline.isPlaying);
     const i = this.mainSource(), source = this.model.sources[i]!;
     this.state.show(source, indices[i]!);
     this.timing.show(this.model, source, indices[i]!);
     this.showHorizon().catch((e: unknown) => this.report(e));
+    this.showRecorded().catch((e: unknown) => this.report(e));
     if (this.connectionState === 'connected') this.showConnection('connected');
   }
 
@@ -218,6 +223,33 @@ class Page {
       this.isFetching = false;
     }
     await this.showHorizon();
+  }
+
+  private showImage(source: number): void {
+    const { image } = this.model.sources[source]!;
+    if (!image) return;
+    byId('tabs').querySelector<HTMLElement>('[data-tab=image]')!.hidden = false;
+    this.image.set(image).catch((e: unknown) => this.report(e));
+  }
+
+  /** The recorded image of the moment, where the program knows the recording of a finished run. */
+  private async showRecorded(): Promise<void> {
+    const i = this.mainSource(), source = this.model.sources[i]!;
+    if (this.isFetchingImage || this.connectionState !== 'connected' || !source.hello.images) return;
+    const frame = source.frames.at(this.indices()[i]!);
+    if (!frame?.hasPose || `${i} ${frame.stampNs}` === this.recordedShown) return;
+    this.isFetchingImage = true;
+    try {
+      const answer = await fetch(downloadUrl(`${'ab'[i]}/image-${frame.stampNs}.facet`));
+      this.recordedShown = `${i} ${frame.stampNs}`;
+      if (answer.status === 404) return; // the recording lacks this one
+      if (!answer.ok) throw new Error(`the image: ${await answer.text()}`);
+      source.image = imageOf(new Message(await answer.arrayBuffer()));
+      this.showImage(i);
+    } finally {
+      this.isFetchingImage = false;
+    }
+    await this.showRecorded();
   }
 
   // ------------------------------------------------------------------ controls
@@ -399,6 +431,8 @@ class Page {
       planeIds: this.model.sources.map((s) => s.planes.map((p) => p.id)),
       keyframeCounts: this.model.sources.map((s) => s.keyframes?.stamps.length ?? 0),
       truthCounts: this.model.sources.map((s) => s.truth?.stamps.length ?? 0),
+      largestErrors: this.model.sources.map((s) => s.largestError),
+      errorNow: this.model.sources.map((s, i) => s.errors[this.indices()[i]!] ?? null),
       stampNs: String(this.timeline.stampNs),
       indices: this.indices(),
       isPlaying: this.timeline.isPlaying,

@@ -49,9 +49,13 @@ function split(mesh: Mesh): SplitMesh {
   return { faces, origin: Uint32Array.from(origin), plane: Int32Array.from(plane) };
 }
 
-/** Vertices in one cell of a grid become one, about one of twelve; faces that keep three corners stay. */
-function cluster(positions: Float32Array, faces: Uint32Array): Uint32Array {
-  const EDGES_PER_CELL = 3.5, CELLS = 131072;
+/**
+ * Vertices in one cell of a grid become the first of them, and faces that keep three corners stay. A cell's side is
+ * that many edges of a face long.
+ */
+function cluster(positions: Float32Array, faces: Uint32Array, edgesPerCell: number): Uint32Array {
+  const CELLS = 131072;
+  const SHIFT = 0.37; // floors and walls often lie at round coordinates: not between two layers of cells
   let sum = 0, count = 0;
   const step = 3 * Math.max(1, Math.floor(faces.length / 3 / 1000));
   for (let f = 0; f < faces.length; f += step) {
@@ -60,13 +64,15 @@ function cluster(positions: Float32Array, faces: Uint32Array): Uint32Array {
       positions[a]! - positions[b]!, positions[a + 1]! - positions[b + 1]!, positions[a + 2]! - positions[b + 2]!);
     count++;
   }
-  const cell = (EDGES_PER_CELL * sum) / Math.max(count, 1);
+  const cell = (edgesPerCell * sum) / Math.max(count, 1);
   if (!(cell > 0)) return faces;
   const first = new Map<number, number>(); // vertex, by cell
   const chosen = new Uint32Array(positions.length / 3);
   for (let v = 0; v < chosen.length; v++) {
-    const [x, y, z] = [0, 1, 2].map((k) => Math.floor(positions[3 * v + k]! / cell) + CELLS / 2) as [number, number, number];
-    const key = (x * CELLS + y) * CELLS + z;
+    let key = 0;
+    for (let k = 0; k < 3; k++) {
+      key = key * CELLS + Math.floor(positions[3 * v + k]! / cell + SHIFT) + CELLS / 2;
+    }
     const known = first.get(key);
     if (known === undefined) first.set(key, v);
     chosen[v] = known ?? v;
@@ -83,8 +89,8 @@ export class MeshObject {
   readonly object: ThreeMesh<BufferGeometry, MeshLambertMaterial>;
   private readonly parts: SplitMesh;
   private readonly colours: Uint8Array;
-  private readonly fullIndex: BufferAttribute;
-  private coarseIndex: BufferAttribute | null = null;
+  private readonly full: BufferGeometry;
+  private coarse: { edgesPerCell: number; geometry: BufferGeometry } | null = null;
 
   constructor(readonly mesh: Mesh, readonly source: number) {
     this.parts = split(mesh);
@@ -101,10 +107,10 @@ export class MeshObject {
     geometry.setAttribute('position', new BufferAttribute(positions, 3));
     geometry.setAttribute('normal', new BufferAttribute(normals, 4, true));
     geometry.setAttribute('color', new BufferAttribute(this.colours, 4, true));
-    this.fullIndex = new BufferAttribute(this.parts.faces, 1);
-    geometry.setIndex(this.fullIndex);
+    geometry.setIndex(new BufferAttribute(this.parts.faces, 1));
     if (n > 0) geometry.computeBoundingSphere();
     else geometry.boundingSphere = new Sphere(new Vector3(), 0);
+    this.full = geometry;
     const material = new MeshLambertMaterial({ vertexColors: true, side: FrontSide });
     if (mesh.normals.length === 0) material.flatShading = true;
     this.object = new ThreeMesh(geometry, material);
@@ -120,18 +126,33 @@ export class MeshObject {
     this.object.material.needsUpdate = true;
   }
 
-  /** Fewer and larger faces over the same vertices, for a picture in motion; the first time takes a while. */
-  set coarse(coarse: boolean) {
-    if (coarse && !this.coarseIndex) {
-      const positions = this.object.geometry.getAttribute('position').array as Float32Array;
-      this.coarseIndex = new BufferAttribute(cluster(positions, this.parts.faces), 1);
+  /**
+   * Fewer and larger faces over the same vertices, for a picture in motion; zero edges per cell: all faces. The first
+   * time with other cells takes a while.
+   */
+  setCoarse(edgesPerCell: number): void {
+    if (edgesPerCell > 0 && this.coarse?.edgesPerCell !== edgesPerCell) {
+      this.disposeCoarse();
+      const geometry = new BufferGeometry();
+      for (const [name, attribute] of Object.entries(this.full.attributes)) geometry.setAttribute(name, attribute);
+      const positions = this.full.getAttribute('position').array as Float32Array;
+      geometry.setIndex(new BufferAttribute(cluster(positions, this.parts.faces, edgesPerCell), 1));
+      geometry.boundingSphere = this.full.boundingSphere;
+      this.coarse = { edgesPerCell, geometry };
     }
-    const index = coarse ? this.coarseIndex! : this.fullIndex;
-    if (this.object.geometry.index !== index) this.object.geometry.setIndex(index);
+    this.object.geometry = edgesPerCell > 0 ? this.coarse!.geometry : this.full;
+  }
+
+  /** Its attributes are those of all faces, and stay. */
+  private disposeCoarse(): void {
+    if (!this.coarse) return;
+    for (const name of Object.keys(this.coarse.geometry.attributes)) this.coarse.geometry.deleteAttribute(name);
+    this.coarse.geometry.dispose();
+    this.coarse = null;
   }
 
   recolour(colouring: Colouring, range: ColourRange): void {
-    const attribute = this.object.geometry.getAttribute('color');
+    const attribute = this.full.getAttribute('color');
     const linear = LINEAR;
     for (let i = 0; i < this.parts.origin.length; i++) {
       const colour = this.colourOf(i, colouring, range);
@@ -164,7 +185,8 @@ export class MeshObject {
 
   dispose(): void {
     this.object.removeFromParent();
-    this.object.geometry.dispose();
+    this.disposeCoarse();
+    this.full.dispose();
     this.object.material.dispose();
   }
 }

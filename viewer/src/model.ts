@@ -30,6 +30,7 @@ export interface SourceHello {
   evaluation?: Record<string, unknown>;
   downloads: string[];
   horizon?: { stamp_ns: string; name: string }[];
+  images?: number; // how many images of the recording can be asked for
   camera?: CameraShape;
 }
 
@@ -159,7 +160,23 @@ export interface CameraImage {
   pixels: Float32Array;
   depths: Float32Array;
   triangles: Uint32Array;
+  planeIds: Int32Array; // by triangle; empty: not known
+  of: string; // what the triangles are of; empty: between tracks
   stampNs: bigint;
+}
+
+/** Distance of each frame's position to the true one of the same stamp [m]; nan where that is not known. */
+function errorsAlong(frames: Frames, truth: StampedPoses | null): Float32Array {
+  const errors = new Float32Array(frames.count).fill(NaN);
+  if (!truth) return errors;
+  let k = 0;
+  for (let i = 0; i < errors.length; i++) {
+    const f = frames.at(i)!;
+    while (k < truth.stamps.length && truth.stamps[k]! < f.stampNs) k++;
+    if (!f.hasPose || truth.stamps[k] !== f.stampNs) continue;
+    errors[i] = Math.hypot(...[0, 1, 2].map((axis) => f.pose[axis]! - truth.poses[7 * k + axis]!));
+  }
+  return errors;
 }
 
 /** One result, or the live run. */
@@ -169,9 +186,17 @@ export class Source {
   readonly meshes = new Map<string, Mesh>(); // 'map', 'horizon', and 'map:x,y,z' for its parts
   keyframes: StampedPoses | null = null;
   truth: StampedPoses | null = null;
+  errors = new Float32Array(0); // by frame
+  largestError = 0;
   planes: Plane[] = [];
   points = new Float32Array(0);
   image: CameraImage | null = null;
+
+  /** After frames or the truth have come. */
+  updateErrors(): void {
+    this.errors = errorsAlong(this.frames, this.truth);
+    this.largestError = this.errors.reduce((most, e) => (e > most ? e : most), 0);
+  }
 }
 
 export type Change =
@@ -222,13 +247,7 @@ export class Model {
         source.points = m.floats(Block.positions);
         return { change: 'points', ...at };
       case MessageType.image:
-        source.image = {
-          jpeg: m.bytes(Block.image),
-          pixels: m.floats(Block.pixels),
-          depths: m.floats(Block.depths),
-          triangles: m.uint32(Block.triangles),
-          stampNs: m.stampNs,
-        };
+        source.image = imageOf(m);
         return { change: 'image', ...at };
       case MessageType.ended:
         this.ended = m.json<{ code: number; message: string }>();
@@ -256,6 +275,11 @@ export class Model {
     return { change: isSame ? 'hello' : 'reset', source: 0 };
   }
 
+  /** Of all sources, so that their paths have the same colours [m]. */
+  get largestError(): number {
+    return Math.max(0, ...this.sources.map((s) => s.largestError));
+  }
+
   /** From the first to the last frame of any source [ns]. */
   range(): [bigint, bigint] {
     let first = 0n, last = 0n, any = false;
@@ -268,6 +292,18 @@ export class Model {
     }
     return [first, last];
   }
+}
+
+export function imageOf(m: Message): CameraImage {
+  return {
+    jpeg: m.bytes(Block.image),
+    pixels: m.floats(Block.pixels),
+    depths: m.floats(Block.depths),
+    triangles: m.uint32(Block.triangles),
+    planeIds: m.int32(Block.planeIds),
+    of: m.text(),
+    stampNs: m.stampNs,
+  };
 }
 
 export function meshOf(m: Message): Mesh {

@@ -16,16 +16,18 @@ export class ColourPanel {
   private readonly select = make('select', { id: 'colour', 'aria-label': 'Colour of the mesh' });
   private readonly legend = make('div', { class: 'legend', id: 'legend' });
 
-  constructor(private readonly stage: Stage, private readonly model: Model) {
+  constructor(
+    private readonly stage: Stage, private readonly model: Model, private readonly onLayers: () => void,
+  ) {
     byId('colouring').append(this.select, this.legend);
     this.select.addEventListener('change', () => this.choose(this.select.value as Colouring));
     this.update();
   }
 
   choose(colouring: Colouring): void {
-    this.stage.colouring = colouring;
-    this.stage.recolour();
+    this.stage.choose(colouring);
     this.update();
+    this.onLayers();
   }
 
   next(): void {
@@ -58,7 +60,8 @@ export class ColourPanel {
         ` ${'AB'[i]}: ${s.hello.name}`));
       case 'height': return bar('m', 1, 2);
       case 'age': return bar('s', 1, 1);
-      case 'sigma':
+      case 'sigma': return [...bar('cm', 100, 1), make('div', {},
+        '1-sigma of the distance from the camera; grey: not known. Only the horizon mesh has it.')];
       case 'error': return bar('cm', 100, 1);
     }
   }
@@ -67,13 +70,15 @@ export class ColourPanel {
 const LAYERS: [Layer, string, string][] = [
   ['map', 'Map', 'M'], ['horizon', 'Horizon mesh', 'H'], ['planes', 'Planes', 'L'], ['landmarks', 'Landmarks', ''],
   ['trajectory', 'Trajectory', 'J'], ['keyframes', 'Keyframes', 'K'], ['ellipsoids', '3-sigma ellipsoids', 'E'],
-  ['frustum', 'Camera', ''], ['truth', 'True trajectory', ''], ['grid', 'Grid, 1 m', 'G'],
+  ['frustum', 'Camera', ''], ['truth', 'True trajectory', ''],
+  ['error', 'Error along the path', ''], ['grid', 'Grid, 1 m', 'G'],
   ['backs', 'Back sides', 'B'], ['edges', 'Wireframe', 'W'],
 ];
 
 export class LayerPanel {
   private readonly boxes = new Map<Layer, HTMLInputElement>();
   private readonly rows = new Map<Layer, HTMLElement>();
+  private readonly errorLegend = make('div', { class: 'legend', id: 'error-legend' });
 
   constructor(private readonly stage: Stage, private readonly model: Model) {
     for (const [layer, text, key] of LAYERS) {
@@ -83,6 +88,7 @@ export class LayerPanel {
       this.boxes.set(layer, box);
       this.rows.set(layer, row);
       byId('layers').append(row);
+      if (layer === 'error') byId('layers').append(this.errorLegend);
     }
     this.update();
   }
@@ -102,7 +108,13 @@ export class LayerPanel {
 
   update(): void {
     for (const [layer, box] of this.boxes) box.checked = this.stage.layers[layer];
-    this.rows.get('truth')!.hidden = !this.model.sources.some((s) => s.truth);
+    const hasTruth = this.model.sources.some((s) => s.truth);
+    this.rows.get('truth')!.hidden = this.rows.get('error')!.hidden = !hasTruth;
+    this.errorLegend.hidden = !hasTruth || !this.stage.layers.error;
+    this.errorLegend.replaceChildren(
+      make('div', { class: 'bar', style: `background:${AMOUNT_GRADIENT}` }),
+      make('div', { class: 'ends' }, make('span', {}, '0 mm'), make('span', {}, 'to the truth'),
+        make('span', {}, `${(1000 * this.model.largestError).toFixed(1)} mm`)));
     this.rows.get('landmarks')!.hidden = !this.model.sources.some((s) => s.points.length > 0);
   }
 }

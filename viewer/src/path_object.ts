@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The trajectory: what was flown up to the moment that is shown, the rest of it, keyframes, 3-sigma ellipsoids, truth.
 import {
-  BufferAttribute, BufferGeometry, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, MeshBasicMaterial,
-  Object3D, Points, PointsMaterial, Quaternion, SphereGeometry, Vector3,
+  BufferAttribute, BufferGeometry, Color, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, MeshBasicMaterial,
+  Object3D, Points, PointsMaterial, Quaternion, SphereGeometry, SRGBColorSpace, Vector3,
 } from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import type { CameraShape, Frames, StampedPoses } from './model';
+import { amountColour } from './palette';
 
 const MAX_ELLIPSOIDS = 60;
 const NUM_SIGMAS = 3;
@@ -45,12 +46,17 @@ export class PathObject {
     this.group.add(this.line, this.keyframes, this.truth, this.frustum, this.ellipsoidGroup);
   }
 
-  setFrames(frames: Frames): void {
-    const points: number[] = [];
+  /** Frames with a distance to the truth [m] are coloured by it, from 0 to the largest; without errors all are alike. */
+  setFrames(frames: Frames, errors: Float32Array, largestError: number): void {
+    const points: number[] = [], colours: number[] = [];
     this.segmentsUpTo = new Uint32Array(frames.count);
     for (let i = 0; i < frames.count; i++) {
       const f = frames.at(i)!;
-      if (f.hasPose) points.push(f.pose[0]!, f.pose[1]!, f.pose[2]!);
+      if (f.hasPose) {
+        points.push(f.pose[0]!, f.pose[1]!, f.pose[2]!);
+        const [r, g, b] = amountColour(errors.length > 0 ? errors[i]! / Math.max(largestError, 1e-9) : NaN);
+        colours.push(...new Color().setRGB(r / 255, g / 255, b / 255, SRGBColorSpace).toArray());
+      }
       this.segmentsUpTo[i] = Math.max(points.length / 3 - 1, 0);
     }
     this.past?.geometry.dispose();
@@ -61,6 +67,7 @@ export class PathObject {
     if (points.length < 6) return;
     const geometry = new LineGeometry();
     geometry.setPositions(points);
+    geometry.setColors(colours);
     this.past = new Line2(geometry, this.pastMaterial);
     this.past.frustumCulled = false;
     const rest = new BufferGeometry();
@@ -104,6 +111,16 @@ export class PathObject {
     if (this.past) this.past.geometry.instanceCount = segments;
   }
 
+  /** Of the path up to the moment, 0 to 255 as the screen shows them; empty where it has one colour. */
+  coloursShown(): number[][] {
+    if (!this.past || !this.pastMaterial.vertexColors) return [];
+    const start = this.past.geometry.getAttribute('instanceColorStart');
+    return Array.from({ length: this.segmentsShown }, (_, i) => {
+      const c = new Color(start.getX(i), start.getY(i), start.getZ(i)).convertLinearToSRGB();
+      return c.toArray().map((x) => Math.round(255 * x));
+    });
+  }
+
   get segmentsShown(): number {
     return this.past ? this.past.geometry.instanceCount : 0;
   }
@@ -142,6 +159,14 @@ export class PathObject {
     lines.push(up[0]!, up[1]!, up[1]!, up[2]!);
     this.frustum.geometry.dispose();
     this.frustum.geometry = new BufferGeometry().setFromPoints(lines);
+  }
+
+  /** The path by its distance to the truth, or all of it in the colour of its result. */
+  set byError(byError: boolean) {
+    if (this.pastMaterial.vertexColors === byError) return;
+    this.pastMaterial.vertexColors = byError;
+    this.pastMaterial.color.set(byError ? 0xffffff : this.colours.past);
+    this.pastMaterial.needsUpdate = true;
   }
 
   setResolution(width: number, height: number): void {

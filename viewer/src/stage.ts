@@ -14,7 +14,7 @@ import { PlaneObjects } from './plane_object';
 export type CameraMode = 'orbit' | 'follow' | 'top';
 export type Arrangement = 'a' | 'b' | 'overlay' | 'side';
 export type Layer =
-  | 'map' | 'horizon' | 'planes' | 'landmarks' | 'trajectory' | 'keyframes' | 'ellipsoids' | 'frustum' | 'truth'
+  | 'map' | 'horizon' | 'planes' | 'landmarks' | 'trajectory' | 'keyframes' | 'ellipsoids' | 'frustum' | 'truth' | 'error'
   | 'grid' | 'backs' | 'edges';
 
 export interface Hit {
@@ -37,16 +37,17 @@ const PATH_COLOURS = [
 ];
 
 const RECOLOUR_PERIOD_MS = 1000;
-// A picture in motion that takes longer than this gets fewer faces, until it is at rest for a moment.
-const SLOW_PICTURE_MS = 120;
+// Where a picture of all faces takes longer than this, pictures in motion have fewer, until they are at rest for a moment.
+const SLOW_PICTURE_MS = 90;
 const REST_MS = 300;
 const MANY_FACES = 150000;
+const COARSE_FACES = 50000;
 
 export class Stage {
   readonly camera = new PerspectiveCamera(50, 1, 0.02, 2000);
   readonly layers: Record<Layer, boolean> = {
     map: true, horizon: true, planes: true, landmarks: false, trajectory: true, keyframes: true, ellipsoids: true,
-    frustum: true, truth: true, grid: true, backs: false, edges: false,
+    frustum: true, truth: true, error: true, grid: true, backs: false, edges: false,
   };
   colouring: Colouring = 'plane';
   arrangement: Arrangement = 'overlay';
@@ -64,9 +65,10 @@ export class Stage {
   private framedBy: 'nothing' | 'path' | 'mesh' | 'user' = 'nothing';
   private lastRecolour = 0;
   private lastMotion = -Infinity;
-  private dirtySince = 0;
-  private isSlow = false;
+  private fullPictureMs = 0;
+  private drawing: { since: number; sync: WebGLSync } | null = null;
   private isCoarse = false;
+  private layersBefore: { map: boolean; horizon: boolean } | null = null;
   private lastFollowed: Vector3 | null = null;
 
   constructor(
@@ -93,32 +95,55 @@ export class Stage {
     const render = (): void => {
       requestAnimationFrame(render);
       const now = performance.now();
-      if (this.isCoarse && now - this.lastMotion > REST_MS) this.invalidate();
-      if (!this.isDirty) return;
+      this.clockFullPicture(now);
       const isMoving = now - this.lastMotion < REST_MS;
-      // The browser lets a picture wait for the one before it.
-      if (isMoving && now - this.dirtySince > SLOW_PICTURE_MS) this.isSlow = true;
-      this.setCoarse(this.isSlow && isMoving);
+      if (this.isCoarse && !isMoving) this.invalidate();
+      if (!this.isDirty) return;
+      this.setCoarse(isMoving && this.fullPictureMs > SLOW_PICTURE_MS);
       this.render();
+      this.startClock(now);
     };
     requestAnimationFrame(render);
   }
 
   invalidate(): void {
-    if (!this.isDirty) this.dirtySince = performance.now();
     this.isDirty = true;
   }
 
-  private move(): void {
+  /** The next pictures are in motion: they may have fewer faces. */
+  move(): void {
     this.lastMotion = performance.now();
     this.invalidate();
+  }
+
+  // Drawing ends long after the call that asks for it; a fence behind its commands says when.
+  private startClock(now: number): void {
+    if (this.isCoarse || this.drawing) return;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    if (sync) this.drawing = { since: now, sync };
+  }
+
+  private clockFullPicture(now: number): void {
+    if (!this.drawing) return;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (gl.getSyncParameter(this.drawing.sync, gl.SYNC_STATUS) !== gl.SIGNALED) return;
+    gl.deleteSync(this.drawing.sync);
+    this.fullPictureMs = now - this.drawing.since;
+    this.drawing = null;
   }
 
   private setCoarse(coarse: boolean): void {
     let num = 0;
     for (const s of this.sources) for (const m of s.meshes.values()) num += m.mesh.faces.length / 3;
     this.isCoarse = coarse && num > MANY_FACES;
-    for (const s of this.sources) for (const m of s.meshes.values()) m.coarse = this.isCoarse;
+    const edgesPerCell = this.isCoarse ? edgesPerCellFor(num) : 0;
+    for (const s of this.sources) for (const m of s.meshes.values()) m.setCoarse(edgesPerCell);
+    const ratio = Math.min(window.devicePixelRatio, this.isCoarse ? 1 : 2);
+    if (this.renderer.getPixelRatio() === ratio) return;
+    this.renderer.setPixelRatio(ratio); // empties the canvas
+    this.invalidate();
   }
 
   // ------------------------------------------------------------------ what is shown
@@ -126,6 +151,7 @@ export class Stage {
   reset(): void {
     for (const s of this.sources) {
       s.planes.dispose();
+      for (const mesh of s.meshes.values()) mesh.dispose();
       disposeAll(s.group);
     }
     this.sources.length = 0;
@@ -166,7 +192,8 @@ export class Stage {
   }
 
   setFrames(i: number): void {
-    this.sources[i]!.path.setFrames(this.source(i).frames);
+    const { frames, errors } = this.source(i);
+    this.sources[i]!.path.setFrames(frames, errors, this.model.largestError);
     this.invalidate();
   }
 
@@ -188,8 +215,8 @@ export class Stage {
     this.invalidate();
   }
 
-  /** Shows the run as it was at the frame of each source. */
-  setMoment(indices: number[]): void {
+  /** Shows the run as it was at the frame of each source; while it plays, the picture is in motion. */
+  setMoment(indices: number[], isPlaying: boolean): void {
     indices.forEach((index, i) => {
       const s = this.sources[i];
       const frame = this.source(i).frames.at(index);
@@ -200,7 +227,8 @@ export class Stage {
       s.path.setFrustum(frame.pose, this.source(i).hello.camera, 0.35);
       if (i === this.mainSource()) this.follow(new Vector3(frame.pose[0], frame.pose[1], frame.pose[2]));
     });
-    this.invalidate();
+    if (isPlaying) this.move();
+    else this.invalidate();
   }
 
   selectPlane(id: number | null): void {
@@ -215,6 +243,21 @@ export class Stage {
     const isDue = this.model.mode === 'finished' || performance.now() - this.lastRecolour > RECOLOUR_PERIOD_MS;
     if (!hasRange || !isDue) return;
     this.lastRecolour = performance.now();
+    this.recolour();
+  }
+
+  /** Only the horizon mesh knows how uncertain its vertices are: while that is shown, the map stands back. */
+  choose(colouring: Colouring): void {
+    if (colouring === this.colouring) return;
+    if (colouring === 'sigma') {
+      this.layersBefore = { map: this.layers.map, horizon: this.layers.horizon };
+      Object.assign(this.layers, { map: false, horizon: true });
+    } else if (this.layersBefore) {
+      Object.assign(this.layers, this.layersBefore);
+      this.layersBefore = null;
+    }
+    this.colouring = colouring;
+    this.applyLayers();
     this.recolour();
   }
 
@@ -256,7 +299,7 @@ export class Stage {
 
   applyLayers(): void {
     const show = this.layers;
-    this.sources.forEach((s) => {
+    this.sources.forEach((s, i) => {
       for (const [name, m] of s.meshes) {
         m.object.visible = name === 'horizon' ? show.horizon : show.map;
         m.bothSides = show.backs;
@@ -269,6 +312,7 @@ export class Stage {
       s.path.ellipsoidGroup.visible = show.ellipsoids;
       s.path.frustum.visible = show.frustum;
       s.path.truth.visible = show.truth;
+      s.path.byError = show.error && this.model.sources[i]?.truth != null;
     });
     this.grid.visible = show.grid;
     this.invalidate();
@@ -309,30 +353,34 @@ export class Stage {
   }
 
   bounds(): Box3 {
-    const box = new Box3();
+    return new Box3().setFromPoints(this.samples());
+  }
+
+  /** Points of the surfaces, without a few strays, and of the path. */
+  private samples(): Vector3[] {
+    const samples: Vector3[] = [];
     for (const s of this.model.sources) {
-      for (const mesh of s.meshes.values()) addSpread(box, mesh.positions);
+      for (const mesh of s.meshes.values()) addSamples(samples, mesh.positions);
       for (let i = 0; i < s.frames.count; i += 10) {
         const f = s.frames.at(i)!;
-        if (f.hasPose) box.expandByPoint(new Vector3(f.pose[0], f.pose[1], f.pose[2]));
+        if (f.hasPose) samples.push(new Vector3(f.pose[0], f.pose[1], f.pose[2]));
       }
     }
-    return box;
+    return samples;
   }
 
   /** All of the scene in the picture, from the direction of the camera's mode. */
   frameAll(): void {
-    const box = this.bounds();
-    if (box.isEmpty()) return;
-    const centre = box.getCenter(new Vector3());
-    const radius = Math.max(0.5 * box.getSize(new Vector3()).length(), 0.5);
+    const samples = this.samples();
+    if (samples.length === 0) return;
+    const centre = new Box3().setFromPoints(samples).getCenter(new Vector3());
+    const direction = this.cameraMode === 'top' ? new Vector3(0, -1e-3, 1) : new Vector3(-0.55, -0.75, 0.75);
     const view = this.views()[0];
     const aspect = view ? view.width / Math.max(this.canvas.clientHeight, 1) : this.camera.aspect;
-    const narrow = Math.min(1, aspect);
-    const distance = (0.74 * radius) / (Math.tan((0.5 * this.camera.fov * Math.PI) / 180) * narrow);
-    const direction = this.cameraMode === 'top' ? new Vector3(0, -1e-3, 1) : new Vector3(-0.55, -0.75, 0.75);
+    const distance = distanceToSee(
+      samples.map((p) => p.sub(centre)), direction.normalize(), 0.5 * this.camera.fov * (Math.PI / 180), aspect);
     this.controls.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(direction.normalize(), distance);
+    this.camera.position.copy(centre).addScaledVector(direction, distance);
     this.controls.update();
     this.grid.position.z = this.floorHeight();
     this.invalidate();
@@ -496,6 +544,7 @@ export class Stage {
       }),
       visible: this.sources.map((s) =>
         [...s.meshes.values()].filter((m) => m.object.visible).reduce((n, m) => n + m.mesh.faces.length / 3, 0)),
+      pathColours: this.sources.map((s) => s.path.coloursShown()),
       segmentsShown: this.sources.map((s) => s.path.segmentsShown),
       ellipsoids: this.sources.map((s) => (s.path.ellipsoidGroup.visible ? s.path.ellipsoids?.count ?? 0 : 0)),
       labels: this.sources.map((s) => s.planes.numLabelsShown),
@@ -505,7 +554,10 @@ export class Stage {
       camera: this.camera.position.toArray(),
       target: this.controls.target.toArray(),
       colour: this.firstColour(),
+      range: this.range,
       isCoarse: this.isCoarse,
+      fullPictureMs: this.fullPictureMs,
+      slowPictureMs: SLOW_PICTURE_MS,
       triangles: this.renderer.info.render.triangles,
       measure: this.measure.children.length,
       frames: this.numFrames,
@@ -521,18 +573,36 @@ export class Stage {
   }
 }
 
-/** Grows by most of the points: a few strays do not push the scene into the distance. */
-function addSpread(box: Box3, positions: Float32Array): void {
-  const n = positions.length / 3;
+/** How far from their centre, in a direction, a camera that looks there has all points in its picture, with a margin. */
+function distanceToSee(fromCentre: Vector3[], direction: Vector3, halfAngle: number, aspect: number): number {
+  const MARGIN = 1.08, CLOSEST = 1;
+  const right = new Vector3(0, 0, 1).cross(direction).normalize(), up = direction.clone().cross(right);
+  const tall = Math.tan(halfAngle) / MARGIN, wide = tall * aspect;
+  return fromCentre.reduce((distance, p) => {
+    const needed = Math.max(Math.abs(p.dot(right)) / wide, Math.abs(p.dot(up)) / tall);
+    return Math.max(distance, p.dot(direction) + needed);
+  }, CLOSEST);
+}
+
+/** In steps, so that a map that grows is not made anew again and again. */
+function edgesPerCellFor(numFaces: number): number {
+  // One and a half faces, about, for each square of a cell's side.
+  const wanted = Math.sqrt((1.5 * numFaces) / COARSE_FACES);
+  return 3 * Math.max(1, 2 ** (0.5 * Math.ceil(2 * Math.log2(wanted / 3))));
+}
+
+/** Adds points of a mesh, but not a few strays, which would push the scene into the distance. */
+function addSamples(samples: Vector3[], positions: Float32Array): void {
+  const n = positions.length / 3, step = Math.max(1, Math.floor(n / 3000));
+  const points: Vector3[] = [];
+  for (let i = 0; i < n; i += step) points.push(new Vector3().fromArray(positions, 3 * i));
   if (n === 0) return;
-  const step = Math.max(1, Math.floor(n / 3000));
-  const low = new Vector3(), high = new Vector3();
-  for (let k = 0; k < 3; k++) {
-    const values: number[] = [];
-    for (let i = 0; i < n; i += step) values.push(positions[3 * i + k]!);
-    values.sort((a, b) => a - b);
-    low.setComponent(k, values[Math.floor(0.02 * (values.length - 1))]!);
-    high.setComponent(k, values[Math.ceil(0.98 * (values.length - 1))]!);
-  }
-  box.expandByPoint(low).expandByPoint(high);
+  const limits = (['x', 'y', 'z'] as const).map((axis) => {
+    const values = points.map((p) => p[axis]).sort((a, b) => a - b);
+    return [values[Math.floor(0.02 * (values.length - 1))]!, values[Math.ceil(0.98 * (values.length - 1))]!] as const;
+  });
+  const box = new Box3(
+    new Vector3(...limits.map((l) => l[0]) as [number, number, number]),
+    new Vector3(...limits.map((l) => l[1]) as [number, number, number]));
+  samples.push(...points.filter((p) => box.containsPoint(p)));
 }

@@ -40,6 +40,7 @@ export class StatePanel {
       ['Frame', `${index + 1} of ${source.frames.count}${f.isKeyframe ? ', keyframe' : ''}`],
     ];
     if (f.hasPose) rows.push(...poseRows(f));
+    if (source.truth) rows.push(...errorRows(source, index));
     rows.push(['Landmarks', String(f.counts[2] ?? 0)], ['Planes', String(f.counts[3] ?? 0)],
       ['On planes', String(f.counts[4] ?? 0)], ['Latency', number(f.counts[1] || NaN, 1, 'ms')]);
     if (f.segment > 0) rows.push(['Segment', String(f.segment)]);
@@ -95,6 +96,19 @@ function poseRows(f: Frame): [string, string][] {
     ['Velocity 1σ', triple(f.sigmas, 6, 100, 1, 'cm/s')],
     ['Gyro bias', triple(f.motion, 3, 1e3, 1, 'mrad/s')],
     ['Accel. bias', triple(f.motion, 6, 1, 3, 'm/s²')],
+  ];
+}
+
+/** The distance to the truth, and the largest of it up to this moment. */
+function errorRows(source: Source, index: number): [string, string][] {
+  let largest = NaN;
+  for (let i = 0; i <= index; i++) {
+    const error = source.errors[i]!;
+    if (error > largest || Number.isNaN(largest)) largest = error;
+  }
+  return [
+    ['Error', number(1000 * source.errors[index]!, 1, 'mm')],
+    ['Largest so far', number(1000 * largest, 1, 'mm')],
   ];
 }
 

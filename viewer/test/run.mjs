@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // node viewer/test/run.mjs FACET WORK DATA [PICTURES]: the page in a browser without a display, against what the result
 // files say. FACET: the program; WORK: a folder to write to; DATA: where the recordings are; PICTURES: a folder for
-// screenshots. Exits with 77 where a browser, the packages or the recording are not there.
+// screenshots; ONLY, in the environment: a part of the names of the tests to run. Exits with 77 where a browser, the
+// packages or the recording are not there.
 import assert from 'node:assert/strict';
 import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
@@ -31,6 +32,14 @@ function csv(file) {
 
 function facesOf(ply) {
   return Number(/element face (\d+)/.exec(readFileSync(ply, 'latin1').slice(0, 2000))[1]);
+}
+
+/** The 1-sigma of each vertex, which stands beside the mesh. */
+function sigmasOf(ply) {
+  const [head, ...lines] = readFileSync(ply.replace(/ply$/, 'sigma'), 'utf8').trim().split('\n');
+  assert.equal(head, 'sigma_m');
+  assert.equal(lines.length, Number(/element vertex (\d+)/.exec(readFileSync(ply, 'latin1'))[1]));
+  return lines.map(Number);
 }
 
 function near(actual, expected, tolerance, what) {
@@ -132,7 +141,7 @@ test('time is played, stepped and sought', async (browser, { url, result }) => {
   await page.close();
 });
 
-test('layers, colours and cameras change the picture', async (browser, { url }) => {
+test('layers, colours and cameras change the picture', async (browser, { url, result }) => {
   const page = await open(browser, url, 1280, 800);
   const first = await page.until((x) => x.faces[0]?.map > 0 && x.ellipsoids[0] > 0 && x.keyframes[0] > 0, 'the result');
   await page.click('#layer-map');
@@ -167,6 +176,18 @@ test('layers, colours and cameras change the picture', async (browser, { url }) 
     await page.shot(`colour_${colour}`);
   }
   assert.ok(colours.size >= 4, 'each colouring colours differently');
+  const { horizonStamps } = await page.until((x) => existsSync(join(result, 'meshes', `${x.horizonStamps[0]}.ply`)),
+    'the horizon mesh of the end');
+  const sigmas = sigmasOf(join(result, 'meshes', `${horizonStamps[0]}.ply`)).sort((a, b) => a - b);
+  await page.select('#colour', 'sigma');
+  const uncertain = await drawn(page);
+  assert.equal(uncertain.visible[0], uncertain.faces[0].horizon, 'the horizon mesh alone');
+  assert.equal(uncertain.layers.map, false);
+  near(uncertain.range.high, sigmas[Math.ceil(0.98 * (sigmas.length - 1))], 1e-6, 'the end of the colours');
+  assert.match(await page.$eval('#legend', (e) => e.textContent), /1-sigma/);
+  await page.shot('colour_sigma');
+  await page.select('#colour', 'plane');
+  assert.equal((await page.stats()).layers.map, true);
   await page.click('#camera [data-value=top]');
   const top = await page.stats();
   assert.ok(top.camera[2] > top.target[2] + 2 && Math.abs(top.camera[0] - top.target[0]) < 0.1, 'from above');
@@ -188,6 +209,49 @@ test('layers, colours and cameras change the picture', async (browser, { url }) 
   await page.click('#help-open');
   assert.ok(await page.$eval('#help', (e) => e.open));
   await page.click('#help-close');
+  assert.deepEqual(page.problems, []);
+  await page.close();
+});
+
+test('the path is coloured by its error, which is that of facet evaluate', async (browser, { url, result }) => {
+  const page = await open(browser, url, 1280, 800);
+  const s = await page.until((x) => x.largestErrors[0] > 0 && x.pathColours[0].length > 100, 'the errors');
+  const { ate } = JSON.parse(readFileSync(join(result, 'evaluation.json'), 'utf8'));
+  near(s.largestErrors[0], ate.max_m, 2e-6, 'the largest error');
+  assert.equal(s.pathColours[0].length, s.segmentsShown[0]);
+  const brightest = s.pathColours[0].reduce((a, b) => (b[0] > a[0] ? b : a));
+  [253, 231, 37].forEach((c, k) => near(brightest[k], c, 1, 'the colour of the largest error'));
+  const text = `${(1000 * ate.max_m).toFixed(1)} mm`;
+  assert.ok((await page.$eval('#error-legend', (e) => e.textContent)).includes(text));
+  assert.match(await page.$eval('#values', (e) => e.textContent), new RegExp(`Largest so far${text}`));
+  assert.match(await page.$eval('#values', (e) => e.textContent),
+    new RegExp(`Error${(1000 * s.errorNow[0]).toFixed(1)} mm`));
+  await page.shot('path_error');
+  await page.click('#layer-error');
+  assert.deepEqual((await page.stats()).pathColours, [[]]);
+  assert.ok(await page.$eval('#error-legend', (e) => e.hidden));
+  await page.close();
+});
+
+test('the recorded image of the moment has the mesh over it', async (browser, { url, result }) => {
+  const page = await open(browser, url, 1280, 900);
+  const states = csv(join(result, 'states.csv'));
+  const last = await page.until((x) => x.image.stampNs === states.at(-1).timestamp_ns, 'the last image');
+  assert.ok(last.image.triangles > 50 && last.image.tracks === 0, JSON.stringify(last.image));
+  assert.ok(last.image.triangles < facesOf(join(result, 'meshes', `${last.horizonStamps[0]}.ply`)));
+  assert.match(await page.$eval('#image', (e) => e.textContent),
+    new RegExp(`${last.image.triangles} faces of the horizon mesh`));
+  await page.shot('recorded_image');
+  await page.$eval('#seek', (slider) => {
+    slider.value = '7';
+    slider.dispatchEvent(new Event('input'));
+  });
+  const index = (await page.stats()).indices[0];
+  const s = await page.until((x) => x.image.stampNs === states[index].timestamp_ns, 'the sought image');
+  assert.notEqual(s.image.triangles, last.image.triangles);
+  const size = await page.$eval('#camera-image', (c) => [c.width, c.height]);
+  assert.deepEqual(size, [752, 480]);
+  assert.equal(s.errors.length, 0);
   assert.deepEqual(page.problems, []);
   await page.close();
 });
@@ -282,7 +346,8 @@ test('damaged messages are named and change nothing', async (browser, { url }) =
 test('it fits a phone and works by touch', async (browser, { url }) => {
   const page = await open(browser, url, 390, 844, true);
   await page.until((x) => x.faces[0]?.map > 0 && x.labels[0] > 0, 'the map');
-  for (const tab of ['none', 'layers', 'colouring', 'planes', 'state', 'timing']) {
+  await page.until((x) => x.image.stampNs !== '0', 'the image');
+  for (const tab of ['none', 'layers', 'colouring', 'planes', 'state', 'image', 'timing']) {
     await page.tap(`#tabs [data-tab=${tab}]`);
     const wide = await page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok(wide <= 390, `${tab}: ${wide} px wide`);
@@ -302,6 +367,40 @@ test('it fits a phone and works by touch', async (browser, { url }) => {
   await page.touchscreen.touchEnd();
   assert.notDeepEqual((await page.stats()).camera, before);
   assert.deepEqual(page.problems, []);
+  await page.close();
+});
+
+test('what does not fit the height of the window is scrolled to', async (browser, { url }) => {
+  for (const height of [900, 500]) {
+    const page = await open(browser, url, 1280, height);
+    await page.until((x) => x.faces[0]?.map > 0 && x.frameCounts[0] > 0 && x.messages > 10, 'the result');
+    for (const side of ['#left', '#right']) {
+      const bottom = await page.$eval(side, (panel) => {
+        panel.scrollTop = panel.scrollHeight;
+        const last = panel.querySelector('section:last-of-type').lastElementChild.getBoundingClientRect();
+        return { last: last.bottom, panel: panel.getBoundingClientRect().bottom, overflow: panel.scrollTop };
+      });
+      assert.ok(bottom.last <= bottom.panel, `${side} at ${height} px: ends ${bottom.last - bottom.panel} px below`);
+      if (height === 500) assert.ok(bottom.overflow > 0, `${side} is scrolled`);
+    }
+    await page.shot(`height_${height}`);
+    await page.close();
+  }
+});
+
+test('the end of a run that ends with its page reaches it', async (browser, { folder }) => {
+  const out = join(folder, 'short');
+  const server = await startProgram(program,
+    ['run', recording, '--out', out, '--view=0', '--view-exit', '--realtime', '--duration', '4', '--quiet']);
+  const page = await open(browser, server.url, 1280, 800);
+  await page.until((x) => x.mode === 'live' && x.frameCounts[0] > 0, 'the run');
+  assert.equal(await server.exited, 0);
+  const s = await page.until((x) => x.ended !== null && x.faces[0]?.map > 0, 'the end');
+  assert.equal(s.mode, 'finished');
+  assert.equal(s.faces[0].map, facesOf(join(out, 'map.ply')));
+  assert.equal(s.frameCounts[0], csv(join(out, 'states.csv')).length);
+  await page.until((x) => x.connection !== 'connected', 'the loss of the connection');
+  assert.equal(await page.$eval('#connection', (e) => e.textContent), 'run ended');
   await page.close();
 });
 
@@ -339,7 +438,8 @@ test('a run is shown while it goes on, and its result after it', async (browser,
   assert.ok(early.image.triangles > 20);
   assert.equal(early.cameraMode, 'follow');
   const later = await page.until((x) => x.frameCounts[0] > early.frameCounts[0] + 20 && x.faces[0].map > 0 &&
-    x.planeIds[0].length > 0, 'more frames and the map');
+    x.planeIds[0].length > 0 && x.truthCounts[0] > 20, 'more frames, the map and the truth');
+  assert.ok(later.largestErrors[0] > 0 && later.largestErrors[0] < 0.05, `live error ${later.largestErrors[0]} m`);
   assert.ok(BigInt(later.stampNs) > BigInt(early.stampNs));
   await page.shot('live');
   await page.click('#image-triangles');
@@ -349,6 +449,17 @@ test('a run is shown while it goes on, and its result after it', async (browser,
   assert.equal(ended.ended.code, 0);
   assert.equal(ended.faces[0].map, facesOf(join(out, 'map.ply')));
   assert.equal(ended.frameCounts[0], csv(join(out, 'states.csv')).length);
+  await runProgram(program, ['evaluate', out, '--truth', recording], 'ignore');
+  const { ate } = JSON.parse(readFileSync(join(out, 'evaluation.json'), 'utf8'));
+  await page.until((x) => Math.abs(x.largestErrors[0] - ate.max_m) < 2e-6, 'the error of the whole run');
+  await page.keyboard.press('Home');
+  await page.$eval('#seek', (slider) => {
+    slider.value = '5';
+    slider.dispatchEvent(new Event('input'));
+  });
+  const { indices } = await page.stats();
+  await page.until((x) => x.image.stampNs === csv(join(out, 'states.csv'))[indices[0]].timestamp_ns &&
+    x.image.tracks === 0, 'the recorded image of that moment');
   assert.deepEqual(page.problems, []);
   assert.equal(ended.errors.length, 0);
   assert.equal(await server.stop(), 0);
@@ -364,6 +475,17 @@ test('a report holds its runs in 3D and needs no server', async (browser, { fold
     await page.setOfflineMode(true);
     await page.setViewport({ width, height: 900 });
     await page.goto(`file://${report}/report.html`);
+    const images = await page.$$eval('figure image', (all) => all.map((image) => {
+      const box = image.getBoundingClientRect(), edges = image.parentElement.querySelectorAll('path');
+      return { width: box.width, right: box.right, edges: [...edges].map((e) => e.getAttribute('d').length) };
+    }));
+    assert.equal(images.length, 4);
+    for (const image of images) {
+      assert.ok(image.width > 200 && image.right <= width, `an image of ${image.width} px`);
+      assert.ok(image.edges.length > 0 && Math.max(...image.edges) > 1000, 'the mesh lies over it');
+    }
+    if (pictures) await page.$eval('figure image', (image) => image.scrollIntoView());
+    if (pictures) await page.screenshot({ path: join(pictures, `report_${width}.png`) });
     await page.$eval('.scene', (frame) => frame.scrollIntoView());
     const frame = await (await page.$('.scene')).contentFrame();
     await frame.waitForFunction('window.facet && window.facet.stats().faces[1]?.map > 0', { timeout: 60000 });
@@ -400,10 +522,12 @@ const result = join(folder, 'SPR'), resultS = join(folder, 'S');
 const run = ['--duration', '14', '--quiet'];
 await runProgram(program, ['run', recording, '--out', result, '--mesh-every', '4', ...run]);
 await runProgram(program, ['run', recording, '--out', resultS, '--pipeline', 'S', ...run]);
+await runProgram(program, ['evaluate', result, '--truth', recording], 'ignore');
 const server = await startProgram(program, ['view', result, '--truth', recording, '--port', '0']);
 const browser = await openBrowser(chromium);
 let failures = 0;
-for (const [name, body] of tests) {
+const chosen = tests.filter(([name]) => name.includes(process.env.ONLY ?? ''));
+for (const [name, body] of chosen) {
   const begin = Date.now();
   try {
     await body(browser, { url: server.url, result, resultS, folder });
@@ -416,5 +540,5 @@ for (const [name, body] of tests) {
 await browser.close();
 await server.stop();
 rmSync(folder, { recursive: true, force: true });
-console.log(`${tests.length - failures} of ${tests.length} tests passed`);
+console.log(`${chosen.length - failures} of ${chosen.length} tests passed`);
 process.exit(failures === 0 ? 0 : 1);

@@ -37,11 +37,28 @@ fs::path FirstThatExists(const std::vector<fs::path>& candidates) {
   return {};
 }
 
+constexpr const char* kUsualPoseFile = "state_groundtruth_estimate0/data.csv";
+
+fs::path Mav0Of(const fs::path& sequence) {
+  const fs::path inside = sequence / "mav0";
+  return fs::is_directory(inside) ? inside : sequence;
+}
+
+/// Empty where there is none.
+fs::path PoseFileIn(const fs::path& mav0) {
+  return FirstThatExists(
+      {mav0 / kUsualPoseFile, mav0 / "mocap0" / "data.csv", mav0 / "vicon0" / "data.csv"});
+}
+
 }  // namespace
 
 const TruthSurface& SurfaceFile::Get() {
   if (!surface_) surface_ = MakeTruthSurface(ReadPly(path_));
   return *surface_;
+}
+
+bool HasGroundTruth(const fs::path& sequence) {
+  return !PoseFileIn(Mav0Of(sequence)).empty();
 }
 
 GroundTruth LoadGroundTruth(const std::filesystem::path& sequence_or_file) {
@@ -51,14 +68,11 @@ GroundTruth LoadGroundTruth(const std::filesystem::path& sequence_or_file) {
     LoadPoses(sequence_or_file, truth);
     return truth;
   }
-  const fs::path inside = sequence_or_file / "mav0";
-  truth.mav0 = fs::is_directory(inside) ? inside : sequence_or_file;
-  const fs::path usual = truth.mav0 / "state_groundtruth_estimate0" / "data.csv";
-  const fs::path file = FirstThatExists(
-      {usual, truth.mav0 / "mocap0" / "data.csv", truth.mav0 / "vicon0" / "data.csv"});
+  truth.mav0 = Mav0Of(sequence_or_file);
+  const fs::path file = PoseFileIn(truth.mav0);
   if (file.empty()) {
     throw InputError(
-        usual.string() +
+        (truth.mav0 / kUsualPoseFile).string() +
         ": there is no such file (and no mocap0 or vicon0); the sequence has no ground "
         "truth");
   }

@@ -43,6 +43,9 @@ struct GroundTruth {
   std::filesystem::path calibration;
 };
 
+/// Whether a folder has a file with true poses.
+bool HasGroundTruth(const std::filesystem::path& sequence);
+
 /// A sequence folder (holds mav0/, or is it), or a trajectory file (TUM or EuRoC csv).
 GroundTruth LoadGroundTruth(const std::filesystem::path& sequence_or_file);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory_resource>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -132,8 +133,9 @@ class FrontendTest : public ::testing::Test {
   }
 
   // As the estimator would know them.
-  std::unordered_map<LandmarkId, double> TrueDepths(int i, const FrontendResult& result) const {
-    std::unordered_map<LandmarkId, double> depths;
+  std::pmr::unordered_map<LandmarkId, double> TrueDepths(int i,
+                                                         const FrontendResult& result) const {
+    std::pmr::unordered_map<LandmarkId, double> depths;
     for (const FeatureObservation& f : result.observations.features) {
       depths[f.landmark] =
           wall_.InverseDistance(BodyAt(i) * rig_.T_BC[0], *rig_.cameras[0].Unproject(f.px_left));
@@ -192,7 +194,7 @@ TEST_F(FrontendTest, OnlyKeyframesBeginTracksAndHaveRightPixels) {
 // turn about y is seen by the depths that were known before.
 TEST_F(FrontendTest, ATurnOfTheRightCameraIsNoticedAndCorrected) {
   constexpr int kFrames = 60, kKnock = 12;
-  std::unordered_map<LandmarkId, double> depths;
+  std::pmr::unordered_map<LandmarkId, double> depths;
   for (const Vector3d& omega :
        {Vector3d(0.01, 0, 0), Vector3d(-0.006, 0, 0.012), Vector3d(0, 0.008, 0)}) {
     StereoFrontend frontend(rig_, Options());
@@ -232,7 +234,7 @@ TEST_F(FrontendTest, ATurnOfTheRightCameraIsNoticedAndCorrected) {
 
 // A right image that belongs to another pair: it is not used, and the next one is.
 TEST_F(FrontendTest, ARightImageOfAnotherMomentIsNotUsed) {
-  std::unordered_map<LandmarkId, double> depths;
+  std::pmr::unordered_map<LandmarkId, double> depths;
   StereoFrontend frontend(rig_, Options());
   StageTimes times;
   for (int i = 0; i < 25; ++i) {

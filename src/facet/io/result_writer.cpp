@@ -14,6 +14,7 @@
 #include "facet/io/loop_files.h"
 #include "facet/io/ply_writer.h"
 #include "facet/io/text_file.h"
+#include "facet/io/vertex_sigmas.h"
 
 namespace facet {
 namespace {
@@ -366,7 +367,10 @@ void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   WriteTextFile(folder / "states.csv", Table(StatesHeader(), run.frames, AppendStatesLine));
   WriteTextFile(folder / "timing.csv", Table(TimingHeader(), run.frames, AppendTimingLine));
   WritePlyPoints(folder / "landmarks.ply", run.landmarks);
-  if (run.mesh) WritePlyMesh(folder / "mesh.ply", *run.mesh);
+  if (run.mesh) {
+    WritePlyMesh(folder / "mesh.ply", *run.mesh);
+    WriteVertexSigmas(folder / "mesh.ply", *run.mesh);
+  }
   if (run.map) WritePlyMesh(folder / "map.ply", *run.map);
   if (run.planes) WriteTextFile(folder / "planes.csv", PlanesCsv(*run.planes));
   if (run.loops) {

@@ -48,4 +48,10 @@ MeshSnapshot MakeMeshSnapshot(const MeshView& view, const HorizonMesh& horizon) 
   return snapshot;
 }
 
+TriangleMesh MeshWithSigmas(const MeshSnapshot& snapshot) {
+  TriangleMesh mesh = snapshot.mesh;
+  mesh.sigma_m.assign(snapshot.sigma_depth_m.begin(), snapshot.sigma_depth_m.end());
+  return mesh;
+}
+
 }  // namespace facet

@@ -24,4 +24,7 @@ struct MeshSnapshot {
 /// the better depths of support points that lie on planes.
 MeshSnapshot MakeMeshSnapshot(const MeshView& view, const HorizonMesh& horizon);
 
+/// The mesh with `sigma_depth_m` beside each vertex, where it is known.
+TriangleMesh MeshWithSigmas(const MeshSnapshot& snapshot);
+
 }  // namespace facet

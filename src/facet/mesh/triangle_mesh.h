@@ -16,6 +16,8 @@ struct TriangleMesh {
   std::vector<Vector3d> vertices;
   std::vector<Vector3d> normals;                     ///< optional, one per vertex, unit
   std::vector<std::array<std::uint8_t, 3>> colours;  ///< optional, red green blue per vertex
+  std::vector<float>
+      sigma_m;  ///< optional, one per vertex: 1-sigma of its distance from the camera
   std::vector<std::array<int, 3>> faces;
   std::vector<int> plane_ids;  ///< optional, one per face; -1: on no plane
 };

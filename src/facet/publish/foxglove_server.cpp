@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "facet/io/json_file.h"
 #include "facet/viewer/view_access.h"
 
 namespace facet {
@@ -79,7 +80,7 @@ class FoxgloveServer::Session : public SocketSession {
 
   // Clients have nothing to say but what they want to have; what is not understood is answered.
   bool Receive(std::string_view bytes, bool is_text) override {
-    const Json message = is_text ? Json::parse(bytes, nullptr, false) : Json();
+    const Json message = is_text ? ParseJson(bytes) : nlohmann::ordered_json();
     if (!message.is_object() || !message.contains("op")) return Complain("not understood");
     const Json& op = message["op"];
     if (op == "subscribe") return Subscribe(message.value("subscriptions", Json()));

@@ -44,7 +44,4 @@ std::string PlanesSceneMessage(Timestamp t, std::span<const PlaneRecord> planes)
 /// foxglove.CompressedImage of the left camera.
 std::string ImageMessage(Timestamp t, std::string_view jpeg);
 
-/// RFC 4648, with padding.
-std::string Base64(std::string_view bytes);
-
 }  // namespace facet

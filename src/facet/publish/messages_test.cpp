@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "facet/publish/channels.h"
+#include "facet/viewer/base64.h"
 
 namespace facet {
 namespace {

@@ -13,7 +13,6 @@
 #include "facet/io/json_file.h"
 #include "facet/io/text_file.h"
 #include "facet/report/comparison.h"
-#include "facet/report/figures.h"
 
 namespace facet {
 namespace {
@@ -212,6 +211,10 @@ std::string SectionHtml(const ordered_json& document, const Report& report, std:
         "<h3>Mesh, planes and trajectory in 3D</h3>\n<iframe class=\"scene\" loading=\"lazy\" "
         "title=\"Mesh, planes and trajectory in 3D\" srcdoc=\"" +
         EscapeHtml(section.scene_page) + "\"></iframe>\n";
+  }
+  if (!section.images.empty()) {
+    html +=
+        "<h3>What the left camera saw, with the mesh over it</h3>\n" + FiguresHtml(section.images);
   }
   html += FiguresHtml(MakeFigures(section.runs));
   const Table parameters = DifferingParameters(section);

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "facet/report/figures.h"
 #include "facet/report/report_run.h"
 #include "facet/report/table.h"
 
@@ -20,7 +21,8 @@ struct ReportSection {
   std::string truth;
   std::string remark;  ///< a sentence about the runs; may be empty
   std::vector<ReportRun> runs;
-  std::string scene_page;  ///< HTML of a page that shows the runs in 3D; may be empty
+  std::string scene_page;            ///< HTML of a page that shows the runs in 3D; may be empty
+  std::vector<ReportFigure> images;  ///< of the camera at some moments; may be empty
 };
 
 struct Report {

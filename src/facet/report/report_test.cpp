@@ -140,6 +140,15 @@ TEST(ReportTest, TheSceneIsAPageInThePage) {
               HasSubstr("srcdoc=\"&lt;p class=&quot;a&quot;&gt;1 &amp; 2&lt;/p&gt;\""));
 }
 
+TEST(ReportTest, ShowsWhatTheCameraSaw) {
+  const TempFolder folder;
+  Report report = MakeTestReport(folder);
+  EXPECT_THAT(ReportHtml(report), Not(HasSubstr("left camera")));
+  report.sections[0].images.push_back({"camera_0", "S after 2.5 s", "3 faces", "<svg>x</svg>"});
+  EXPECT_THAT(ReportHtml(report),
+              HasSubstr("<figure><h3>S after 2.5 s</h3>\n<svg>x</svg><figcaption>3 faces"));
+}
+
 TEST(ReportTest, HasTheFiguresThatThereAreDataFor) {
   const TempFolder folder;
   const Report report = MakeTestReport(folder);

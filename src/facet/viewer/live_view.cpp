@@ -14,6 +14,7 @@
 #include "facet/viewer/jpeg_encoder.h"
 #include "facet/viewer/result_view.h"
 #include "facet/viewer/scene_messages.h"
+#include "facet/viewer/truth_path.h"
 
 namespace facet {
 namespace {
@@ -31,19 +32,6 @@ constexpr std::size_t kMaxKeyframes = 20000;
 constexpr int kMaxPartsPerUpdate = 16;
 // Keyframes and images are sent at a lower rate than the board is updated.
 constexpr int kImageEvery = 2, kKeyframesEvery = 10;
-
-Json ArrayOf(const SE3& T) {
-  return {T.p.x(), T.p.y(), T.p.z(), T.q.w(), T.q.x(), T.q.y(), T.q.z()};
-}
-
-Json DescribeCamera(const StereoRig& rig) {
-  const CameraIntrinsics& k = rig.cameras[0].intrinsics();
-  return {{"T_BC0", ArrayOf(rig.T_BC[0])},
-          {"width", k.width},
-          {"height", k.height},
-          {"focal", {k.fx, k.fy}},
-          {"centre", {k.cx, k.cy}}};
-}
 
 EstimatedPlane PlaneOf(const PlaneRecord& record) {
   EstimatedPlane plane;
@@ -141,6 +129,7 @@ void LiveView::Update() {
     T_WB = inbox_.T_WB;
   }
   PostFrames();
+  PostTruth();
   PostSnapshot(snapshot);
   PostMesh(mesh);
   if (!keyframes.empty()) PostKeyframes(keyframes);
@@ -154,8 +143,9 @@ void LiveView::PostHello(int history) {
   if (history == history_posted_) return;
   history_posted_ = history;
   num_frames_posted_ = 0;
-  const Json source = {
-      {"name", options_.name}, {"downloads", Json::array()}, {"camera", DescribeCamera(rig_)}};
+  const Json source = {{"name", options_.name},
+                       {"downloads", Json::array()},
+                       {"camera", ParseJson(DescribeCamera(rig_))}};
   const Json hello = {{"mode", "live"},
                       {"stages", kStageNames},
                       {"history", history},
@@ -197,9 +187,7 @@ void LiveView::PostFrames() {
 void LiveView::PostMesh(const std::shared_ptr<const MeshSnapshot>& mesh) {
   if (!mesh || mesh == mesh_posted_) return;
   mesh_posted_ = mesh;
-  VertexFigures figures;
-  figures.sigma_m.assign(mesh->sigma_depth_m.begin(), mesh->sigma_depth_m.end());
-  Post("0/horizon", MeshMessage({MessageType::kMesh, 0, mesh->t, kHorizon}, mesh->mesh, figures));
+  Post("0/horizon", MeshMessage({MessageType::kMesh, 0, mesh->t, kHorizon}, MeshWithSigmas(*mesh)));
 }
 
 void LiveView::PostSnapshot(const std::shared_ptr<const MapSnapshot>& snapshot) {
@@ -216,6 +204,26 @@ void LiveView::PostSnapshot(const std::shared_ptr<const MapSnapshot>& snapshot) 
   message.Add(BlockName::kPositions, std::span<const float>(floats), 3);
   message.Add(BlockName::kSigma, std::span<const float>(sigmas), 1);
   Post("0/points", message.Finish());
+}
+
+// The alignment changes with every pose; the whole path goes with it.
+void LiveView::PostTruth() {
+  if (options_.truth.empty()) return;
+  std::vector<StampedPose> poses;
+  std::vector<Timestamp> stamps;
+  {
+    const std::lock_guard lock(inbox_mutex_);
+    const std::vector<FrameRecord>& frames = inbox_.history.frames();
+    if (frames.empty()) return;
+    if (ToSeconds(frames.back().t - truth_posted_) < options_.truth_period_s) return;
+    for (const FrameRecord& frame : frames) {
+      stamps.push_back(frame.t);
+      if (frame.has_pose) poses.push_back({frame.t, frame.state.T_WB});
+    }
+  }
+  truth_posted_ = stamps.back();
+  const auto path = FindTruthPath(poses, stamps, options_.truth);
+  if (path) Post("0/truth", PosesMessage({MessageType::kTruth}, path->poses_W));
 }
 
 void LiveView::PostKeyframes(const std::vector<StampedPose>& keyframes) {
@@ -293,13 +301,21 @@ void LiveView::PostImage(const Image& image,
   Post("0/image", message.Finish());
 }
 
-void LiveView::ShowResult(int code, const std::string& message) {
+void LiveView::ShowResult(int code,
+                          const std::string& message,
+                          std::shared_ptr<CameraImages> images) {
+  if (images) images->rig = rig_;
   const std::lock_guard update_lock(update_mutex_);
   is_over_ = true;
   for (const std::string& slot : slots_) {
     if (slot != "0/image") server_->board().Remove(slot);
   }
-  const ResultView result({options_.result}, nullptr, DescribeCamera(rig_).dump());
+  GroundTruth truth;  // poses only: distances of a whole map to a laser scan would take a while
+  truth.poses = options_.truth;
+  const ResultView result({options_.result},
+                          truth.poses.empty() ? nullptr : &truth,
+                          DescribeCamera(rig_),
+                          std::move(images));
   server_->SetDownloads(result.Downloads());
   result.PostTo(server_->board());
   const Json ended = {{"code", code}, {"message", message}};

@@ -4,6 +4,7 @@
 // looks.
 #pragma once
 
+#include <chrono>
 #include <deque>
 #include <filesystem>
 #include <memory>
@@ -18,17 +19,20 @@
 #include "facet/geometry/delaunay.h"
 #include "facet/mesh/map_follower.h"
 #include "facet/pipeline/vio_output.h"
+#include "facet/viewer/camera_images.h"
 #include "facet/viewer/frame_history.h"
 #include "facet/viewer/view_server.h"
 
 namespace facet {
 
 struct LiveViewOptions {
-  std::string name;              ///< of the recording
-  SurfaceMapOptions map;         ///< as in the pipeline
-  std::filesystem::path result;  ///< where the result will be
-  ViewServerOptions server;      ///< its `update` is not used
-  double scene_period_s = 2;     ///< between updates of map and planes
+  std::string name;                ///< of the recording
+  SurfaceMapOptions map;           ///< as in the pipeline
+  std::filesystem::path result;    ///< where the result will be
+  ViewServerOptions server;        ///< its `update` is not used
+  double scene_period_s = 2;       ///< between updates of map and planes
+  double truth_period_s = 2;       ///< between updates of the true trajectory
+  std::vector<StampedPose> truth;  ///< for the page only; empty: not known
 };
 
 /// Results are the same with and without it.
@@ -52,7 +56,13 @@ class LiveView {
   // ---- called after the run.
 
   /// From now on the result is shown as its files say. `code`, `message`: how the run ended.
-  void ShowResult(int code, const std::string& message);
+  /// `images`: of the recording, for the rig of the run; may be null.
+  void ShowResult(int code,
+                  const std::string& message,
+                  std::shared_ptr<CameraImages> images = nullptr);
+
+  /// Waits until the clients have it, but not long for slow ones: before the program ends.
+  void WaitUntilSent() { server_->WaitUntilSent(std::chrono::seconds(3)); }
 
   const ViewServer& server() const { return *server_; }
 
@@ -82,6 +92,7 @@ class LiveView {
   void PostFrames();
   void PostMesh(const std::shared_ptr<const MeshSnapshot>& mesh);
   void PostSnapshot(const std::shared_ptr<const MapSnapshot>& snapshot);
+  void PostTruth();
   void PostKeyframes(const std::vector<StampedPose>& keyframes);
   void TakeScene(const std::vector<std::shared_ptr<const SceneUpdate>>& updates);
   void PostMapParts();
@@ -102,6 +113,7 @@ class LiveView {
   bool is_over_ = false;
   std::set<std::string> slots_;
   std::size_t num_frames_posted_ = 0;
+  Timestamp truth_posted_{};
   int history_posted_ = -1;
   int num_updates_ = 0;
   std::shared_ptr<const MeshSnapshot> mesh_posted_;

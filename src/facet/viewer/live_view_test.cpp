@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/viewer/live_view.h"
 
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <thread>
@@ -134,6 +136,34 @@ TEST(LiveView, AClientThatComesLateGetsEverything) {
   EXPECT_NE(image.find("\xff\xd8\xff"), std::string::npos);  // JPEG
   EXPECT_TRUE(view.WantsSceneUpdate());
   EXPECT_FALSE(view.WantsSceneUpdate());  // not again so soon
+}
+
+TEST(LiveView, TheTruthLiesOverTheEstimateAndReachesThePageOnly) {
+  const TempFolder folder;
+  LiveViewOptions options = AnyPort(folder.path());
+  constexpr std::int64_t kPeriod = 50'000'000;
+  const SE3 T_GW(Quaterniond(Eigen::AngleAxisd(0.5, Vector3d::UnitZ())), {10, 20, 30});
+  const auto place = [](int i) { return Vector3d(0.1 * i, 0.002 * i * i, std::sin(0.3 * i)); };
+  for (int i = 0; i < 50; ++i)
+    options.truth.push_back({{i * kPeriod}, T_GW * SE3(Quaterniond::Identity(), place(i))});
+  LiveView view(options, SmallRig());
+  for (int i = 0; i < 50; ++i) {
+    VioOutput output;
+    output.t = {i * kPeriod};
+    FrameRecord record = RecordOf(output);
+    record.state.T_WB.p = place(i);
+    view.Add(output, record);
+  }
+  Client client(view);
+  const std::string truth = client.ReadUntil(MessageType::kTruth);
+  // Two blocks: 50 stamps, and 50 poses.
+  const std::size_t poses = 32 + 8 + 50 * 8 + 8;
+  ASSERT_EQ(truth.size(), poses + 50 * 7 * sizeof(float));
+  for (int i = 0; i < 50; ++i) {
+    std::array<float, 3> p{};
+    std::memcpy(p.data(), truth.data() + poses + 7 * sizeof(float) * i, sizeof(p));
+    EXPECT_LT((Vector3d(p[0], p[1], p[2]) - place(i)).norm(), 1e-5) << i;
+  }
 }
 
 TEST(LiveView, TheMapFollowsInParts) {

@@ -2,7 +2,6 @@
 #include "facet/viewer/result_view.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -11,13 +10,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "facet/eval/trajectory_error.h"
 #include "facet/io/errors.h"
 #include "facet/io/frame_records.h"
 #include "facet/io/glb_writer.h"
 #include "facet/io/json_file.h"
 #include "facet/io/ply_reader.h"
+#include "facet/io/vertex_sigmas.h"
 #include "facet/viewer/scene_messages.h"
+#include "facet/viewer/truth_path.h"
 
 namespace facet {
 namespace {
@@ -40,39 +40,13 @@ std::string NameOf(const fs::path& folder) {
   return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
 }
 
-/// How W lies in the frame of the truth; empty where the two share no time.
-std::optional<TrajectoryAlignment> Align(const std::vector<StampedPose>& estimate,
-                                         const GroundTruth& truth) {
-  const Association association = Associate(estimate, truth.poses);
-  constexpr std::size_t kFewest = 3;
-  if (association.pairs.size() < kFewest) return std::nullopt;
-  return AlignPairs(association.pairs, AlignmentKind::kSE3);
-}
-
-std::vector<StampedPose> TruthInW(const GroundTruth& truth,
-                                  const SE3& T_GW,
-                                  Timestamp first,
-                                  Timestamp last) {
-  std::vector<StampedPose> poses;
-  for (const StampedPose& pose : truth.poses) {
-    if (pose.t >= first && pose.t <= last) poses.push_back({pose.t, T_GW.Inverse() * pose.T_WB});
-  }
-  // A motion-capture system has some hundred poses a second; a tenth of them is a smooth line.
-  constexpr std::size_t kMostPoses = 20000;
-  const std::size_t step = poses.size() / kMostPoses + 1;
-  std::vector<StampedPose> thinned;
-  for (std::size_t i = 0; i < poses.size(); i += step)
-    thinned.push_back(poses[i]);
-  return thinned;
-}
-
-VertexFigures ErrorsOf(const TriangleMesh& mesh, GroundTruth& truth, const SE3& T_GW) {
-  VertexFigures figures;
-  if (!truth.surface) return figures;
+std::vector<float> ErrorsOf(const TriangleMesh& mesh, GroundTruth& truth, const SE3& T_GW) {
+  std::vector<float> errors_m;
+  if (!truth.surface) return errors_m;
   const TruthSurface& surface = truth.surface->Get();
   for (const Vector3d& p_W : mesh.vertices)
-    figures.error_m.push_back(static_cast<float>(surface.Closest(T_GW * p_W).distance));
-  return figures;
+    errors_m.push_back(static_cast<float>(surface.Closest(T_GW * p_W).distance));
+  return errors_m;
 }
 
 /// A run that found nothing leaves files without a vertex, which the reader refuses.
@@ -94,21 +68,6 @@ bool HasPose(const fs::path& file) {
     if (!line.empty() && line[0] != '#') return true;
   }
   return false;
-}
-
-/// The stamps of the meshes that were written on the way, in order.
-std::vector<std::int64_t> MeshStamps(const fs::path& folder) {
-  std::vector<std::int64_t> stamps;
-  std::error_code none;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
-    const std::string stem = entry.path().stem().string();
-    std::int64_t stamp = 0;
-    const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), stamp);
-    const bool is_stamp = error == std::errc() && end == stem.data() + stem.size() && stamp >= 0;
-    if (is_stamp && entry.path().extension() == ".ply") stamps.push_back(stamp);
-  }
-  std::ranges::sort(stamps);
-  return stamps;
 }
 
 }  // namespace
@@ -142,7 +101,9 @@ std::vector<ViewDownload> PlainDownloads(const fs::path& folder, int source) {
 
 ResultView::ResultView(const std::vector<fs::path>& results,
                        GroundTruth* truth,
-                       const std::string& camera) {
+                       const std::string& camera,
+                       std::shared_ptr<const CameraImages> images)
+    : images_(std::move(images)) {
   messages_.push_back({"hello", ""});  // first, when what follows is known
   Json hello = {{"mode", "finished"}, {"stages", kStageNames}, {"sources", Json::array()}};
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -151,10 +112,11 @@ ResultView::ResultView(const std::vector<fs::path>& results,
       throw InputError(folder.string() + ": is not a result folder of 'facet run'");
     const int source = static_cast<int>(i);
     Json description = {{"name", NameOf(folder)}, {"downloads", Json::array()}};
-    if (!camera.empty()) description["camera"] = Json::parse(camera);
+    if (!camera.empty()) description["camera"] = ParseJson(camera);
+    if (images_) description["camera"] = ParseJson(DescribeCamera(images_->rig));
     for (const char* name : {"summary", "evaluation"}) {
-      Json json = ReadJsonFile(folder / (std::string(name) + ".json"));
-      if (json.is_object()) description[name] = std::move(json);
+      const fs::path file = folder / (std::string(name) + ".json");
+      if (fs::exists(file)) description[name] = ReadJsonObject(file);
     }
     for (ViewDownload& download : PlainDownloads(folder, source)) {
       fs::path file = folder / fs::path(download.name).filename();
@@ -163,20 +125,42 @@ ResultView::ResultView(const std::vector<fs::path>& results,
       description["downloads"].push_back(download.name);
       downloads_.push_back(std::move(download));
     }
-    AddResult(folder, source, truth);
+    AddResult(folder, source, truth, description);
     AddMeshes(folder, source, description);
     hello["sources"].push_back(std::move(description));
   }
   messages_.front().bytes = TextMessage({MessageType::kHello}, JsonText(hello));
 }
 
-void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* truth) {
+// For each frame whose image there is a download; the page asks for those that it shows.
+void ResultView::AddImages(const fs::path& folder,
+                           int source,
+                           std::span<const FrameRecord> frames,
+                           Json& description) {
+  if (!images_) return;
+  const auto meshes = std::make_shared<ResultMeshes>(folder);  // server's thread only
+  int num_images = 0;
+  for (const FrameRecord& frame : frames) {
+    if (!frame.has_pose || !images_->Has(frame.t)) continue;
+    const std::string name =
+        (source == 0 ? "a/image-" : "b/image-") + std::to_string(frame.t.ns) + ".facet";
+    downloads_.push_back({name,
+                          "application/octet-stream",
+                          [images = images_, meshes, source, t = frame.t, T_WB = frame.state.T_WB] {
+                            return CameraImageMessage(source, t, T_WB, *images, *meshes);
+                          }});
+    ++num_images;
+  }
+  description["images"] = num_images;
+}
+
+void ResultView::AddResult(const fs::path& folder,
+                           int source,
+                           GroundTruth* truth,
+                           Json& description) {
   const std::string s = std::to_string(source) + "/";
   const std::vector<FrameRecord> frames = ReadFrameRecords(folder);
-  std::vector<StampedPose> poses;
-  for (const FrameRecord& f : frames) {
-    if (f.has_pose) poses.push_back({f.t, f.state.T_WB});
-  }
+  AddImages(folder, source, frames, description);
   for (std::size_t begin = 0; begin < frames.size(); begin += kFramesPerGroup) {
     const auto group =
         std::span(frames).subspan(begin).first(std::min(kFramesPerGroup, frames.size() - begin));
@@ -194,24 +178,28 @@ void ResultView::AddResult(const fs::path& folder, int source, GroundTruth* trut
                          PosesMessage({MessageType::kKeyframes, source},
                                       ReadTrajectory(folder / "keyframes.tum").poses)});
   }
-  std::optional<TrajectoryAlignment> alignment;
-  if (truth != nullptr && !poses.empty()) alignment = Align(poses, *truth);
-  if (alignment) {
-    messages_.push_back(
-        {s + "truth",
-         PosesMessage({MessageType::kTruth, source},
-                      TruthInW(*truth, alignment->T_GW, poses.front().t, poses.back().t))});
+  std::vector<StampedPose> poses;
+  std::vector<Timestamp> stamps;
+  for (const FrameRecord& f : frames) {
+    stamps.push_back(f.t);
+    if (f.has_pose) poses.push_back({f.t, f.state.T_WB});
+  }
+  std::optional<TruthPath> path;
+  if (truth != nullptr) path = FindTruthPath(poses, stamps, truth->poses);
+  if (path) {
+    messages_.push_back({s + "truth", PosesMessage({MessageType::kTruth, source}, path->poses_W)});
   }
   const auto add_mesh = [&](const char* name, int index) {
     if (!HasVertices(folder / name)) return;
-    const TriangleMesh mesh = ReadPly(folder / name);
-    VertexFigures figures;
-    if (alignment) figures = ErrorsOf(mesh, *truth, alignment->T_GW);
+    TriangleMesh mesh = ReadPly(folder / name);
+    ReadVertexSigmas(folder / name, mesh);
+    std::vector<float> errors_m;
+    if (path) errors_m = ErrorsOf(mesh, *truth, path->T_GW);
     const Timestamp t = frames.empty() ? Timestamp{} : frames.back().t;
     messages_.push_back(
         {s + name,
          MeshMessage(
-             {MessageType::kMesh, source, t, static_cast<std::uint32_t>(index)}, mesh, figures)});
+             {MessageType::kMesh, source, t, static_cast<std::uint32_t>(index)}, mesh, errors_m)});
   };
   add_mesh("map.ply", kMap);
   add_mesh("mesh.ply", kHorizon);
@@ -230,11 +218,12 @@ void ResultView::AddMeshes(const fs::path& folder, int source, Json& description
     const std::string name =
         (source == 0 ? "a/horizon-" : "b/horizon-") + std::to_string(stamp) + ".facet";
     const fs::path file = meshes / (std::to_string(stamp) + ".ply");
-    downloads_.push_back({name, "application/octet-stream", [file, source, stamp] {
-                            return MeshMessage(
-                                {MessageType::kMesh, source, Timestamp{stamp}, kHorizon},
-                                ReadPly(file));
-                          }});
+    downloads_.push_back(
+        {name, "application/octet-stream", [file, source, stamp] {
+           TriangleMesh mesh = ReadPly(file);
+           ReadVertexSigmas(file, mesh);
+           return MeshMessage({MessageType::kMesh, source, Timestamp{stamp}, kHorizon}, mesh);
+         }});
     description["horizon"].push_back({{"stamp_ns", std::to_string(stamp)}, {"name", name}});
   }
 }

@@ -4,12 +4,15 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "facet/eval/ground_truth.h"
+#include "facet/io/result_writer.h"
+#include "facet/viewer/camera_images.h"
 #include "facet/viewer/view_board.h"
 #include "facet/viewer/view_server.h"
 
@@ -25,10 +28,12 @@ std::vector<ViewDownload> PlainDownloads(const std::filesystem::path& folder, in
 class ResultView {
  public:
   /// Throws InputError where a folder is no result, or a file of it is damaged.
-  /// `camera`: JSON about the left camera (CameraShape in viewer/src/model.ts); empty: not known.
+  /// `camera`: JSON about the left camera (DescribeCamera); empty: not known, or that of `images`.
+  /// `images`: those of the recording, which the page shows at their moments; may be null.
   ResultView(const std::vector<std::filesystem::path>& results,
              GroundTruth* truth,
-             const std::string& camera = "");
+             const std::string& camera = "",
+             std::shared_ptr<const CameraImages> images = nullptr);
 
   void PostTo(ViewBoard& board) const;
   std::vector<ViewDownload> Downloads() const { return downloads_; }
@@ -37,11 +42,19 @@ class ResultView {
   struct Message {
     std::string slot, bytes;
   };
-  void AddResult(const std::filesystem::path& folder, int source, GroundTruth* truth);
+  void AddResult(const std::filesystem::path& folder,
+                 int source,
+                 GroundTruth* truth,
+                 nlohmann::ordered_json& description);
+  void AddImages(const std::filesystem::path& folder,
+                 int source,
+                 std::span<const FrameRecord> frames,
+                 nlohmann::ordered_json& description);
   void AddMeshes(const std::filesystem::path& folder,
                  int source,
                  nlohmann::ordered_json& description);
 
+  std::shared_ptr<const CameraImages> images_;
   std::vector<Message> messages_;
   std::vector<ViewDownload> downloads_;
 };

@@ -2,6 +2,7 @@
 #include "facet/viewer/result_view.h"
 
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <vector>
 
@@ -106,6 +107,19 @@ TEST(ResultView, APageWithItsDataInsideNeedsNothingElse) {
        ++i)
     ++num_messages;
   EXPECT_EQ(num_messages, 7);
+}
+
+TEST(ResultView, ADamagedSummaryIsNamed) {
+  const TempFolder folder;
+  WriteResult(folder.path(), SmallRun());
+  std::ofstream(folder.path() / "summary.json") << "{\"frames\": ";
+  try {
+    const ResultView view({folder.path()}, nullptr);
+    FAIL() << "was accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("summary.json: is damaged"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(ResultView, WhatIsNoResultIsRefused) {

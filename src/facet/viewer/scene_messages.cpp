@@ -82,7 +82,7 @@ std::vector<float> FloatsOf(std::span<const Vector3d> points) {
 
 std::string MeshMessage(const ViewMessage::Header& header,
                         const TriangleMesh& mesh,
-                        const VertexFigures& figures,
+                        std::span<const float> error_m,
                         const std::optional<std::array<std::int32_t, 3>>& key) {
   ViewMessage message(header);
   if (key) message.Add(BlockName::kKey, std::span<const std::int32_t>(*key), 3);
@@ -99,8 +99,8 @@ std::string MeshMessage(const ViewMessage::Header& header,
   }
   AddRows(message, BlockName::kFaces, faces, 3);
   AddRows(message, BlockName::kPlaneIds, mesh.plane_ids, 1);
-  AddRows(message, BlockName::kSigma, figures.sigma_m, 1);
-  AddRows(message, BlockName::kError, figures.error_m, 1);
+  AddRows(message, BlockName::kSigma, mesh.sigma_m, 1);
+  if (!error_m.empty()) message.Add(BlockName::kError, error_m, 1);
   return message.Finish();
 }
 

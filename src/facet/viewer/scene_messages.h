@@ -18,15 +18,11 @@ namespace facet {
 /// Frames in a message kFrames; the last group may have fewer.
 inline constexpr std::size_t kFramesPerGroup = 64;
 
-/// What is known of a mesh's vertices besides; empty or one per vertex.
-struct VertexFigures {
-  std::vector<float> sigma_m, error_m;
-};
-
-/// kMesh or kMapPart. `key` only for the latter.
+/// kMesh or kMapPart. `error_m`: of each vertex the distance to the true surface, or empty. `key`
+/// only for parts.
 std::string MeshMessage(const ViewMessage::Header& header,
                         const TriangleMesh& mesh,
-                        const VertexFigures& figures = {},
+                        std::span<const float> error_m = {},
                         const std::optional<std::array<std::int32_t, 3>>& key = {});
 
 /// `header.index` is the number of the group.

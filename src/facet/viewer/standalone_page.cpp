@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/viewer/standalone_page.h"
 
-#include <algorithm>
 #include <string_view>
 
 #include "facet/base/check.h"
+#include "facet/viewer/base64.h"
 #include "facet/viewer/page_assets.h"
 #include "facet/viewer/view_board.h"
 
@@ -17,23 +17,6 @@ std::string Asset(std::string_view path) {
   }
   FACET_CHECK(false) << "the page lacks " << path;
   return "";
-}
-
-std::string Base64(const std::string& bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned word = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      word = word << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (int k = 3; k >= 0; --k)
-      text += kDigits[word >> (6 * k) & 63];
-  }
-  const std::size_t padding = (3 - bytes.size() % 3) % 3;
-  std::fill(text.end() - static_cast<std::ptrdiff_t>(padding), text.end(), '=');
-  return text;
 }
 
 /// Replaces the element between two marks, both included.

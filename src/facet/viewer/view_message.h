@@ -45,8 +45,8 @@ enum class MessageType : std::uint16_t {
   kKeyframes = 5,  ///< replaces all keyframes
   kPlanes = 6,     ///< text: JSON, replaces all planes
   kPoints = 7,     ///< replaces the landmarks
-  kImage = 8,      ///< replaces the camera's image
-  kTruth = 9,      ///< the true trajectory
+  kImage = 8,      ///< replaces the camera's image; text: what its triangles are of
+  kTruth = 9,      ///< the true trajectory, at the stamps of frames
   kEnded = 10      ///< text: JSON with code and message; the run is over
 };
 
@@ -64,7 +64,7 @@ enum class BlockName : std::uint16_t {
   kFlags = 11,   ///< uint32 x 1: bit 0 has a pose, bit 1 keyframe, bits 8-9 status, from 16 segment
   kStages = 12,  ///< float x number of stages [ms]
   kCounts = 13,  ///< float x 5: wall ms, latency ms, landmarks, planes, constraints
-  kSigma = 14,   ///< float x 1 per position: 1-sigma along the line of sight
+  kSigma = 14,   ///< float x 1 per position: 1-sigma of its distance from the camera
   kError = 15,   ///< float x 1 per position: distance to the true surface
   kImage = 16,   ///< uint8 x 1: a JPEG file
   kPixels = 17,  ///< float x 2 per track, in the image of kImage

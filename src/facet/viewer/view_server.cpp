@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdio>
 #include <exception>
+#include <future>
 #include <set>
 #include <thread>
 #include <utility>
@@ -70,6 +71,7 @@ struct Service {
         update_timer(context) {}
 
   void Announce();
+  bool IsSending() const;
   void AddClient(SocketClient* client);
   void RemoveClient(SocketClient* client);
   void RunUpdate();
@@ -122,6 +124,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
   ~SocketClient() { service_.RemoveClient(this); }
 
   bool is_page() const { return subprotocol_.empty(); }
+  bool is_sending() const { return message_ != nullptr; }
 
   void Start(const Request& request) {
     beast::get_lowest_layer(socket_).expires_never();
@@ -186,6 +189,10 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
 void Service::Announce() {
   for (SocketClient* client : clients)
     client->Send();
+}
+
+bool Service::IsSending() const {
+  return std::ranges::any_of(clients, [](const SocketClient* c) { return c->is_sending(); });
 }
 
 void Service::AddClient(SocketClient* client) {
@@ -512,6 +519,21 @@ ViewServer::~ViewServer() = default;
 void ViewServer::Announce() {
   Service& service = impl_->service();
   if (service.num_sockets > 0) asio::post(service.context, [&service] { service.Announce(); });
+}
+
+void ViewServer::WaitUntilSent(std::chrono::milliseconds patience) {
+  Service& service = impl_->service();
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  constexpr std::chrono::milliseconds kPeriod{10};
+  while (std::chrono::steady_clock::now() < deadline) {
+    auto is_sending = std::make_shared<std::promise<bool>>();
+    asio::post(service.context,
+               [&service, is_sending] { is_sending->set_value(service.IsSending()); });
+    std::future<bool> answer = is_sending->get_future();
+    const bool is_known = answer.wait_until(deadline) == std::future_status::ready;
+    if (is_known && !answer.get()) return;
+    std::this_thread::sleep_for(kPeriod);
+  }
 }
 
 void ViewServer::SetDownloads(std::vector<ViewDownload> downloads) {

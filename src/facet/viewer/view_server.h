@@ -63,6 +63,10 @@ class ViewServer {
   /// after a group of them.
   void Announce();
 
+  /// Returns when every client has been handed all that was announced, or after `patience`: before
+  /// the server ends.
+  void WaitUntilSent(std::chrono::milliseconds patience);
+
   int port() const;
   std::string url() const;      ///< of the page, with the token
   int num_clients() const;      ///< open WebSockets of pages
