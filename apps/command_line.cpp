@@ -337,7 +337,7 @@ void AddMap(CLI::App& app) {
   out->add_option("MAP", arguments->map, "folder of facet run --save-map")->required();
   out->add_option("OUT", arguments->out, "file.ply, or file.tum")->required();
   out->add_option("--run", arguments->run, "of a .tum: the places of this run alone, from 1 on")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   out->callback([arguments] { MapExportCommand(*arguments); });
 }
 

@@ -104,7 +104,8 @@ void MapInfoCommand(const MapArguments& arguments) {
 
 void MapMergeCommand(const MapArguments& arguments) {
   const std::filesystem::path out = arguments.out;
-  if (std::filesystem::exists(out / kSavedMapName))
+  std::error_code error;
+  if (std::filesystem::exists(out / kSavedMapName, error))
     throw ConfigError(arguments.out + ": has a map already; name a folder without one");
   const SavedMap first = ReadSavedMap(arguments.map), second = ReadSavedMap(arguments.second);
   const MapMerge merge = MergeMaps(first, second);
@@ -129,6 +130,7 @@ void MapExportCommand(const MapArguments& arguments) {
   if (std::filesystem::path(arguments.out).extension() == ".tum") {
     WriteTum(arguments.out, PosesInMap(map, arguments.run));
   } else {
+    if (arguments.run > 0) throw ConfigError("--run is for a .tum only");
     WritePlyPoints(arguments.out, PointsInMap(map));
   }
 }

@@ -19,11 +19,11 @@
 namespace facet {
 namespace {
 
-/// Without planes and mesh, which take no part in it.
+/// Without planes and mesh, which take no part in it, unless the overrides say so.
 VioOptions OptionsFor(const MapArguments& arguments) {
-  VioOptions options = LoadOptions("", arguments.overrides).options;
-  options.pipeline = Formulation::kS;
-  options.mesh.enabled = false;
+  std::vector<std::string> overrides = {"pipeline=S", "mesh.enabled=false"};
+  overrides.insert(overrides.end(), arguments.overrides.begin(), arguments.overrides.end());
+  VioOptions options = LoadOptions("", overrides).options;
   options.loops.enabled = true;
   options.known_map = std::make_shared<SavedMap>(ReadSavedMap(arguments.map));
   return options;
@@ -82,6 +82,7 @@ void MapLocaliseCommand(const MapArguments& arguments) {
       });
   if (found.in_map) return Print(found, arguments);
   if (!found.first) throw InputError(arguments.recording + ": no pose: " + run.message);
+  if (run.end != RunEnd::kComplete) throw InputError(arguments.recording + ": " + run.message);
   const bool is_ambiguous = run.record.loops && run.record.loops->is_ambiguous;
   throw InputError(arguments.recording + ": not found in " + arguments.map +
                    (is_ambiguous

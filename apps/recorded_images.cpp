@@ -24,10 +24,11 @@ std::shared_ptr<CameraImages> OpenRecordedImages(const std::filesystem::path& re
   while (auto event = opened->Next()) {
     if (auto* frame = std::get_if<RecordedFrame>(&*event)) {
       frame->right = nullptr;
-      images->stamps.push_back(frame->t);
       encoded->emplace(frame->t, std::move(*frame));
     }
   }
+  for (const auto& [t, frame] : *encoded)
+    images->stamps.push_back(t);
   const auto decoder = std::make_shared<FrameDecoder>(images->rig);
   images->read = [encoded, decoder](Timestamp t) {
     cv::Mat left, right;

@@ -504,7 +504,10 @@ void RunCommand(const RunArguments& arguments) {
   DescribeRun(recording, options, arguments, run.record);
   WriteResult(folder.staging(), run.record);
   if (arguments.mesh_format == "glb") WriteGlbMeshes(folder.staging(), run.record);
-  if (partial) MoveMeshes(mesh_files.folder(), folder.staging() / "meshes");
+  if (partial) {
+    for (const char* name : {"meshes", kSigmaFolder})
+      MoveMeshes(partial->folder() / name, folder.staging() / name);
+  }
   folder.Commit();
   if (partial) partial->Remove();
   for (const std::string& warning : run.record.warnings) {

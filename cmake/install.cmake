@@ -25,7 +25,7 @@ foreach(module ${modules})
 endforeach()
 install(FILES src/facet/facet.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/facet)
 string(APPEND FACET_PC_LIBS
-  "-lopencv_features2d -lopencv_imgproc -lopencv_core -lyaml-cpp -lpng -ljpeg -lwebp -pthread")
+  "-lopencv_features2d -lopencv_imgproc -lopencv_core -lyaml-cpp -lpng -ljpeg -lwebp -lz -pthread")
 if(DEFLATE_FOUND)
   string(APPEND FACET_PC_LIBS " -ldeflate")
 endif()

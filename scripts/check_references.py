@@ -49,8 +49,8 @@ FOREIGN_FILES = {"immintrin.h", "OpenCVConfig.cmake"}
 FOREIGN_NAMES = {"normal_distribution", "common_interfaces", "rmw_cyclonedds_cpp", "ros_discovery_info", "ROS_LOCALHOST_ONLY",
                  "ROS_AUTOMATIC_DISCOVERY_RANGE"}
 PLACEHOLDER = r"[a-z](?:_\w+)?\.\w+"  # x.cpp and x_test.cpp stand for any file
-DATA_SUFFIXES = ("csv", "json", "md", "ply", "sigma", "png", "tum", "yaml", "yml", "txt", "html", "svg", "py", "sh", "h", "cpp",
-                 "cmake", "glb", "obj", "jpg")
+DATA_SUFFIXES = ("csv", "json", "md", "ply", "sigma", "png", "tum", "yaml", "yml", "txt", "html", "svg", "py", "sh", "h",
+                 "cpp", "cmake", "glb", "obj", "jpg")
 
 
 # What is checked. Each check yields offsets into the passage and what is wrong there.

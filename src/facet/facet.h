@@ -216,7 +216,7 @@ class Odometry {
     std::vector<std::string> overrides;
     /// Folder of a map that an earlier run has saved: M is its frame. Recognises places.
     std::string known_map = "";
-    bool keeps_map = false;  ///< for SaveMap; recognises places
+    bool keeps_map = false;  ///< for SaveMap, which Odometry alone has; recognises places
   };
 
   /// Throws Error where calibration or options are wrong.

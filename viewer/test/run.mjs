@@ -36,7 +36,7 @@ function facesOf(ply) {
 
 /** The 1-sigma of each vertex, which stands beside the mesh. */
 function sigmasOf(ply) {
-  const [head, ...lines] = readFileSync(ply.replace(/ply$/, 'sigma'), 'utf8').trim().split('\n');
+  const [head, ...lines] = readFileSync(ply.replace('/meshes/', '/mesh_sigmas/').replace(/ply$/, 'sigma'), 'utf8').trim().split('\n');
   assert.equal(head, 'sigma_m');
   assert.equal(lines.length, Number(/element vertex (\d+)/.exec(readFileSync(ply, 'latin1'))[1]));
   return lines.map(Number);

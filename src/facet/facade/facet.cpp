@@ -385,7 +385,7 @@ bool Odometry::SaveMap(const std::string& folder) const try {
   if (!impl_->keeps_map) throw Error("SaveMap needs Options::keeps_map");
   std::error_code other;
   const std::filesystem::path file = std::filesystem::path(folder) / kSavedMapName;
-  if (std::filesystem::exists(file) &&
+  if (std::filesystem::exists(file, other) &&
       !std::filesystem::equivalent(folder, impl_->known_map, other))
     throw Error(folder + ": has a map already, which is not Options::known_map");
   const std::optional<LoopResult> loops = impl_->pipeline.Result().loops;

@@ -11,7 +11,11 @@
 namespace facet {
 namespace {
 
-std::filesystem::path FileBeside(std::filesystem::path mesh_file) {
+// Who reads a folder of meshes expects nothing else there.
+std::filesystem::path FileOf(std::filesystem::path mesh_file) {
+  const std::filesystem::path folder = mesh_file.parent_path();
+  if (folder.filename() == "meshes")
+    mesh_file = folder.parent_path() / kSigmaFolder / mesh_file.filename();
   return mesh_file.replace_extension(".sigma");
 }
 
@@ -25,12 +29,17 @@ void WriteVertexSigmas(const std::filesystem::path& mesh_file, const TriangleMes
     std::snprintf(line, sizeof line, "%.9g\n", static_cast<double>(sigma_m));
     text += line;
   }
-  WriteTextFile(FileBeside(mesh_file), text);
+  const std::filesystem::path file = FileOf(mesh_file);
+  std::error_code error;
+  std::filesystem::create_directories(file.parent_path(), error);
+  if (error)
+    throw OutputError(file.parent_path().string() + ": cannot be made: " + error.message());
+  WriteTextFile(file, text);
 }
 
 void ReadVertexSigmas(const std::filesystem::path& mesh_file, TriangleMesh& mesh) {
   mesh.sigma_m.clear();
-  const std::filesystem::path file = FileBeside(mesh_file);
+  const std::filesystem::path file = FileOf(mesh_file);
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return;
   CsvReader rows(file);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How well the vertices of a mesh are known, beside its file: mesh.sigma beside mesh.ply. A line
-// "sigma_m", then the 1-sigma of each vertex's distance from the camera [m], a line each.
+// How well the vertices of a mesh are known, beside its file: mesh.sigma beside mesh.ply, and
+// mesh_sigmas/T.sigma for meshes/T.ply. A line "sigma_m", then the 1-sigma of each vertex's
+// distance from the camera [m], a line each.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +9,8 @@
 #include "facet/mesh/triangle_mesh.h"
 
 namespace facet {
+
+inline constexpr const char* kSigmaFolder = "mesh_sigmas";
 
 /// Nothing is written where the mesh has none. Throws OutputError.
 void WriteVertexSigmas(const std::filesystem::path& mesh_file, const TriangleMesh& mesh);

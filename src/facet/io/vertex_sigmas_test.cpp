@@ -22,6 +22,11 @@ TEST(VertexSigmasTest, ComeBackAsTheyWere) {
   read.vertices = mesh.vertices;
   ReadVertexSigmas(folder / "a.ply", read);
   EXPECT_EQ(read.sigma_m, mesh.sigma_m);
+  WriteVertexSigmas(folder / "meshes" / "7.ply", mesh);
+  EXPECT_FALSE(std::filesystem::exists(folder / "meshes")) << "meshes are alone there";
+  EXPECT_TRUE(std::filesystem::exists(folder / "mesh_sigmas" / "7.sigma"));
+  ReadVertexSigmas(folder / "meshes" / "7.ply", read);
+  EXPECT_EQ(read.sigma_m, mesh.sigma_m);
   ReadVertexSigmas(folder / "b.ply", read);
   EXPECT_TRUE(read.sigma_m.empty());
 }

@@ -23,15 +23,16 @@ constexpr std::size_t kMinAgreeing = 3, kMinElsewhere = 2;
 // What two closures may differ in besides their covariances: drift within the maps, the
 // calibration, tilts.
 constexpr double kCommon_m = 0.05, kCommon_rad = 5e-3;
-constexpr double kElsewhere = 5;  // times that
+constexpr double kElsewhereFactor = 5;  // times that
 
 /// A place of the second map that shows what one of the first shows.
 struct Alike {
   int first_node = 0, second_node = 0;
   UprightPose T_W1W2;  // between the odometries' worlds at the two places
   Matrix4d covariance;
-  UprightPose T_M1M2;  // and what it says of the maps
-  Vector3d p_M2;       // the body of the second place
+  Vector3d p_W1;        // from the first place's body to the second one's
+  UprightPose T_M1M2;   // and what it says of the maps
+  Vector3d p_M1, p_M2;  // the bodies of the first and of the second place
 };
 
 PlaceQuery QueryOf(const PlaceRecord& place, const CameraModel& lens) {
@@ -63,7 +64,9 @@ std::vector<Alike> FindAlike(const SavedMap& first, const SavedMap& second, int&
                        place.node,
                        check.T_WplaceWquery,
                        check.covariance,
+                       check.T_WplaceWquery * place.T_WB.p - places[guess].T_WB.p,
                        T_M1W1 * check.T_WplaceWquery * T_M2W2.Inverse(),
+                       T_M1W1 * places[guess].T_WB.p,
                        T_M2W2 * place.T_WB.p});
     }
   }
@@ -98,10 +101,14 @@ std::size_t NumPlaces(const std::vector<Alike>& alike) {
   return nodes.size();
 }
 
-// The same poster may hang elsewhere, and looks the same from wherever it is seen alone.
+// The same poster may hang elsewhere, and looks the same from wherever it is seen alone, also to a
+// body that hovers before it.
 bool AreMoreThanOneView(const std::vector<Alike>& alike) {
-  return std::ranges::any_of(
-      alike, [&](const Alike& one) { return one.first_node != alike.front().first_node; });
+  constexpr double kMoved_m = 0.1;
+  const Alike& other = alike.front();
+  return std::ranges::any_of(alike, [&](const Alike& one) {
+    return (one.p_M1 - other.p_M1).norm() > kMoved_m && (one.p_M2 - other.p_M2).norm() > kMoved_m;
+  });
 }
 
 /// The one that most places of the second map agree with.
@@ -120,7 +127,7 @@ const Alike* Best(const std::vector<Alike>& alike) {
 bool HasRivals(const Alike& best, const std::vector<Alike>& alike) {
   const std::size_t most = NumPlaces(AgreeingWith(best, alike));
   return std::ranges::any_of(alike, [&](const Alike& other) {
-    if (Apart(best, other) < kElsewhere) return false;  // badly fitted, and no other part
+    if (Apart(best, other) < kElsewhereFactor) return false;  // badly fitted, and no other part
     const std::size_t num = NumPlaces(AgreeingWith(other, alike));
     return num >= kMinElsewhere && 3 * num >= most;
   });
@@ -160,13 +167,13 @@ SavedMap SideBySide(const SavedMap& first, const SavedMap& second, const Upright
 }
 
 /// Of places that share errors: together they are not worth what they would be each for itself.
-GraphEdge EdgeOf(const Alike& one, std::size_t num_agreeing, const SavedMap& map, int num_first) {
+GraphEdge EdgeOf(const Alike& one, std::size_t num_agreeing, int num_first) {
   constexpr double kOwn_m = 5e-3, kOwn_rad = 1e-3;  // of the calibration
   GraphEdge edge;
   edge.first = one.first_node;
   edge.second = one.second_node + num_first;
   edge.yaw_rad = one.T_W1W2.yaw_rad;
-  edge.p_first = one.T_W1W2 * map.graph.nodes[edge.second].p_W - map.graph.nodes[edge.first].p_W;
+  edge.p_first = one.p_W1;
   edge.covariance = one.covariance;
   edge.covariance.diagonal().tail<3>().array() += kOwn_m * kOwn_m;
   edge.covariance(0, 0) += kOwn_rad * kOwn_rad;
@@ -190,10 +197,14 @@ MapMerge MergeMaps(const SavedMap& first, const SavedMap& second) {
   merge.map = SideBySide(first, second, best->T_M1M2);
   MapGraph graph(merge.map.graph);
   for (const Alike& one : agreeing)
-    graph.AddClosure(
-        EdgeOf(one, NumPlaces(agreeing), merge.map, static_cast<int>(first.graph.nodes.size())));
-  merge.num_closures = static_cast<int>(agreeing.size());
+    graph.AddClosure(EdgeOf(one, NumPlaces(agreeing), static_cast<int>(first.graph.nodes.size())));
   graph.Optimize();
+  constexpr double kLeastWeight = 0.25;  // of a closure with the error that is still believed
+  const auto& edges = graph.edges();
+  merge.num_closures = static_cast<int>(
+      std::count_if(edges.end() - static_cast<std::ptrdiff_t>(agreeing.size()),
+                    edges.end(),
+                    [](const GraphEdge& edge) { return edge.weight >= kLeastWeight; }));
   merge.map.graph = graph.state();
   return merge;
 }

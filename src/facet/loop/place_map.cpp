@@ -174,6 +174,7 @@ void PlaceMap::BeginSearch(const KeyframeView& view) {
   search_began_ = view.t;
   if (index_) return;
   index_.emplace(places_);
+  finding_.reset();  // it was about another part
   first_sought_node_ = graph_.num_nodes();
   num_places_before_ = num_places();
 }
@@ -183,8 +184,14 @@ void PlaceMap::EndLongSearch(Timestamp t) {
   constexpr double kLongest_s = 60;
   if (!index_ || !is_localised_ || ToSeconds(t - *search_began_) < kLongest_s) return;
   index_.reset();
+  is_ambiguous_ = false;
+  DropByAppearance();
+}
+
+void PlaceMap::DropByAppearance() {
   for (const Pending& one : pending_) {
-    if (one.is_by_appearance) closures_[one.closure].verdict = "no others agreed";
+    ClosureRecord& record = closures_[one.closure];
+    if (one.is_by_appearance && record.edge < 0) record.verdict = "no others agreed";
   }
   std::erase_if(pending_, [](const Pending& one) { return one.is_by_appearance; });
 }
@@ -381,13 +388,13 @@ void PlaceMap::JudgeFinding(std::size_t num_expected, std::size_t num_seen, Time
 
 // The closures within the part stay, as do all of its places.
 void PlaceMap::TakeFindingBack(Timestamp t) {
+  DropByAppearance();
   const std::vector<int> numbers = graph_.RemoveClosuresAcross(first_sought_node_);
   for (ClosureRecord& record : closures_) {
     if (record.edge < 0) continue;
     record.edge = numbers[record.edge];
     if (record.edge < 0) record.verdict = kClosureTakenBack;
   }
-  std::erase_if(pending_, [](const Pending& one) { return one.is_by_appearance; });
   graph_.Move(first_sought_node_, finding_->moved.Inverse());
   graph_.Optimize();
   index_.emplace(places_, static_cast<std::size_t>(num_places_before_));

@@ -41,7 +41,7 @@ struct MapCorrection {
 };
 
 /// Where little is known of where the keyframes are, they are looked for by appearance: the run is
-/// found when three keyframes say the same, and no two of them something else. With a map of runs
+/// found when three frames say the same, and none that count something else. With a map of runs
 /// before that is the case from the beginning on, and T_MW leads to a map of the run's own until it
 /// is found. After a loss of the odometry it is the case, too, and T_MW stays what it was until
 /// then. A finding after which nothing of what should be seen is seen is taken back.
@@ -116,6 +116,7 @@ class PlaceMap {
   void LookFor(const KeyframeView& view);
   void BeginSearch(const KeyframeView& view);
   void EndLongSearch(Timestamp t);
+  void DropByAppearance();
   void CompareByAppearance(const KeyframeView& view);
   bool IsOfThisPart(int place) const;
   double SeenShare(const PlaceRecord& place, const SE3& T_CW_place, const SE3& T_WC) const;

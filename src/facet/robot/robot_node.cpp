@@ -65,7 +65,7 @@ class RobotNode::Impl {
     for (const std::string& notice : TryOptions(options))
       listener_.OnLog(LogLevel::kWarning, notice);
     calibration_ = options.calibration;
-    if (options.known_map.empty()) listener_.OnMapTransform(T_map_odom_);
+    if (options.known_map.empty()) TellMapTransform(api::Pose());
     if (options.is_started) Start();
   }
 
@@ -101,6 +101,7 @@ class RobotNode::Impl {
   void TellOdometry(const api::LiveOdometry& odometry, std::int64_t t_ns, double gyro_variance);
   void TakeState(int number, const api::State& state);
   void TellPose(int number, const api::State& state);
+  void TellMapTransform(const api::Pose& T_map_odom);
   void Feed(api::LiveOdometry& odometry, const ImagePair& pair);
   void CollectCounts(api::LiveOdometry& odometry);
 
@@ -131,8 +132,8 @@ class RobotNode::Impl {
   std::atomic<int> number_ = 0;  // of the odometry; what an older one tells is not passed on
   std::mutex path_mutex_;        // also of T_map_odom_
   PathKeeper path_;
-  api::Pose T_map_odom_;  // as it was told, or none
-  SceneWorker scene_;     // last: its thread tells the listener
+  std::optional<api::Pose> T_map_odom_;  // as it was told of this odometry
+  SceneWorker scene_;                    // last: its thread tells the listener
 };
 
 // ---- beginning and end
@@ -192,6 +193,7 @@ void RobotNode::Impl::End() {
   health_.problem.clear();
   told_ns_.reset();
   const Lock path_lock(path_mutex_);
+  if (!options_.known_map.empty()) T_map_odom_.reset();
   path_.Clear();
 }
 
@@ -350,15 +352,19 @@ void RobotNode::Impl::TakeState(int number, const api::State& state) {
   if (state.has_pose) TellPose(number, state);
 }
 
+void RobotNode::Impl::TellMapTransform(const api::Pose& T_map_odom) {
+  T_map_odom_ = T_map_odom;
+  listener_.OnMapTransform(T_map_odom);
+}
+
 /// Of one odometry at a time: what ends one clears the path after that.
 void RobotNode::Impl::TellPose(int number, const api::State& state) {
   const Lock lock(path_mutex_);
   if (number != number_) return;
   const api::Pose T_WF = Compose(state.T_WB, T_BF_);
-  if (state.is_in_map && (state.T_MW.p != T_map_odom_.p || state.T_MW.q != T_map_odom_.q)) {
-    T_map_odom_ = state.T_MW;
-    listener_.OnMapTransform(T_map_odom_);
-  }
+  const bool is_told =
+      T_map_odom_ && T_map_odom_->p == state.T_MW.p && T_map_odom_->q == state.T_MW.q;
+  if (state.is_in_map && !is_told) TellMapTransform(state.T_MW);
   listener_.OnPose({state.t_ns, T_WF, PoseCovariance(state.T_WB, T_BF_, state.covariance)});
   if (path_.Add({state.t_ns, T_WF})) listener_.OnPath(path_.poses());
 }

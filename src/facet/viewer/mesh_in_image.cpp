@@ -59,7 +59,8 @@ class DepthCells {
   /// Whether something is clearly in front of the middle of a face.
   bool Hides(const Corners& c) const {
     const Vector2d px = (c[0].px + c[1].px + c[2].px) / 3;
-    const double depth_m = (c[0].depth_m + c[1].depth_m + c[2].depth_m) / 3;
+    // As Add interpolates: linearly in the inverse depth.
+    const double depth_m = 3 / (1 / c[0].depth_m + 1 / c[1].depth_m + 1 / c[2].depth_m);
     const int x = std::clamp(static_cast<int>(px.x() / kCell_px), 0, columns_ - 1);
     const int y = std::clamp(static_cast<int>(px.y() / kCell_px), 0, rows_ - 1);
     constexpr double kShare = 0.06, kLeast_m = 0.05;
