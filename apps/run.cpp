@@ -209,7 +209,7 @@ class MeshFiles {
       WriteGlbMesh(fresh, output.mesh->mesh);
     } else {
       WritePlyMesh(fresh, output.mesh->mesh);
-      WriteVertexSigmas(folder_ / name, MeshWithSigmas(*output.mesh));
+      WriteVertexSigmas(folder_ / name, VertexSigmas(*output.mesh));
     }
     std::filesystem::rename(fresh, folder_ / name, error);
     if (error) throw OutputError((folder_ / name).string() + ": cannot be written");

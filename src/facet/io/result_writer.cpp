@@ -369,7 +369,7 @@ void WriteResult(const std::filesystem::path& folder, const RunRecord& run) {
   WritePlyPoints(folder / "landmarks.ply", run.landmarks);
   if (run.mesh) {
     WritePlyMesh(folder / "mesh.ply", *run.mesh);
-    WriteVertexSigmas(folder / "mesh.ply", *run.mesh);
+    WriteVertexSigmas(folder / "mesh.ply", run.mesh->sigma_m);
   }
   if (run.map) WritePlyMesh(folder / "map.ply", *run.map);
   if (run.planes) WriteTextFile(folder / "planes.csv", PlanesCsv(*run.planes));

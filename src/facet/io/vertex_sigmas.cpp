@@ -21,12 +21,12 @@ std::filesystem::path FileOf(std::filesystem::path mesh_file) {
 
 }  // namespace
 
-void WriteVertexSigmas(const std::filesystem::path& mesh_file, const TriangleMesh& mesh) {
-  if (mesh.sigma_m.empty()) return;
+void WriteVertexSigmas(const std::filesystem::path& mesh_file, std::span<const float> sigma_m) {
+  if (sigma_m.empty()) return;
   std::string text = "sigma_m\n";
-  for (const float sigma_m : mesh.sigma_m) {
+  for (const float sigma : sigma_m) {
     char line[32];
-    std::snprintf(line, sizeof line, "%.9g\n", static_cast<double>(sigma_m));
+    std::snprintf(line, sizeof line, "%.9g\n", static_cast<double>(sigma));
     text += line;
   }
   const std::filesystem::path file = FileOf(mesh_file);

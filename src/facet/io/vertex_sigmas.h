@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "facet/mesh/triangle_mesh.h"
 
@@ -12,8 +13,8 @@ namespace facet {
 
 inline constexpr const char* kSigmaFolder = "mesh_sigmas";
 
-/// Nothing is written where the mesh has none. Throws OutputError.
-void WriteVertexSigmas(const std::filesystem::path& mesh_file, const TriangleMesh& mesh);
+/// Nothing is written where there are none. Throws OutputError.
+void WriteVertexSigmas(const std::filesystem::path& mesh_file, std::span<const float> sigma_m);
 
 /// Sets those of a mesh that was read from the file, or none where they are not there. Throws
 /// InputError where the file beside it is not of this mesh, or damaged.

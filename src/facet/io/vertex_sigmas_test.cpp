@@ -14,15 +14,15 @@ TEST(VertexSigmasTest, ComeBackAsTheyWere) {
   const TempFolder folder;
   TriangleMesh mesh;
   mesh.vertices.resize(3, Vector3d::Zero());
-  WriteVertexSigmas(folder / "a.ply", mesh);
+  WriteVertexSigmas(folder / "a.ply", mesh.sigma_m);
   EXPECT_FALSE(std::filesystem::exists(folder / "a.sigma")) << "it has none";
   mesh.sigma_m = {0.1F, 0.25F, 1.0F / 3};
-  WriteVertexSigmas(folder / "a.ply", mesh);
+  WriteVertexSigmas(folder / "a.ply", mesh.sigma_m);
   TriangleMesh read;
   read.vertices = mesh.vertices;
   ReadVertexSigmas(folder / "a.ply", read);
   EXPECT_EQ(read.sigma_m, mesh.sigma_m);
-  WriteVertexSigmas(folder / "meshes" / "7.ply", mesh);
+  WriteVertexSigmas(folder / "meshes" / "7.ply", mesh.sigma_m);
   EXPECT_FALSE(std::filesystem::exists(folder / "meshes")) << "meshes are alone there";
   EXPECT_TRUE(std::filesystem::exists(folder / "mesh_sigmas" / "7.sigma"));
   ReadVertexSigmas(folder / "meshes" / "7.ply", read);

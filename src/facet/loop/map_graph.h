@@ -23,6 +23,9 @@ struct GraphEdge {
   double weight = 1;  ///< closures: 0 to 1, by how far the rest of the graph agrees
 };
 
+/// Closures with less weight are not believed: that of one with the error that just is.
+inline constexpr double kLeastBelievedWeight = 0.25;
+
 /// A keyframe.
 struct GraphNode {
   Vector3d p_W = Vector3d::Zero();  ///< of the body, in the odometry's world

@@ -199,12 +199,11 @@ MapMerge MergeMaps(const SavedMap& first, const SavedMap& second) {
   for (const Alike& one : agreeing)
     graph.AddClosure(EdgeOf(one, NumPlaces(agreeing), static_cast<int>(first.graph.nodes.size())));
   graph.Optimize();
-  constexpr double kLeastWeight = 0.25;  // of a closure with the error that is still believed
   const auto& edges = graph.edges();
   merge.num_closures = static_cast<int>(
       std::count_if(edges.end() - static_cast<std::ptrdiff_t>(agreeing.size()),
                     edges.end(),
-                    [](const GraphEdge& edge) { return edge.weight >= kLeastWeight; }));
+                    [](const GraphEdge& edge) { return edge.weight >= kLeastBelievedWeight; }));
   merge.map.graph = graph.state();
   return merge;
 }

@@ -17,16 +17,9 @@ namespace {
 using testing::LooksAhead;
 using testing::PaintedRoom;
 using testing::SmallCamera;
+using testing::SmallRig;
 
 constexpr int kPerLap = 24;
-
-StereoRig Rig() {
-  StereoRig rig;
-  rig.cameras = {SmallCamera(), SmallCamera()};
-  rig.T_BC = {LooksAhead(), LooksAhead()};
-  rig.T_BC[1].p.y() -= 0.11;
-  return rig;
-}
 
 SE3 TruePose(double number, double radius_m) {
   const double angle = 2 * std::numbers::pi * number / kPerLap;
@@ -36,7 +29,7 @@ SE3 TruePose(double number, double radius_m) {
 
 /// The map of a lap whose odometry has this world.
 SavedMap MapOf(const PaintedRoom& room, const UprightPose& T_WM, double radius_m, double offset) {
-  PlaceMap map(Rig(), LoopOptions());
+  PlaceMap map(SmallRig(), LoopOptions());
   for (int i = 0; i < kPerLap; ++i) {
     const SE3 T_true = TruePose(i + offset, radius_m);
     map.Add(room.View(i, SmallCamera(), LooksAhead(), T_true, T_WM.ToSE3() * T_true));
@@ -81,7 +74,7 @@ TEST(MapMergeTest, ALaterRunIsFoundInPlacesOfBoth) {
   MapMerge merge = MergeMaps(MapOf(room, kHere, 0.5, 0), MapOf(room, kThere, 0.6, 0.4));
   ASSERT_TRUE(merge.is_found);
   std::erase_if(merge.map.places, [](const PlaceRecord& place) { return place.session == 0; });
-  PlaceMap run(Rig(), LoopOptions(), merge.map);
+  PlaceMap run(SmallRig(), LoopOptions(), merge.map);
   const UprightPose elsewhere{-1, Vector3d(0, 9, 0)};
   for (int i = 0; i < 8; ++i) {
     const SE3 T_true = TruePose(3 * i + 0.7, 0.55);
@@ -104,22 +97,8 @@ TEST(MapMergeTest, MapsOfOtherRoomsStayApart) {
 // The first map has the room twice, 20 m apart.
 TEST(MapMergeTest, AMapThatLooksLikeTwoPartsOfTheOtherIsInNeither) {
   const PaintedRoom room(1);
-  const SavedMap once = MapOf(room, kHere, 0.5, 0);
-  SavedMap twice = once;
-  const auto num_nodes = static_cast<int>(once.graph.nodes.size());
-  twice.lenses.push_back(once.lenses[0]);
-  for (std::size_t i = 0; i < once.keyframes.size(); ++i) {
-    twice.graph.nodes.push_back(once.graph.nodes[i]);
-    twice.graph.nodes.back().T_MW.p += Vector3d(20, 0, 0);
-    twice.keyframes.push_back(once.keyframes[i]);
-    twice.keyframes.back().session = 1;
-  }
-  for (PlaceRecord place : once.places) {
-    place.node += num_nodes;
-    place.session = 1;
-    twice.places.push_back(place);
-  }
-  const MapMerge merge = MergeMaps(twice, MapOf(room, kThere, 0.6, 0.4));
+  const MapMerge merge =
+      MergeMaps(testing::Twice(MapOf(room, kHere, 0.5, 0)), MapOf(room, kThere, 0.6, 0.4));
   EXPECT_FALSE(merge.is_found);
   EXPECT_TRUE(merge.is_ambiguous);
 }

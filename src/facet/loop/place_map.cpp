@@ -546,10 +546,9 @@ SavedMap PlaceMap::Saved() const {
 }
 
 std::vector<ClosureRecord> PlaceMap::Closures() const {
-  constexpr double kLeastWeight = 0.25;  // of a closure with the error that is still believed
   std::vector<ClosureRecord> closures = closures_;
   for (ClosureRecord& record : closures) {
-    if (record.edge >= 0 && graph_.edges()[record.edge].weight < kLeastWeight)
+    if (record.edge >= 0 && graph_.edges()[record.edge].weight < kLeastBelievedWeight)
       record.verdict = kClosureTakenBack;
   }
   return closures;

@@ -16,16 +16,9 @@ namespace {
 using testing::LooksAhead;
 using testing::PaintedRoom;
 using testing::SmallCamera;
+using testing::SmallRig;
 
 constexpr int kPerLap = 24;
-
-StereoRig Rig() {
-  StereoRig rig;
-  rig.cameras = {SmallCamera(), SmallCamera()};
-  rig.T_BC = {LooksAhead(), LooksAhead()};
-  rig.T_BC[1].p.y() -= 0.11;
-  return rig;
-}
 
 SE3 TruePose(int number) {
   const double angle = 2 * std::numbers::pi * number / kPerLap;
@@ -39,7 +32,7 @@ UprightPose Drift(int number) {
 }
 
 struct Flight {
-  explicit Flight(const LoopOptions& options = {}) : map(Rig(), options) {}
+  explicit Flight(const LoopOptions& options = {}) : map(SmallRig(), options) {}
 
   void Fly(const PaintedRoom& room, int first, int last) {
     for (int i = first; i < last; ++i) {
@@ -181,7 +174,7 @@ SavedMap MapOf(const PaintedRoom& room) {
 }
 
 struct LaterRun {
-  explicit LaterRun(const SavedMap& known) : map(Rig(), LoopOptions(), known) {}
+  explicit LaterRun(const SavedMap& known) : map(SmallRig(), LoopOptions(), known) {}
 
   void Fly(const PaintedRoom& room, int first, int last) {
     for (int i = first; i < last; ++i) {
@@ -238,31 +231,7 @@ TEST(PlaceMapTest, ALaterRunInAnotherRoomIsNotFoundAndDoesNotSpoilTheMap) {
 // Two rooms of the same paint: the views of the later run are the same in both.
 TEST(PlaceMapTest, ARunThatLooksLikeTwoPlacesIsInNeither) {
   const PaintedRoom room(1);
-  SavedMap twice = MapOf(room);
-  const auto num_nodes = static_cast<int>(twice.graph.nodes.size());
-  const auto num_edges = static_cast<int>(twice.graph.edges.size());
-  const SavedMap once = twice;
-  twice.lenses.push_back(twice.lenses[0]);
-  for (std::size_t i = 0; i < once.keyframes.size(); ++i) {
-    GraphNode node = once.graph.nodes[i];
-    node.T_MW.p += Vector3d(20, 0, 0);
-    if (node.edge_to_previous >= 0) node.edge_to_previous += num_edges;
-    MapKeyframe keyframe = once.keyframes[i];
-    keyframe.session = 1;
-    twice.graph.nodes.push_back(node);
-    twice.keyframes.push_back(keyframe);
-  }
-  for (GraphEdge edge : once.graph.edges) {
-    edge.first += num_nodes;
-    edge.second += num_nodes;
-    twice.graph.edges.push_back(edge);
-  }
-  for (PlaceRecord place : once.places) {
-    place.node += num_nodes;
-    place.session = 1;
-    twice.places.push_back(place);
-  }
-  LaterRun run(twice);
+  LaterRun run(testing::Twice(MapOf(room)));
   run.Fly(room, 0, 12);
   EXPECT_FALSE(run.map.is_localised());
   EXPECT_TRUE(run.map.is_ambiguous());
@@ -296,7 +265,7 @@ CameraModel OtherCamera() {
 
 TEST(PlaceMapTest, ARunWithAnotherLensFindsItselfInTheMap) {
   const PaintedRoom room(1);
-  StereoRig rig = Rig();
+  StereoRig rig = SmallRig();
   rig.cameras = {OtherCamera(), OtherCamera()};
   PlaceMap map(rig, LoopOptions(), MapOf(room));
   const UprightPose T_WM{2.5, Vector3d(7, -3, 0.5)};
@@ -404,7 +373,7 @@ TEST(PlaceMapTest, ACameraThatStandsStillHasOneViewOnly) {
 }
 
 TEST(PlaceMapTest, AnEmptyMapIsNone) {
-  PlaceMap map(Rig(), LoopOptions(), SavedMap());
+  PlaceMap map(SmallRig(), LoopOptions(), SavedMap());
   EXPECT_TRUE(map.is_localised());
 }
 

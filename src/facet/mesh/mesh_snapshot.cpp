@@ -48,9 +48,13 @@ MeshSnapshot MakeMeshSnapshot(const MeshView& view, const HorizonMesh& horizon) 
   return snapshot;
 }
 
+std::vector<float> VertexSigmas(const MeshSnapshot& snapshot) {
+  return {snapshot.sigma_depth_m.begin(), snapshot.sigma_depth_m.end()};
+}
+
 TriangleMesh MeshWithSigmas(const MeshSnapshot& snapshot) {
   TriangleMesh mesh = snapshot.mesh;
-  mesh.sigma_m.assign(snapshot.sigma_depth_m.begin(), snapshot.sigma_depth_m.end());
+  mesh.sigma_m = VertexSigmas(snapshot);
   return mesh;
 }
 

@@ -24,6 +24,9 @@ struct MeshSnapshot {
 /// the better depths of support points that lie on planes.
 MeshSnapshot MakeMeshSnapshot(const MeshView& view, const HorizonMesh& horizon);
 
+/// `sigma_depth_m` as files have it.
+std::vector<float> VertexSigmas(const MeshSnapshot& snapshot);
+
 /// The mesh with `sigma_depth_m` beside each vertex, where it is known.
 TriangleMesh MeshWithSigmas(const MeshSnapshot& snapshot);
 

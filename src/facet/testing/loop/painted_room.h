@@ -10,8 +10,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "facet/camera/camera_model.h"
+#include "facet/camera/stereo_rig.h"
 #include "facet/geometry/se3.h"
 #include "facet/loop/place_record.h"
+#include "facet/loop/saved_map.h"
 
 namespace facet::testing {
 
@@ -123,6 +125,40 @@ inline SE3 LooksAhead() {
   Matrix3d R;
   R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   return {Quaterniond(R), Vector3d(0.05, 0, 0)};
+}
+
+/// Two small cameras, 11 cm apart.
+inline StereoRig SmallRig() {
+  StereoRig rig;
+  rig.cameras = {SmallCamera(), SmallCamera()};
+  rig.T_BC = {LooksAhead(), LooksAhead()};
+  rig.T_BC[1].p.y() -= 0.11;
+  return rig;
+}
+
+/// The same places once more as those of a second run, 20 m away: rooms that look alike.
+inline SavedMap Twice(const SavedMap& once) {
+  const auto num_nodes = static_cast<int>(once.graph.nodes.size());
+  const auto num_edges = static_cast<int>(once.graph.edges.size());
+  SavedMap twice = once;
+  twice.lenses.push_back(once.lenses[0]);
+  for (std::size_t i = 0; i < once.keyframes.size(); ++i) {
+    GraphNode& node = twice.graph.nodes.emplace_back(once.graph.nodes[i]);
+    node.T_MW.p += Vector3d(20, 0, 0);
+    if (node.edge_to_previous >= 0) node.edge_to_previous += num_edges;
+    twice.keyframes.emplace_back(once.keyframes[i]).session = 1;
+  }
+  for (GraphEdge edge : once.graph.edges) {
+    edge.first += num_nodes;
+    edge.second += num_nodes;
+    twice.graph.edges.push_back(edge);
+  }
+  for (PlaceRecord place : once.places) {
+    place.node += num_nodes;
+    place.session = 1;
+    twice.places.push_back(place);
+  }
+  return twice;
 }
 
 }  // namespace facet::testing
