@@ -26,6 +26,9 @@ struct PlaneAttachment {
   LandmarkId landmark;
   PlaneId plane;
   double max_distance_m = 0;
+  /// How far away it is (mesh/far_surfaces.h): by this it may be known less, and is expected to
+  /// stand out more.
+  double length_scale = 1;
 };
 
 /// How far the surface of a plane is from flat, 1-sigma.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "facet/camera/camera_model.h"
+#include "facet/mesh/far_surfaces.h"
 
 namespace facet {
 namespace {
@@ -61,15 +62,19 @@ bool FaceFilter::IsGrazing(const CameraFace& face) const {
   return !(product * product >= cos2_max_grazing_ * n.squaredNorm() * centre.squaredNorm());
 }
 
-FaceDefect FaceFilter::JudgeSides(const Sides& sides) const {
+double FaceFilter::ScaleAt(double distance_m) const {
+  return limits_.grow_with_distance ? LengthScale(distance_m) : 1;
+}
+
+FaceDefect FaceFilter::JudgeSides(const Sides& sides, double max_side_m) const {
   if (!std::isfinite(sides.longest2)) return FaceDefect::kNotFinite;
-  if (sides.longest2 > limits_.max_side_m * limits_.max_side_m) return FaceDefect::kTooLarge;
+  if (sides.longest2 > max_side_m * max_side_m) return FaceDefect::kTooLarge;
   if (!(sides.shortest2 > 0) || IsNarrow(sides)) return FaceDefect::kNarrow;
   return FaceDefect::kNone;
 }
 
 FaceDefect FaceFilter::JudgeShape(const std::array<Vector3d, 3>& p) const {
-  return JudgeSides(SidesOf(p));
+  return JudgeSides(SidesOf(p), limits_.max_side_m);
 }
 
 FaceDefect FaceFilter::Judge(const CameraFace& face) const {
@@ -77,14 +82,14 @@ FaceDefect FaceFilter::Judge(const CameraFace& face) const {
   for (int i = 0; i < 3; ++i) {
     distance[i] = face.p_C[i].norm();
     if (!face.p_C[i].allFinite() || !(distance[i] >= kMinDistance_m)) return FaceDefect::kNotFinite;
-    if (!(face.sigma_depth_m[i] <= limits_.max_depth_sigma * distance[i]))
-      return FaceDefect::kUncertain;
+    const double max_depth_sigma = ScaleAt(distance[i]) * limits_.max_depth_sigma;
+    if (!(face.sigma_depth_m[i] <= max_depth_sigma * distance[i])) return FaceDefect::kUncertain;
   }
   const Sides sides = SidesOf(face.p_C);
-  const double max_side =
-      limits_.max_side_per_depth * *std::min_element(distance.begin(), distance.end());
+  const double nearest = *std::min_element(distance.begin(), distance.end());
+  const double max_side = limits_.max_side_per_depth * nearest;
   if (sides.longest2 > max_side * max_side) return FaceDefect::kTooLarge;
-  const FaceDefect shape = JudgeSides(sides);
+  const FaceDefect shape = JudgeSides(sides, ScaleAt(nearest) * limits_.max_side_m);
   if (shape != FaceDefect::kNone) return shape;
   if (IsElongated(face, distance)) return FaceDefect::kElongated;
   if (IsGrazing(face)) return FaceDefect::kGrazing;

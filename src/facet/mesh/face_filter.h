@@ -45,7 +45,9 @@ class FaceFilter {
     double shortest2 = 0, middle2 = 0, longest2 = 0;
   };
   static Sides SidesOf(const std::array<Vector3d, 3>& p);
-  FaceDefect JudgeSides(const Sides& sides) const;
+  FaceDefect JudgeSides(const Sides& sides, double max_side_m) const;
+  /// LengthScale where limits grow with the distance, otherwise 1.
+  double ScaleAt(double distance_m) const;
   bool IsNarrow(const Sides& sides) const;
   /// `distance`: of each vertex from the camera.
   bool IsElongated(const CameraFace& face, const std::array<double, 3>& distance) const;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/mesh/far_surfaces.h"
 
 namespace facet {
 namespace {
@@ -42,6 +43,34 @@ TEST(FaceFilter, NoiseInDepthIsNotHeldAgainstAFace) {
   const Vector3d a(0, 0, 4), b(0.05, 0, 4.09), c(0, 0.05, 4);
   EXPECT_EQ(Judge(Face(a, b, c, 0.001), FaceLimits()), FaceDefect::kElongated);
   EXPECT_EQ(Judge(Face(a, b, c, 0.08), FaceLimits()), FaceDefect::kNone);
+}
+
+// What votes for planes: as many pixels show larger sides there, and less exactly known ones.
+TEST(FaceFilter, FarFacesMayBeLargerAndLessCertainToVote) {
+  const FaceLimits strict = StrictFaceLimits();
+  const auto judge = [&](double distance_m, double side_m, double sigma_m) {
+    const double z = distance_m, s = side_m / 2;
+    return Judge(Face({-s, -s, z}, {s, -s, z}, {0, s, z}, sigma_m), strict);
+  };
+  const double near_m = 0.8 * kFarDistance_m, far_m = 3 * kFarDistance_m;
+  EXPECT_EQ(judge(near_m, 1.1 * strict.max_side_m, 0), FaceDefect::kTooLarge);
+  EXPECT_EQ(judge(far_m, 2.5 * strict.max_side_m, 0), FaceDefect::kNone);
+  EXPECT_EQ(judge(far_m, 3.3 * strict.max_side_m, 0), FaceDefect::kTooLarge);
+  const auto certain = [&](double distance_m, double relative) {
+    return judge(
+        distance_m, 0.8 * strict.max_side_m, relative * strict.max_depth_sigma * distance_m);
+  };
+  EXPECT_EQ(certain(near_m, 1.1), FaceDefect::kUncertain);
+  EXPECT_EQ(certain(far_m, 2.8), FaceDefect::kNone);
+  EXPECT_EQ(certain(far_m, 3.3), FaceDefect::kUncertain);
+}
+
+TEST(FaceFilter, FacesOfTheMeshAreJudgedAlikeAtEveryDistance) {
+  const FaceLimits limits;
+  const double z = 3 * kFarDistance_m, s = 0.6 * limits.max_side_m;
+  EXPECT_EQ(Judge(Face({-s, -s, z}, {s, -s, z}, {0, s, z}), limits), FaceDefect::kTooLarge);
+  const double sigma_m = 1.1 * limits.max_depth_sigma * z;
+  EXPECT_EQ(Judge(Face({0, 0, z}, {1, 0, z}, {0, 1, z}, sigma_m), limits), FaceDefect::kUncertain);
 }
 
 // But for elongation: steep faces vote, once their surroundings have proven them to be surface.

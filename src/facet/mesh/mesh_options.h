@@ -25,6 +25,7 @@ struct FaceLimits {
   double max_grazing_deg = 82;
   /// Greatest ratio of a vertex's 1-sigma of distance to its distance.
   double max_depth_sigma = 0.06;
+  bool grow_with_distance = false;  ///< max_side_m and max_depth_sigma do (far_surfaces.h)
   /// Differences in depth below this many sigma are noise and not held against a face.
   double noise_sigmas = 1;
 
@@ -65,6 +66,7 @@ inline FaceLimits StrictFaceLimits() {
   limits.max_grazing_deg = 78;
   limits.max_depth_sigma = 0.03;
   limits.noise_sigmas = 0;
+  limits.grow_with_distance = true;
   return limits;
 }
 

@@ -142,7 +142,7 @@ int PlaneTracker::FindConfirmed(const MapSnapshot& map, const PlaneCandidate& ca
     const TrackedPlane& plane = planes_[k];
     if (plane.IsTentative() || plane.estimate.covariance(9, 9) <= 0 ||
         AngleBetween(plane.estimate.plane_W.n, candidate.plane_W.n) > 2 * kSamePlaneAngle ||
-        !plane.extent.IsNear(candidate.centroid_W, kMaxGap_m)) {
+        !plane.extent.IsNear(candidate.centroid_W, candidate.length_scale * kMaxGap_m)) {
       continue;
     }
     const double chi_square = ChiSquare(candidate, plane.estimate, map.latest.T_WB);
@@ -155,12 +155,12 @@ int PlaneTracker::FindConfirmed(const MapSnapshot& map, const PlaneCandidate& ca
 
 int PlaneTracker::FindTentative(const PlaneCandidate& candidate) const {
   int found = -1;
-  double best = options_.detection.max_distance_m;
+  double best = candidate.length_scale * options_.detection.max_distance_m;
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     const TrackedPlane& plane = planes_[k];
     if (!plane.IsTentative() ||
         AngleBetween(plane.estimate.plane_W.n, candidate.plane_W.n) > kSamePlaneAngle ||
-        !plane.extent.IsNear(candidate.centroid_W, kMaxGap_m)) {
+        !plane.extent.IsNear(candidate.centroid_W, candidate.length_scale * kMaxGap_m)) {
       continue;
     }
     const double distance = std::abs(plane.estimate.plane_W.SignedDistance(candidate.centroid_W));
@@ -173,12 +173,12 @@ int PlaneTracker::FindTentative(const PlaneCandidate& candidate) const {
 
 // Neither the confirmed plane nor clearly another one.
 bool PlaneTracker::IsNearConfirmed(const PlaneCandidate& candidate) const {
+  const double max_distance_m = candidate.length_scale * options_.detection.max_distance_m;
   return std::any_of(planes_.begin(), planes_.end(), [&](const TrackedPlane& tracked) {
     const Plane& plane = tracked.estimate.plane_W;
     return !tracked.IsTentative() && AngleBetween(plane.n, candidate.plane_W.n) < kSamePlaneAngle &&
-           std::abs(plane.SignedDistance(candidate.centroid_W)) <
-               options_.detection.max_distance_m &&
-           tracked.extent.IsNear(candidate.centroid_W, kPlaneGrowth_m);
+           std::abs(plane.SignedDistance(candidate.centroid_W)) < max_distance_m &&
+           tracked.extent.IsNear(candidate.centroid_W, candidate.length_scale * kPlaneGrowth_m);
   });
 }
 
@@ -195,7 +195,7 @@ void PlaneTracker::AddFacesOfEarlierViews(int plane) {
   for (const int f : FacesOnPlane(faces_, free, tentative.estimate.plane_W, max_distance_m)) {
     const SurfaceFace& face = faces_.faces[f];
     if (face.n_W.dot(tentative.estimate.plane_W.n) > 0 &&
-        tentative.extent.IsNear(face.centre_W, kPlaneGrowth_m))
+        tentative.extent.IsNear(face.centre_W, face.length_scale * kPlaneGrowth_m))
       plane_index_of_face_[f] = plane;
   }
 }
@@ -216,8 +216,9 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
     if (plane_index_of_face_[f] != plane) continue;
     on_plane.push_back(static_cast<int>(f));
     for (const int corner : faces_.faces[f].corners) {
+      const FacePoint& point = faces_.points[corner];
       if (landmark_of_point_[corner] >= 0 &&
-          faces_.points[corner].SigmaAlong(n_W) < kMaxLandmarkSigma_m)
+          point.SigmaAlong(n_W) < point.length_scale * kMaxLandmarkSigma_m)
         corners.push_back(corner);
     }
   }
@@ -230,8 +231,7 @@ bool PlaneTracker::HasEnoughLandmarks(int plane) const {
   std::vector<double> weights;
   for (const int corner : corners) {
     points.push_back(faces_.points[corner].p_W);
-    weights.push_back(
-        1 / (faces_.points[corner].VarianceAlong(n_W) + kSurfaceFlatness_m * kSurfaceFlatness_m));
+    weights.push_back(1 / faces_.points[corner].VarianceFromSurface(n_W));
   }
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   const double extent_m = FitPlane(points, weights).extent_minor_m;
@@ -256,12 +256,15 @@ void PlaneTracker::Confirm(PlaneAssignments& out) {
       ReleaseFacesOfEarlierViews(static_cast<int>(k));  // another plane may need them
       continue;
     }
+    const Vector3d centroid_W = plane.extent.Centroid(plane.estimate.plane_W);
     std::optional<PlaneId> id;
-    if (MayReidentify())
-      id = retired_.Reidentify(kSamePlaneAngle, options_.detection.max_distance_m, plane);
+    if (MayReidentify()) {
+      const double length_scale = LengthScale((centroid_W - faces_.camera.p_W).norm());
+      id = retired_.Reidentify(
+          kSamePlaneAngle, length_scale * options_.detection.max_distance_m, plane);
+    }
     plane.Confirm(id ? *id : PlaneId{next_id_++}, now_);
-    out.created.push_back(
-        {plane.id, plane.estimate.plane_W, plane.extent.Centroid(plane.estimate.plane_W)});
+    out.created.push_back({plane.id, plane.estimate.plane_W, centroid_W});
   }
 }
 

@@ -11,14 +11,15 @@ struct DetectionOptions {
   /// A plane that leans more than this, and more than three of its sigmas, is neither level nor
   /// upright but oblique [deg].
   double max_plane_lean_deg = 2;
-  /// Least surface of a plane, seen from kFullSizeDistance_m or farther; nearer, what fills the
-  /// same part of the view is enough [m^2]. Smaller: more and less certain planes.
+  /// Least surface of a plane, seen from kFullSizeDistance_m to kFarDistance_m; nearer and farther,
+  /// what fills the same part of the view there is needed [m^2]. Smaller: more and less certain
+  /// planes.
   double min_area_m2 = 0.15;
   /// Least spread (1-sigma) of a plane's points in its narrow direction, and of the landmarks of a
-  /// new plane; less where it is near, as for the surface [m].
+  /// new plane; less where it is near, more where it is far, as for the surface [m].
   double min_extent_m = 0.12;
   /// Points farther from a plane than this are not on it, however uncertain they are, and parallel
-  /// surfaces nearer to each other than this cannot be told apart [m].
+  /// surfaces nearer to each other than this cannot be told apart; up to kFarDistance_m [m].
   double max_distance_m = 0.05;
   /// Least number of faces of a plane (the paper: 20).
   int min_faces = 0;

@@ -56,13 +56,14 @@ void AttachLandmarks(const std::vector<PlaneAttachment>& attachments,
     }
     const WindowPlane& plane = window.planes[index];
     const double sigma_m = SigmaAlong(geometry, *landmark, plane.n, noise);
-    if (!(sigma_m <= limits.max_sigma_m)) continue;
+    if (!(sigma_m <= attachment.length_scale * limits.max_sigma_m)) continue;
     const double distance_m = std::abs(plane.SignedDistance(window.PositionOf(*landmark)));
     const double max_distance_m = std::max({limits.max_distance_m,
                                             attachment.max_distance_m,
                                             3 * std::hypot(sigma_m, noise.plane_sigma_m)});
     if (distance_m > max_distance_m || landmark->planes.count() == PlaneLinks::kMax) continue;
-    landmark->planes.Add(index, evidence.RowScale(window, *landmark, index));
+    landmark->planes.Add(index,
+                         attachment.length_scale * evidence.RowScale(window, *landmark, index));
   }
 }
 

@@ -80,6 +80,27 @@ TEST(PlaneMembershipTest, FarOrUncertainLandmarksDoNotJoin) {
   EXPECT_EQ(scene.window().CountPlaneLandmarks(), (std::vector<int>{0, 1}));
 }
 
+// Far away more may stand out of a surface, and landmarks are known less.
+TEST(PlaneMembershipTest, FarLandmarksJoinWithLargerSigmas) {
+  Scene scene(2);
+  PlaneAssignments join;
+  join.created = {scene.PlaneAt(1, 0.0)};
+  join.attached = {{scene.landmark, PlaneId{1}, 0, 1}};
+  const double max_sigma_m = scene.limits.max_sigma_m;
+  scene.limits.max_sigma_m = 1e-9;
+  scene.Apply(join);
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), std::vector<int>{0});
+  join.attached[0].length_scale = max_sigma_m / 1e-9;
+  scene.Apply(join);
+  EXPECT_EQ(scene.window().CountPlaneLandmarks(), std::vector<int>{1});
+  scene.window().Find(scene.landmark)->planes.Remove(0);
+  scene.limits.max_sigma_m = max_sigma_m;
+  join.attached[0].length_scale = 3;
+  scene.Apply(join);
+  ASSERT_EQ(scene.window().CountPlaneLandmarks(), std::vector<int>{1});
+  EXPECT_EQ(scene.window().Find(scene.landmark)->planes.row_scale(0), 3);
+}
+
 TEST(PlaneMembershipTest, OutliersAreDetached) {
   Scene scene(3);
   PlaneAssignments join;

@@ -78,8 +78,7 @@ WeightedPoints PointsOn(const TrackedPlane& plane,
     const FacePoint& point = faces.points[i];
     const double distance_m = std::abs(plane_W.SignedDistance(point.p_W));
     if (!(distance_m <= kMaxDistance_m) || around.AreOthersThan(index, i)) continue;
-    const double variance =
-        point.VarianceAlong(plane_W.n) + kSurfaceFlatness_m * kSurfaceFlatness_m;
+    const double variance = point.VarianceFromSurface(plane_W.n);
     if (!(variance <= kMaxPointSigma_m * kMaxPointSigma_m)) continue;
     const double gate = 3 * std::sqrt(variance + uncertainty.VarianceAt(point.p_W));
     if (distance_m > gate || !plane.extent.HasSurface(point.p_W)) continue;

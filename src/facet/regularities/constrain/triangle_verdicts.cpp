@@ -22,7 +22,7 @@ using Planes = std::uint64_t;  // one bit for each of the first 64; the estimato
 constexpr std::size_t kMaxPlanes = 64;
 // A triangle with one or two corners on a plane is no surface when another corner is farther from
 // the plane than the first, one between several planes when it passes farther than the second from
-// all.
+// all; both times the length scale (far_surfaces.h).
 constexpr double kMinGap_m = 0.06, kMaxCut_m = 0.03;
 
 template <class Function>
@@ -61,23 +61,32 @@ class Judge {
     return (points_[t[1]].p_W - a).cross(points_[t[2]].p_W - a).normalized();
   }
 
+  double ScaleOf(const Triangle& t) const {
+    return std::max(
+        {points_[t[0]].length_scale, points_[t[1]].length_scale, points_[t[2]].length_scale});
+  }
+
   // By the gates with which faces are assigned to planes, and near their extents.
   void FindPointsOnPlanes() {
     on_.assign(points_.size(), 0);
     const NearPoints near(points_.size(),
                           [&](std::size_t i) -> const Vector3d& { return points_[i].p_W; });
+    const double max_distance_m = options_.detection.max_distance_m;
+    double max_scale = 1;
+    for (const FacePoint& point : points_)
+      max_scale = std::max(max_scale, point.length_scale);
     for (std::size_t k = 0; k < planes_.size(); ++k) {
       const Plane& plane = planes_[k].plane_W();
-      near.ForEachNear(plane, options_.detection.max_distance_m, [&](std::size_t i) {
+      near.ForEachNear(plane, max_scale * max_distance_m, [&](std::size_t i) {
         const FacePoint& point = points_[i];
         if (plane.n.dot(point.ray_W) > 0) return;  // from behind it is another surface
-        const double variance = point.VarianceAlong(plane.n) +
-                                kSurfaceFlatness_m * kSurfaceFlatness_m +
-                                planes_[k].uncertainty.VarianceAt(point.p_W);
+        const double variance =
+            point.VarianceFromSurface(plane.n) + planes_[k].uncertainty.VarianceAt(point.p_W);
         const double distance_m = plane.SignedDistance(point.p_W);
-        if (distance_m * distance_m > SquaredGate(variance, options_.detection.max_distance_m))
+        if (distance_m * distance_m > SquaredGate(variance, max_distance_m, point.length_scale))
           return;
-        if (planes_[k].tracked->extent.IsNear(point.p_W, kPlaneGrowth_m)) on_[i] |= Planes{1} << k;
+        const double growth_m = point.length_scale * kPlaneGrowth_m;
+        if (planes_[k].tracked->extent.IsNear(point.p_W, growth_m)) on_[i] |= Planes{1} << k;
       });
     }
   }
@@ -106,7 +115,7 @@ class Judge {
     double gap_m = 0;
     for (const int corner : t)
       gap_m = std::max(gap_m, std::abs(Distance(plane, corner)));
-    return gap_m > kMinGap_m && !IsContinued(t, plane);
+    return gap_m > ScaleOf(t) * kMinGap_m && !IsContinued(t, plane);
   }
 
   // The plane on which most of the corners lie, -1: none has any.
@@ -135,7 +144,7 @@ class Judge {
       ForEachPlane(planes, [&](int k) {
         least_m = std::min(least_m, std::abs(planes_[k].plane_W().SignedDistance(p)));
       });
-      if (least_m > kMaxCut_m) return true;
+      if (least_m > ScaleOf(t) * kMaxCut_m) return true;
     }
     return false;
   }

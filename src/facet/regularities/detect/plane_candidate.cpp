@@ -38,7 +38,15 @@ struct WeightedPlane {
   std::vector<double> weights;
   double total_weight = 0;
   double expected_thickness_m = 0;
+  double length_scale = 1;
 };
+
+double MeanLengthScale(const SurfaceFaces& faces, const std::vector<int>& corners) {
+  double sum = 0;
+  for (const int corner : corners)
+    sum += faces.points[corner].length_scale;
+  return corners.empty() ? 1 : sum / static_cast<double>(corners.size());
+}
 
 // Lists each corner of some faces once. It keeps its marks, because it is asked several times for
 // every plane that is tried.
@@ -75,12 +83,13 @@ WeightedPlane FitCorners(const SurfaceFaces& faces,
   out.points.reserve(corners.size());
   out.weights.reserve(corners.size());
   for (const int corner : corners) {
-    const double variance = faces.points[corner].VarianceAlong(n_W);
-    out.points.push_back(faces.points[corner].p_W);
-    out.weights.push_back(1 / (variance + kSurfaceFlatness_m * kSurfaceFlatness_m));
+    const FacePoint& point = faces.points[corner];
+    out.points.push_back(point.p_W);
+    out.weights.push_back(1 / point.VarianceFromSurface(n_W));
     out.total_weight += out.weights.back();
   }
   if (out.points.empty()) return out;
+  out.length_scale = MeanLengthScale(faces, corners);
   out.fit = FitPlane(out.points, out.weights);
   out.expected_thickness_m = std::sqrt(static_cast<double>(out.points.size()) / out.total_weight);
   if (out.fit.plane.n.dot(n_W) < 0) {
@@ -126,8 +135,9 @@ std::vector<std::vector<int>> ConnectedPieces(const SurfaceFaces& faces,
                                               const std::vector<int>& corners,
                                               const Plane& plane_W) {
   const Matrix<3, 2> basis = TangentBasis(plane_W.n);
+  const double cell_m = MeanLengthScale(faces, corners) * kCell_m;
   const auto cell_of = [&](const Vector3d& p_W) {
-    const Vector2d xy = basis.transpose() * p_W / kCell_m;
+    const Vector2d xy = basis.transpose() * p_W / cell_m;
     return Cell(static_cast<int>(std::floor(xy.x())), static_cast<int>(std::floor(xy.y())));
   };
   std::vector<Cell> cells, middles;
@@ -162,7 +172,8 @@ Matrix3d NormalCovariance(const WeightedPlane& plane, double inflation) {
 
 // Large, thin, wide and straight enough.
 bool IsAcceptable(const WeightedPlane& plane, const Plane& start, double min_extent_m) {
-  const double max_thickness = std::max(kMaxThickness_m, 1.5 * plane.expected_thickness_m);
+  const double max_thickness =
+      std::max(plane.length_scale * kMaxThickness_m, 1.5 * plane.expected_thickness_m);
   return static_cast<int>(plane.points.size()) >= kMinVertices &&
          plane.fit.extent_minor_m >= min_extent_m && plane.fit.thickness_m <= max_thickness &&
          plane.fit.plane.n.dot(start.n) >= std::cos(kMaxTurn);
@@ -188,7 +199,9 @@ PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
   candidate.area_m2 = AreaOf(faces, on_plane);
   candidate.thickness_m = plane.fit.thickness_m;
   candidate.normal_covariance = NormalCovariance(plane, inflation);
-  candidate.offset_variance_m2 = inflation / plane.total_weight + kCommonOffset_m * kCommonOffset_m;
+  candidate.length_scale = plane.length_scale;
+  const double common_m = plane.length_scale * kCommonOffset_m;
+  candidate.offset_variance_m2 = inflation / plane.total_weight + common_m * common_m;
   candidate.orientation =
       OrientationOf(candidate.plane_W.n, candidate.normal_covariance, options.max_plane_lean_deg);
   if (SideOf(faces, on_plane, candidate.plane_W.n) < 0) {
@@ -242,7 +255,7 @@ class CandidateSearch {
     for (const std::vector<int>& piece : pieces) {
       if (SearchAreaOf(faces_, piece) < min_area_m2_) continue;
       const WeightedPlane fit = Fit(piece, start.n);
-      const auto step = FindStep(fit.points, fit.weights, fit.fit);
+      const auto step = FindStep(fit.points, fit.weights, fit.fit, fit.length_scale);
       if (!step) {
         Accept(piece, fit, start, out);
       } else if (num_splits > 0) {
@@ -334,7 +347,7 @@ std::vector<int> FacesAround(const SurfaceFaces& faces,
   for (const int f : pool) {
     const SurfaceFace& face = faces.faces[f];
     if (std::abs(face.n_W.dot(start.n)) >= kMinAroundCosine &&
-        std::abs(start.SignedDistance(face.centre_W)) <= kMaxAround_m)
+        std::abs(start.SignedDistance(face.centre_W)) <= face.length_scale * kMaxAround_m)
       out.push_back(f);
   }
   return out;
@@ -348,14 +361,16 @@ std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
   const auto is_near = [&](int corner) {
     const FacePoint& point = faces.points[corner];
     const double distance = std::abs(plane_W.SignedDistance(point.p_W));
-    if (distance <= band_m) return true;
-    return distance <= max_distance_m && distance * distance <= 9 * point.VarianceAlong(plane_W.n);
+    if (distance <= point.length_scale * band_m) return true;
+    return distance <= point.length_scale * max_distance_m &&
+           distance * distance <= 9 * point.VarianceAlong(plane_W.n);
   };
   std::vector<int> out;
   for (const int f : pool) {
     const SurfaceFace& face = faces.faces[f];
     // Most faces are far away, and the middle of a face tells.
-    if (std::abs(plane_W.SignedDistance(face.centre_W)) > max_distance_m) continue;
+    if (std::abs(plane_W.SignedDistance(face.centre_W)) > face.length_scale * max_distance_m)
+      continue;
     if (std::abs(face.n_W.dot(plane_W.n)) < kMinFaceCosine) continue;
     if (std::all_of(face.corners.begin(), face.corners.end(), is_near)) out.push_back(f);
   }

@@ -16,7 +16,8 @@ struct PlaneCandidate {
   Vector3d centroid_W = Vector3d::Zero();
   PlaneOrientation orientation = PlaneOrientation::kOblique;
   double area_m2 = 0;
-  double thickness_m = 0;  ///< RMS distance of the vertices
+  double length_scale = 1;  ///< mean of its vertices (far_surfaces.h)
+  double thickness_m = 0;   ///< RMS distance of the vertices
   /// Covariance of the normal [rad^2, rank 2] and variance of n . centroid [m^2], camera given.
   Matrix3d normal_covariance = Matrix3d::Zero();
   double offset_variance_m2 = 0;
@@ -24,7 +25,7 @@ struct PlaneCandidate {
 };
 
 /// The faces of `pool` on the plane: all corners within three sigmas (at least 1 cm, at most
-/// `max_distance_m`), the normal within 25 deg.
+/// `max_distance_m`, far away more), the normal within 25 deg.
 std::vector<int> FacesOnPlane(const SurfaceFaces& faces,
                               std::span<const int> pool,
                               const Plane& plane_W,
@@ -36,13 +37,14 @@ double AreaOf(const SurfaceFaces& faces, std::span<const int> on_plane);
 /// What these faces count for in the search (SurfaceFace::search_area_m2).
 double SearchAreaOf(const SurfaceFaces& faces, std::span<const int> on_plane);
 
-/// Least spread of the points of a plane with these faces [m]: less for what is near.
+/// Least spread of the points of a plane with these faces [m]: less for what is near, more for what
+/// is far away.
 double MinExtent_m(const SurfaceFaces& faces,
                    std::span<const int> on_plane,
                    const DetectionOptions& options);
 
-/// The faces of `pool` within half a metre and 45 deg, which are all that a plane fitted from
-/// `start` may have.
+/// The faces of `pool` within half a metre (far away more) and 45 deg, which are all that a plane
+/// fitted from `start` may have.
 std::vector<int> FacesAround(const SurfaceFaces& faces,
                              std::span<const int> pool,
                              const Plane& start);

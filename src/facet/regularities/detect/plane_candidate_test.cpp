@@ -89,6 +89,40 @@ TEST(PlaneCandidateTest, TwoTablesOfOneHeightAreTwoPlanes) {
   EXPECT_GT(std::abs(found[0].centroid_W.y() - found[1].centroid_W.y()), 2.5);
 }
 
+// A world that is larger by a factor, seen from as far by it and with as many pixels of error.
+SurfaceFaces TwoTablesAndAStep(double size) {
+  TestView view;
+  view.camera_W = {0, 0, size * 1.5};
+  view.sigma_depth_m = size * 0.02;
+  std::vector<Patch> patches = {MakeFloor({4.5, -2.5, 0.7}, 1.4, 1.6),
+                                MakeFloor({4.5, 0, 0.7}, 1.4, 1.6),
+                                MakeFloor({4.5, 1.8, 0.78}, 1.4, 2)};
+  for (Patch& patch : patches) {
+    patch.centre_W *= size;
+    patch.half_a_W *= size;
+    patch.half_b_W *= size;
+    patch.step_m *= size;
+  }
+  return MakeFaces(patches, view);
+}
+
+TEST(PlaneCandidateTest, FarAwayALargerWorldHasTheSamePlanes) {
+  const std::vector<PlaneCandidate> small = Fit(TwoTablesAndAStep(1), {Vector3d::UnitZ(), 0.7});
+  ASSERT_GE(small.size(), 2u);
+  for (const double size : {2.0, 7.0}) {
+    const auto large = Fit(TwoTablesAndAStep(size), {Vector3d::UnitZ(), size * 0.7});
+    ASSERT_EQ(large.size(), small.size());
+    for (std::size_t k = 0; k < small.size(); ++k) {
+      EXPECT_EQ(large[k].faces, small[k].faces);
+      EXPECT_LT(AngleBetween(large[k].plane_W.n, small[k].plane_W.n), 1e-6);
+      EXPECT_NEAR(large[k].plane_W.d / size, small[k].plane_W.d, 1e-9);
+      EXPECT_NEAR(large[k].length_scale / size, small[k].length_scale, 1e-9);
+      EXPECT_NEAR(large[k].offset_variance_m2 / (size * size), small[k].offset_variance_m2, 1e-12);
+      EXPECT_LT((large[k].normal_covariance - small[k].normal_covariance).norm(), 1e-12);
+    }
+  }
+}
+
 TEST(PlaneCandidateTest, TooSmallTooFewTooNarrowTooThickIsNone) {
   TestView view;
   view.camera_W = {0, 0, 1};

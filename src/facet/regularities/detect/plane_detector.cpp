@@ -18,6 +18,12 @@ constexpr double kVoteSigma_m = 0.03, kVoteSigma = 5 * kDegree;
 // New planes of each kind per keyframe, at most: the next keyframe finds the others.
 constexpr int kMaxCandidates = 6;
 
+// Faces vote together with those whose length scale is at most twice as large, so that kernels are
+// as wide as what is known there.
+int LayerOf(const SurfaceFace& face) {
+  return std::ilogb(face.length_scale);
+}
+
 }  // namespace
 
 std::vector<PlaneCandidate> PlaneDetector::Detect(const SurfaceFaces& faces,
@@ -30,8 +36,13 @@ std::vector<PlaneCandidate> PlaneDetector::Detect(const SurfaceFaces& faces,
     if (face.may_vote && (face.in_view || !options_.only_in_view) && taken_[f] == 0)
       pool_.push_back(static_cast<int>(f));
   }
-  FindLevel(faces, out);
-  FindUpright(faces, out);
+  int last_layer = 0;
+  for (const int f : pool_)
+    last_layer = std::max(last_layer, LayerOf(faces.faces[f]));
+  for (int layer = 0; layer <= last_layer; ++layer) {
+    FindLevel(faces, layer, out);
+    FindUpright(faces, layer, out);
+  }
   if (options_.oblique) FindOblique(faces, out);
   return out;
 }
@@ -79,40 +90,44 @@ void PlaneDetector::TakePeaks(const SurfaceFaces& faces,
   }
 }
 
-void PlaneDetector::FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
+void PlaneDetector::FindLevel(const SurfaceFaces& faces,
+                              int layer,
+                              std::vector<PlaneCandidate>& out) {
   const double min_z = std::cos(kMaxFaceLean);
   std::vector<char> votes(faces.faces.size(), 0);
   double lowest = 0, highest = 0;
   bool any = false;
   for (const int f : pool_) {
     const SurfaceFace& face = faces.faces[f];
-    if (std::abs(face.n_W.z()) < min_z) continue;
+    if (std::abs(face.n_W.z()) < min_z || LayerOf(face) != layer) continue;
     votes[f] = 1;
     lowest = any ? std::min(lowest, face.centre_W.z()) : face.centre_W.z();
     highest = any ? std::max(highest, face.centre_W.z()) : face.centre_W.z();
     any = true;
   }
   if (!any) return;
-  heights_.Reset(lowest, highest, kVoteSigma_m);
+  heights_.Reset(lowest, highest, std::ldexp(kVoteSigma_m, layer));
   const auto vote = [&](int f, double sign) {
     heights_.Add(faces.faces[f].centre_W.z(), sign * faces.faces[f].search_area_m2);
   };
   TakePeaks(faces, heights_, votes, vote, out);
 }
 
-void PlaneDetector::FindUpright(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {
+void PlaneDetector::FindUpright(const SurfaceFaces& faces,
+                                int layer,
+                                std::vector<PlaneCandidate>& out) {
   const double max_z = std::sin(kMaxFaceLean);
   std::vector<char> votes(faces.faces.size(), 0);
   const Vector3d origin = options_.world_origin ? Vector3d(Vector3d::Zero()) : faces.camera.p_W;
   double radius = 0;
   for (const int f : pool_) {
     const SurfaceFace& face = faces.faces[f];
-    if (std::abs(face.n_W.z()) > max_z) continue;
+    if (std::abs(face.n_W.z()) > max_z || LayerOf(face) != layer) continue;
     votes[f] = 1;
     radius = std::max(radius, (face.centre_W - origin).head<2>().norm());
   }
   if (radius == 0) return;
-  walls_.Reset(origin, radius, kVoteSigma_m, kVoteSigma);
+  walls_.Reset(origin, radius, std::ldexp(kVoteSigma_m, layer), kVoteSigma);
   const auto vote = [&](int f, double sign) {
     const SurfaceFace& face = faces.faces[f];
     const double weight = sign * face.search_area_m2;

@@ -21,8 +21,8 @@ class PlaneDetector {
   std::vector<PlaneCandidate> Detect(const SurfaceFaces& faces, const std::vector<char>& taken);
 
  private:
-  void FindLevel(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out);
-  void FindUpright(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out);
+  void FindLevel(const SurfaceFaces& faces, int layer, std::vector<PlaneCandidate>& out);
+  void FindUpright(const SurfaceFaces& faces, int layer, std::vector<PlaneCandidate>& out);
   void FindOblique(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out);
   /// Has the faces marked in `has_voted` vote, and accepts what stands behind the highest peaks.
   template <class Votes, class Vote>

@@ -96,6 +96,24 @@ TEST(PlaneDetectorTest, FindsWhatFillsTheViewHoweverSmall) {
   }
 }
 
+// A wall of a hall, whose points are known to decimetres there.
+TEST(PlaneDetectorTest, FindsWallsFarAway) {
+  int num_remnants = 0;  // planes of the few faces beyond the gate
+  for (int seed = 1; seed <= 20; ++seed) {
+    TestView view = ViewAt({0, 0, 2}, seed);
+    view.sigma_depth_m = 0.1;
+    Patch wall = MakeWall({12, 0, 3}, 0.2, 9, 5);
+    wall.step_m = 0.9;
+    const auto found = Detect(MakeFaces({wall}, view));
+    ASSERT_GE(found.size(), 1u) << seed;
+    num_remnants += static_cast<int>(found.size()) - 1;
+    EXPECT_GT(found[0].area_m2, 25) << seed;
+    EXPECT_LT(AngleBetween(found[0].plane_W.n, -wall.ToPlane().n), 4 * kDegree) << seed;
+    EXPECT_NEAR(found[0].plane_W.SignedDistance(wall.centre_W), 0, 0.12) << seed;
+  }
+  EXPECT_LE(num_remnants, 2);
+}
+
 TEST(PlaneDetectorTest, ParallelWallsFortyCentimetresApartAreTwo) {
   for (int degree = 0; degree < 180; degree += 7) {
     const double azimuth = degree * kDegree;

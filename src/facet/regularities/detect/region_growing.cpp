@@ -99,8 +99,9 @@ class GrowingPlane {
     return std::all_of(face.corners.begin(), face.corners.end(), [&](int corner) {
       const FacePoint& point = faces.points[corner];
       const double distance = std::abs(plane.SignedDistance(point.p_W));
-      if (distance <= kMinBand_m) return true;
-      return distance <= kMaxBand_m && distance <= 3 * point.SigmaAlong(plane.n);
+      if (distance <= point.length_scale * kMinBand_m) return true;
+      return distance <= point.length_scale * kMaxBand_m &&
+             distance <= 3 * point.SigmaAlong(plane.n);
     });
   }
 

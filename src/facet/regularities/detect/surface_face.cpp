@@ -9,11 +9,11 @@ namespace {
 constexpr double kSigma_px = 0.7;   // of a vertex in the image
 constexpr double kNearest_m = 0.1;  // nearer surfaces count as if they were here
 
-// By what a surface at this squared distance counts more than its size.
-double Magnification(double square_m2) {
-  constexpr double kFull_m2 = kFullSizeDistance_m * kFullSizeDistance_m;
-  if (square_m2 >= kFull_m2) return 1;
-  return kFull_m2 / std::max(square_m2, kNearest_m * kNearest_m);
+// By what a surface at this distance counts more, or less, than its size.
+double Magnification(double distance_m) {
+  const double nearer = kFullSizeDistance_m / std::max(distance_m, kNearest_m);
+  const double length = std::max(nearer, 1.0) / LengthScale(distance_m);
+  return length * length;
 }
 }  // namespace
 
@@ -24,6 +24,7 @@ FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const FaceCam
   const double distance = ray.norm();
   if (distance > 1e-6) point.ray_W = 1 / distance * ray;
   point.sigma_along_m = sigma_depth_m;
+  point.length_scale = LengthScale(distance);
   point.sigma_across_m = camera.sigma_direction * distance;
   return point;
 }
@@ -58,8 +59,9 @@ void FillSurfaceFaces(const SearchMesh& mesh, SurfaceFaces& out) {
     face.centre_W = 1.0 / 3 * (a + b + c);
     const bool has_area = norm > 1e-12 && std::isfinite(norm);
     face.area_m2 = has_area ? 0.5 * norm : 0;
-    face.search_area_m2 =
-        has_area ? face.area_m2 * Magnification((face.centre_W - mesh.T_WC.p).squaredNorm()) : 0;
+    const double distance_m = (face.centre_W - mesh.T_WC.p).norm();
+    face.search_area_m2 = has_area ? face.area_m2 * Magnification(distance_m) : 0;
+    face.length_scale = LengthScale(distance_m);
     face.n_W = has_area ? Vector3d(1 / norm * n) : Vector3d::UnitZ();
     face.may_vote = mesh.may_vote[f] != 0 && has_area;
     face.in_view = mesh.in_view[f] != 0;

@@ -7,20 +7,21 @@
 
 #include "facet/geometry/angles.h"
 #include "facet/map/map_snapshot.h"
+#include "facet/mesh/far_surfaces.h"
 #include "facet/mesh/search_mesh.h"
 
 namespace facet {
 
-/// How flat real surfaces are, 1-sigma [m].
+/// How flat real surfaces are up to kFarDistance_m, 1-sigma [m].
 inline constexpr double kSurfaceFlatness_m = 0.005;
 
 /// Largest angle between the normals of a face and of the plane that it lies on [rad]: faces of
 /// neighbouring corners with 1 cm of error lean that much.
 inline constexpr double kMaxFaceAngle = 25 * kDegree;
 
-/// From here on a surface counts with its size. Nearer, it counts with the size of what fills the
-/// same part of the view at this distance: a pallet at half a metre is as good a plane as a table
-/// at two [m].
+/// From here on, up to kFarDistance_m, a surface counts with its size. Nearer, it counts with the
+/// size of what fills the same part of the view at this distance: a pallet at half a metre is as
+/// good a plane as a table at two; and farther, of what does so at kFarDistance_m [m].
 inline constexpr double kFullSizeDistance_m = 1.5;
 
 /// A vertex of the mesh with what is known of its distance from the camera.
@@ -29,6 +30,7 @@ struct FacePoint {
   Vector3d ray_W = Vector3d::UnitZ();  ///< unit, from the newest camera
   double sigma_along_m = 0;            ///< 1-sigma along the ray
   double sigma_across_m = 0;           ///< and across it
+  double length_scale = 1;             ///< of its distance (far_surfaces.h)
 
   /// Returns the variance of the point along a unit normal [m^2].
   double VarianceAlong(const Vector3d& n_W) const {
@@ -36,6 +38,14 @@ struct FacePoint {
     return c * c * sigma_along_m * sigma_along_m + (1 - c * c) * sigma_across_m * sigma_across_m;
   }
   double SigmaAlong(const Vector3d& n_W) const { return std::sqrt(VarianceAlong(n_W)); }
+
+  /// How flat the surface that it lies on is, 1-sigma [m].
+  double Flatness_m() const { return length_scale * kSurfaceFlatness_m; }
+
+  /// Variance of its distance from the plane of a surface that it lies on [m^2].
+  double VarianceFromSurface(const Vector3d& n_W) const {
+    return VarianceAlong(n_W) + Flatness_m() * Flatness_m();
+  }
 };
 
 /// Where the points are seen from, and how exactly.
@@ -51,7 +61,8 @@ struct SurfaceFace {
   Vector3d centre_W = Vector3d::Zero();
   Vector3d n_W = Vector3d::UnitZ();  ///< unit, towards the camera that saw it
   double area_m2 = 0;                ///< 0 if a corner is not finite
-  double search_area_m2 = 0;         ///< what it counts for, at least area_m2 (kFullSizeDistance_m)
+  double search_area_m2 = 0;         ///< what it counts for (kFullSizeDistance_m)
+  double length_scale = 1;           ///< of its centre's distance (far_surfaces.h)
   bool may_vote = false;
   bool in_view = false;  ///< seen by the newest keyframe
 };

@@ -45,11 +45,22 @@ double SearchAreaSeenFrom(double distance_m) {
 }
 
 TEST(SurfaceFaceTest, NearSurfacesCountByTheirPartOfTheView) {
-  EXPECT_EQ(SearchAreaSeenFrom(10), 0.5);
+  EXPECT_EQ(SearchAreaSeenFrom(kFarDistance_m), 0.5);
   EXPECT_EQ(SearchAreaSeenFrom(kFullSizeDistance_m), 0.5);
   EXPECT_NEAR(SearchAreaSeenFrom(kFullSizeDistance_m / 2), 2, 1e-12);
   EXPECT_NEAR(SearchAreaSeenFrom(kFullSizeDistance_m / 3), 4.5, 1e-12);
   EXPECT_TRUE(std::isfinite(SearchAreaSeenFrom(0)));
+}
+
+TEST(SurfaceFaceTest, FarSurfacesCountByTheirPartOfTheView) {
+  EXPECT_NEAR(SearchAreaSeenFrom(2 * kFarDistance_m), 0.5 / 4, 1e-12);
+  SurfaceFaces faces;
+  FillSurfaceFaces(OneFace(Vector3d(1.0 / 3, 1.0 / 3, 2 - 3 * kFarDistance_m)), faces);
+  EXPECT_NEAR(faces.faces[0].length_scale, 3, 1e-12);
+  EXPECT_NEAR(faces.points[0].Flatness_m(), 3 * kSurfaceFlatness_m, 1e-3);
+  FillSurfaceFaces(OneFace(Vector3d(1.0 / 3, 1.0 / 3, 2 - 0.9 * kFarDistance_m)), faces);
+  EXPECT_EQ(faces.faces[0].length_scale, 1);
+  EXPECT_EQ(faces.points[0].Flatness_m(), kSurfaceFlatness_m);
 }
 
 TEST(SurfaceFaceTest, SigmaIsThatOfTheDepthAlongTheRayAndSmallAcross) {

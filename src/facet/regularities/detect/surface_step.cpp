@@ -49,7 +49,8 @@ struct LineSums {
 std::optional<SurfaceStep> FindStepAlong(std::span<const Vector3d> points_W,
                                          std::span<const double> weights,
                                          const PlaneFit& fit,
-                                         const Vector3d& direction_W) {
+                                         const Vector3d& direction_W,
+                                         double min_step_m) {
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < points_W.size(); ++i)
     order.emplace_back(direction_W.dot(points_W[i] - fit.centroid), i);
@@ -74,7 +75,7 @@ std::optional<SurfaceStep> FindStepAlong(std::span<const Vector3d> points_W,
   if (!((all.Residual() - apart) / 2 > kMinFStatistic * apart / freedom)) return std::nullopt;
   const double t = 0.5 * (order[best].first + order[best + 1].first);
   const double step = (all - below[best]).At(t) - below[best].At(t);
-  if (std::abs(step) < kMinStep_m) return std::nullopt;
+  if (std::abs(step) < min_step_m) return std::nullopt;
   return SurfaceStep{direction_W, direction_W.dot(fit.centroid) + t};
 }
 
@@ -82,10 +83,13 @@ std::optional<SurfaceStep> FindStepAlong(std::span<const Vector3d> points_W,
 
 std::optional<SurfaceStep> FindStep(std::span<const Vector3d> points_W,
                                     std::span<const double> weights,
-                                    const PlaneFit& fit) {
+                                    const PlaneFit& fit,
+                                    double length_scale) {
   if (points_W.size() < 2 * kMinPoints) return std::nullopt;
-  const auto step = FindStepAlong(points_W, weights, fit, fit.major_W);
-  return step ? step : FindStepAlong(points_W, weights, fit, fit.plane.n.cross(fit.major_W));
+  const double min_step_m = length_scale * kMinStep_m;
+  const Vector3d minor_W = fit.plane.n.cross(fit.major_W);
+  const auto step = FindStepAlong(points_W, weights, fit, fit.major_W, min_step_m);
+  return step ? step : FindStepAlong(points_W, weights, fit, minor_W, min_step_m);
 }
 
 }  // namespace facet

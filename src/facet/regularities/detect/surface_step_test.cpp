@@ -20,9 +20,9 @@ std::vector<Vector3d> PointsWithStep(double step_m, double sigma_m, int num_poin
   return points;
 }
 
-std::optional<SurfaceStep> Find(const std::vector<Vector3d>& points) {
+std::optional<SurfaceStep> Find(const std::vector<Vector3d>& points, double length_scale = 1) {
   const std::vector<double> weights(points.size(), 1 / (0.02 * 0.02));
-  return FindStep(points, weights, FitPlane(points, weights));
+  return FindStep(points, weights, FitPlane(points, weights), length_scale);
 }
 
 TEST(SurfaceStepTest, FindsAStepAndWhereItIs) {
@@ -62,6 +62,8 @@ TEST(SurfaceStepTest, SmallStepsAndFewPointsAreNone) {
   EXPECT_FALSE(Find(PointsWithStep(0.015, 0.001, 200, rng)));
   EXPECT_FALSE(Find(PointsWithStep(0.1, 0.001, 15, rng)));
   EXPECT_FALSE(Find(PointsWithStep(0.1, 0.001, 1, rng)));
+  EXPECT_TRUE(Find(PointsWithStep(0.1, 0.001, 200, rng), 3));  // far away: 9 cm
+  EXPECT_FALSE(Find(PointsWithStep(0.07, 0.001, 200, rng), 3));
 }
 
 }  // namespace

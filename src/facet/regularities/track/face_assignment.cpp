@@ -52,7 +52,8 @@ double WorstCorner(const SurfaceFaces& faces,
     const FacePoint& point = faces.points[corner];
     const double variance = point.VarianceAlong(plane.n) + plane_variance_m2;
     const double distance_m = plane.SignedDistance(point.p_W);
-    worst = std::max(worst, distance_m * distance_m / SquaredGate(variance, max_distance_m));
+    const double gate = SquaredGate(variance, max_distance_m, point.length_scale);
+    worst = std::max(worst, distance_m * distance_m / gate);
     if (worst >= limit) break;
   }
   return worst;
@@ -84,6 +85,9 @@ std::vector<int> AssignFaces(const SurfaceFaces& faces,
   });
   const Timestamp now = map.latest.t;
   const double max_distance_m = options.detection.max_distance_m;
+  double max_scale = 1;
+  for (const SurfaceFace& face : faces.faces)
+    max_scale = std::max(max_scale, face.length_scale);
   const auto is_active = [&](const TrackedPlane& plane) {
     return !plane.IsTentative() && !plane.IsDormant(now, options.tracking.active_s);
   };
@@ -98,17 +102,19 @@ std::vector<int> AssignFaces(const SurfaceFaces& faces,
     std::vector<int> rivals = RivalsOf(tracked, planes);
     std::erase_if(rivals, [&](int other) { return !is_active(planes[other]); });
     // Inside the plane's extent, or near enough to grow there if it is no other plane's.
-    const auto may_have = [&](const Vector3d& p_W) {
-      return tracked.extent.HasSurface(p_W) || (tracked.extent.IsNear(p_W, kPlaneGrowth_m) &&
-                                                !IsForeign(planes, rivals, tracked, p_W));
+    const auto may_have = [&](const SurfaceFace& face) {
+      const Vector3d& p_W = face.centre_W;
+      const double growth_m = face.length_scale * kPlaneGrowth_m;
+      return tracked.extent.HasSurface(p_W) ||
+             (tracked.extent.IsNear(p_W, growth_m) && !IsForeign(planes, rivals, tracked, p_W));
     };
-    centres.ForEachNear(plane, max_distance_m, [&](std::size_t f) {
+    centres.ForEachNear(plane, max_scale * max_distance_m, [&](std::size_t f) {
       const SurfaceFace& face = faces.faces[f];
       if (plane.n.dot(face.n_W) < min_cosine) return;
-      const double variance =
-          uncertainty.VarianceAt(face.centre_W) + kSurfaceFlatness_m * kSurfaceFlatness_m;
+      const double flatness_m = face.length_scale * kSurfaceFlatness_m;
+      const double variance = uncertainty.VarianceAt(face.centre_W) + flatness_m * flatness_m;
       const double worst = WorstCorner(faces, face, plane, variance, best[f], max_distance_m);
-      if (worst >= best[f] || !may_have(face.centre_W)) return;
+      if (worst >= best[f] || !may_have(face)) return;
       best[f] = worst;
       plane_index_of_face[f] = static_cast<int>(k);
     });

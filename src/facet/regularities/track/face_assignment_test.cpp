@@ -97,6 +97,9 @@ TEST_F(FaceAssignmentTest, NothingBeyondTheLargestGateIsClaimed) {
   };
   EXPECT_GT(num_claimed(0.045), 3);
   EXPECT_EQ(num_claimed(0.055), 0);
+  view_.camera_W.x() -= 4 * kFarDistance_m - 3;  // the wall is at x = 3
+  EXPECT_GT(num_claimed(0.19), 3);
+  EXPECT_EQ(num_claimed(0.23), 0);
 }
 
 TEST_F(FaceAssignmentTest, FacesThatLieAcrossAreNotClaimed) {

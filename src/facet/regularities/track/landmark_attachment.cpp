@@ -48,7 +48,9 @@ void AttachLandmarks(const MapSnapshot& map,
     same = end;
     if (count < 2 && 2 * count < faces_around[landmark]) continue;
     const TrackedPlane& known = planes[plane];
-    out.attached.push_back({map.landmarks[landmark].id, known.id, 2 * known.detections.offset_m});
+    const LandmarkEstimate& attached = map.landmarks[landmark];
+    const double length_scale = LengthScale((attached.p_W - faces.camera.p_W).norm());
+    out.attached.push_back({attached.id, known.id, 2 * known.detections.offset_m, length_scale});
   }
 }
 

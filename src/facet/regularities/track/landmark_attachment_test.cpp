@@ -61,6 +61,16 @@ TEST_F(LandmarkAttachmentTest, TwoFacesOrHalfOfThemAreNeeded) {
   EXPECT_EQ(joined[0].landmark, LandmarkId{10});
 }
 
+TEST_F(LandmarkAttachmentTest, LimitsAreLargerFarAway) {
+  plane_index_of_face_[0] = 0;
+  map_.landmarks[1].p_W = {0, 0, 0.5 * kFarDistance_m};
+  map_.landmarks[2].p_W = {0, 0, 3 * kFarDistance_m};
+  const std::vector<PlaneAttachment> joined = Join();
+  ASSERT_EQ(joined.size(), 2u);
+  EXPECT_EQ(joined[0].length_scale, 1);
+  EXPECT_EQ(joined[1].length_scale, 3);
+}
+
 TEST_F(LandmarkAttachmentTest, WhoIsOnThePlaneOrOnOneThatBecameItDoesNotJoinAgain) {
   plane_index_of_face_[0] = 0;
   map_.landmarks[1].planes[0] = PlaneId{7};

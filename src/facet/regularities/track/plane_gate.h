@@ -11,11 +11,12 @@
 namespace facet {
 
 /// Squared distance from a plane up to which a vertex of the mesh is on it [m^2]: three sigmas, but
-/// at least 2 cm and at most `max_distance_m` (DetectionOptions). `variance_m2`: of the distance,
-/// from vertex and plane.
-inline double SquaredGate(double variance_m2, double max_distance_m) {
+/// at least 2 cm and at most `max_distance_m` (DetectionOptions), both times the vertex's
+/// `length_scale`. `variance_m2`: of the distance, from vertex and plane.
+inline double SquaredGate(double variance_m2, double max_distance_m, double length_scale) {
   constexpr double kLeast_m = 0.02;
-  return std::min(std::max(9 * variance_m2, kLeast_m * kLeast_m), max_distance_m * max_distance_m);
+  const double least_m = length_scale * kLeast_m, most_m = length_scale * max_distance_m;
+  return std::min(std::max(9 * variance_m2, least_m * least_m), most_m * most_m);
 }
 
 /// Variance of the distance between one plane and any points that are fixed to the camera: for many

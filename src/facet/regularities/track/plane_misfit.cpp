@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include <Eigen/Cholesky>
@@ -44,6 +45,7 @@ struct PlaneLandmarks {
   std::vector<double> across_m;   // the plane
   std::vector<double> variances;  // of vision, across the plane [m^2]
   std::vector<double> weights;    // [1/m^2]
+  std::vector<double> length_scales;
 };
 
 PlaneLandmarks LandmarksByVision(const MapSnapshot& map,
@@ -58,12 +60,14 @@ PlaneLandmarks LandmarksByVision(const MapSnapshot& map,
         MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, {map.latest.T_WB.p, sigma_direction});
     const double variance = point.VarianceAlong(plane.n);
     const double at_m = plane.SignedDistance(landmark.p_W);
-    const double across_m = (1 + variance / Square(tracked.estimate.row_sigma_m)) * at_m;
-    const double expected = variance + Square(kLandmarkFlatness_m);
+    const double across_m =
+        (1 + variance / Square(point.length_scale * tracked.estimate.row_sigma_m)) * at_m;
+    const double expected = variance + Square(point.length_scale * kLandmarkFlatness_m);
     const double sigmas = std::abs(across_m) / std::sqrt(expected);
     landmarks.points_W.emplace_back(landmark.p_W + (across_m - at_m) * plane.n);
     landmarks.across_m.push_back(across_m);
     landmarks.variances.push_back(variance);
+    landmarks.length_scales.push_back(point.length_scale);
     landmarks.weights.push_back(std::min(1.0, Square(kMaxSigmas / sigmas)) / expected);
   }
   return landmarks;
@@ -88,8 +92,10 @@ void AddExcess(const PlaneLandmarks& landmarks,
     const Vector2d along_m = tangents.transpose() * (landmarks.points_W[i] - centroid_W);
     const double off_m = landmarks.across_m[i] - fit.dot(Vector3d(1, along_m.x(), along_m.y()));
     const double variance = landmarks.variances[i];
-    const double weight = Square(1 / (variance + Square(kLandmarkFlatness_m)));
-    out.excess += weight * (Square(std::min(std::abs(off_m), kMostUneven_m)) - variance);
+    const double length_scale = landmarks.length_scales[i];
+    const double weight = Square(1 / (variance + Square(length_scale * kLandmarkFlatness_m)));
+    const double uneven_m = std::min(std::abs(off_m), length_scale * kMostUneven_m);
+    out.excess += weight * (Square(uneven_m) - variance);
     out.excess_weight += weight;
   }
 }
@@ -128,7 +134,10 @@ std::optional<LandmarkFit> FitLandmarks(const PlaneLandmarks& landmarks,
   best.normal_covariance =
       B * (covariance.bottomRightCorner<2, 2>() + Square(kSigmaSlope) * Matrix2d::Identity()) *
       B.transpose();
-  best.offset_variance_m2 = covariance(0, 0) + Square(kSigmaOffset_m);
+  const double length_scale =
+      std::accumulate(landmarks.length_scales.begin(), landmarks.length_scales.end(), 0.0) /
+      static_cast<double>(num);
+  best.offset_variance_m2 = covariance(0, 0) + Square(length_scale * kSigmaOffset_m);
   LandmarkFit out{ChiSquare(best, plane, T_WB),
                   (square - b.dot(fit)) / static_cast<double>(num),
                   FitCurvature(landmarks.points_W, landmarks.weights, n)};

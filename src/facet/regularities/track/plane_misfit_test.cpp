@@ -93,11 +93,28 @@ TEST(PlaneMisfitTest, LandmarksThatLieTogetherOnAnotherPlaneEndIt) {
             0);
 }
 
-TEST(PlaneMisfitTest, ARowOfThingsEndsInTheLongRun) {
-  const auto things = [](double y, double z) {
-    return 3 + 0.028 * (static_cast<int>(std::floor(10 * y) + std::floor(5 * z)) % 2 == 0 ? 1 : -1);
+// Things that stand out by so much in front of the wall and behind it.
+auto RowOfThings(double by_m) {
+  return [by_m](double y, double z) {
+    const auto place = static_cast<int>(std::floor(10 * y) + std::floor(5 * z));
+    return 3 + by_m * (place % 2 == 0 ? 1 : -1);
   };
-  EXPECT_EQ(EndsAfter([&](int k) { return Seen(things, 0.005, k); }), 8);
+}
+
+TEST(PlaneMisfitTest, ARowOfThingsEndsInTheLongRun) {
+  EXPECT_EQ(EndsAfter([](int k) { return Seen(RowOfThings(0.028), 0.005, k); }), 8);
+}
+
+TEST(PlaneMisfitTest, FarAwayThingsMayStandOutMore) {
+  const auto ends_after = [](double by_m) {
+    return EndsAfter([&](int k) {
+      MapSnapshot map = Seen(RowOfThings(by_m), 0.005, k);
+      map.latest.T_WB.p.x() = 3 - 4 * kFarDistance_m;
+      return map;
+    });
+  };
+  EXPECT_EQ(ends_after(0.028), 0);
+  EXPECT_GT(ends_after(0.2), 0);
 }
 
 TEST(PlaneMisfitTest, UnevenGroundIsTold) {
