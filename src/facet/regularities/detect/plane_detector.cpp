@@ -19,9 +19,10 @@ constexpr double kVoteSigma_m = 0.03, kVoteSigma = 5 * kDegree;
 constexpr int kMaxCandidates = 6;
 
 // Faces vote together with those whose length scale is at most twice as large, so that kernels are
-// as wide as what is known there.
+// as wide as what is known there. The last layer has all that is farther than votes reach.
+constexpr int kLastLayer = 5;
 int LayerOf(const SurfaceFace& face) {
-  return std::ilogb(face.length_scale);
+  return std::min(std::ilogb(face.length_scale), kLastLayer);
 }
 
 }  // namespace
@@ -72,19 +73,18 @@ std::vector<int> PlaneDetector::Accept(const SurfaceFaces& faces,
 template <class Votes, class Vote>
 void PlaneDetector::TakePeaks(const SurfaceFaces& faces,
                               Votes& histogram,
-                              std::vector<char>& has_voted,
                               const Vote& vote,
                               std::vector<PlaneCandidate>& out) {
   for (const int f : pool_) {
-    if (has_voted[f] != 0) vote(f, 1);
+    if (has_voted_[f] != 0) vote(f, 1);
   }
   for (int k = 0; k < kMaxCandidates; ++k) {
     const auto peak = histogram.Highest();
     if (!peak || peak->area_m2 < options_.min_area_m2) return;
     for (const int f : Accept(faces, peak->plane_W, options_.min_area_m2, out)) {
-      if (has_voted[f] == 0) continue;
+      if (has_voted_[f] == 0) continue;
       vote(f, -1);
-      has_voted[f] = 0;
+      has_voted_[f] = 0;
     }
     histogram.Erase(peak->plane_W);
   }
@@ -94,13 +94,13 @@ void PlaneDetector::FindLevel(const SurfaceFaces& faces,
                               int layer,
                               std::vector<PlaneCandidate>& out) {
   const double min_z = std::cos(kMaxFaceLean);
-  std::vector<char> votes(faces.faces.size(), 0);
+  has_voted_.assign(faces.faces.size(), 0);
   double lowest = 0, highest = 0;
   bool any = false;
   for (const int f : pool_) {
     const SurfaceFace& face = faces.faces[f];
     if (std::abs(face.n_W.z()) < min_z || LayerOf(face) != layer) continue;
-    votes[f] = 1;
+    has_voted_[f] = 1;
     lowest = any ? std::min(lowest, face.centre_W.z()) : face.centre_W.z();
     highest = any ? std::max(highest, face.centre_W.z()) : face.centre_W.z();
     any = true;
@@ -110,20 +110,20 @@ void PlaneDetector::FindLevel(const SurfaceFaces& faces,
   const auto vote = [&](int f, double sign) {
     heights_.Add(faces.faces[f].centre_W.z(), sign * faces.faces[f].search_area_m2);
   };
-  TakePeaks(faces, heights_, votes, vote, out);
+  TakePeaks(faces, heights_, vote, out);
 }
 
 void PlaneDetector::FindUpright(const SurfaceFaces& faces,
                                 int layer,
                                 std::vector<PlaneCandidate>& out) {
   const double max_z = std::sin(kMaxFaceLean);
-  std::vector<char> votes(faces.faces.size(), 0);
+  has_voted_.assign(faces.faces.size(), 0);
   const Vector3d origin = options_.world_origin ? Vector3d(Vector3d::Zero()) : faces.camera.p_W;
   double radius = 0;
   for (const int f : pool_) {
     const SurfaceFace& face = faces.faces[f];
     if (std::abs(face.n_W.z()) > max_z || LayerOf(face) != layer) continue;
-    votes[f] = 1;
+    has_voted_[f] = 1;
     radius = std::max(radius, (face.centre_W - origin).head<2>().norm());
   }
   if (radius == 0) return;
@@ -137,7 +137,7 @@ void PlaneDetector::FindUpright(const SurfaceFaces& faces,
       walls_.Add(face.centre_W, face.n_W, weight);
     }
   };
-  TakePeaks(faces, walls_, votes, vote, out);
+  TakePeaks(faces, walls_, vote, out);
 }
 
 void PlaneDetector::FindOblique(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out) {

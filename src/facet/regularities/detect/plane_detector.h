@@ -24,11 +24,10 @@ class PlaneDetector {
   void FindLevel(const SurfaceFaces& faces, int layer, std::vector<PlaneCandidate>& out);
   void FindUpright(const SurfaceFaces& faces, int layer, std::vector<PlaneCandidate>& out);
   void FindOblique(const SurfaceFaces& faces, std::vector<PlaneCandidate>& out);
-  /// Has the faces marked in `has_voted` vote, and accepts what stands behind the highest peaks.
+  /// Has the faces marked in `has_voted_` vote, and accepts what stands behind the highest peaks.
   template <class Votes, class Vote>
   void TakePeaks(const SurfaceFaces& faces,
                  Votes& histogram,
-                 std::vector<char>& has_voted,
                  const Vote& vote,
                  std::vector<PlaneCandidate>& out);
   /// The free faces; keeps what passes and marks its faces. Returns all faces near the plane.
@@ -38,8 +37,8 @@ class PlaneDetector {
                           std::vector<PlaneCandidate>& out);
 
   DetectionOptions options_;
-  std::vector<int> pool_;    // faces that may vote and are free
-  std::vector<char> taken_;  // by face
+  std::vector<int> pool_;                // faces that may vote and are free
+  std::vector<char> taken_, has_voted_;  // by face
   HeightVotes heights_;
   WallVotes walls_;
 };

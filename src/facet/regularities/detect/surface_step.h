@@ -17,9 +17,9 @@ struct SurfaceStep {
   bool IsBeyond(const Vector3d& p_W) const { return direction_W.dot(p_W) > position_m; }
 };
 
-/// The line along which the points jump by at least 3 cm (times the
-/// length scale, far_surfaces.h) from one plane to another, if two planes
-/// explain them clearly better than `fit`. One positive weight per point; `fit` is theirs.
+/// The line along which the points jump by at least 3 cm (times `length_scale`, far_surfaces.h)
+/// from one plane to another, if two planes explain them clearly better than `fit`. One positive
+/// weight per point; `fit` is theirs.
 std::optional<SurfaceStep> FindStep(std::span<const Vector3d> points_W,
                                     std::span<const double> weights,
                                     const PlaneFit& fit,
