@@ -60,13 +60,14 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
   out.segment = result.segment;
   out.state = result.state;
   out.causal = result.causal;
-  const Vector<15> sigma = result.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  out.covariance = result.covariance;
+  if (result.has_state) out.covariance += size_doubt_.CovarianceOf(result.state);
+  const Vector<15> sigma = out.covariance.diagonal().cwiseMax(0).cwiseSqrt();
   out.sigma_theta = sigma.segment<3>(0);
   out.sigma_p = sigma.segment<3>(3);
   out.sigma_v = sigma.segment<3>(6);
   out.sigma_b_g = sigma.segment<3>(9);
   out.sigma_b_a = sigma.segment<3>(12);
-  out.covariance = result.covariance;
   out.num_tracks = static_cast<int>(observations.features.size());
   out.num_landmarks = static_cast<int>(estimator_.window().landmarks().size());
   out.num_planes = static_cast<int>(estimator_.window().planes.size());
@@ -103,10 +104,14 @@ void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
   if (estimator_.calibration_freed_at() != scale_since_) {
     scale_since_ = estimator_.calibration_freed_at();
     scale_.WorldHasChanged();
+    size_doubt_.WorldHasChanged();
   }
   scale_.AddImu(frame.imu);
   if (!out.is_keyframe) return;
-  switch (scale_.AddKeyframe(estimator_.window().frames.back().x)) {
+  const NavState& keyframe = estimator_.window().frames.back().x;
+  const ScaleCheck::Finding finding = scale_.AddKeyframe(keyframe);
+  size_doubt_.AddKeyframe(keyframe, scale_.scale());
+  switch (finding) {
     case ScaleCheck::Finding::kNothing:
       return;
     case ScaleCheck::Finding::kDoubt:

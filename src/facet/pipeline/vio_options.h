@@ -28,7 +28,8 @@ const char* ToString(Formulation formulation);
 struct VioOptions {
   Formulation pipeline = Formulation::kSPR;
   /// Off: a calibration that is grossly wrong is not refused (plausibility/calibration_check.h),
-  /// and the size of the world not compared with the accelerometer (plausibility/scale_check.h).
+  /// and the size of the world not compared with the accelerometer (plausibility/scale_check.h),
+  /// nor doubted in the covariances until it is confirmed (plausibility/size_doubt.h).
   bool check_calibration = true;
   FrontendOptions frontend;
   EstimatorOptions estimator;
@@ -46,10 +47,11 @@ struct VioOptions {
              {"S", "SP", "SPR"},
              "the paper's formulations: no planes, projection factors, planes as variables",
              Audience::kUsers);
-    v.Field("check_calibration",
-            check_calibration,
-            Range{},
-            "refuse a calibration that the images of the first seconds contradict");
+    v.Field(
+        "check_calibration",
+        check_calibration,
+        Range{},
+        "refuse a calibration that the images contradict; sigmas contain the doubt about sizes");
     v.Group("frontend", frontend);
     v.Group("estimator", estimator);
     v.Group("mesh", mesh);

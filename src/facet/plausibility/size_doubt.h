@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the doubt about the size of the world adds to the covariance of the state. An estimator
+// that believes its calibration knows positions no better than that calibration is right, and some
+// calibrations are not what they claim: until the accelerometer has confirmed the size of the
+// world, and where it contradicts it, each way that was flown may be longer or shorter
+// (docs/math.md, section 10.8).
+#pragma once
+
+#include <optional>
+
+#include "facet/imu/imu_types.h"
+#include "facet/plausibility/scale_check.h"
+
+namespace facet {
+
+/// Variance of the relative error of all lengths, by what the accelerometer says of the size so far
+/// (ScaleCheck): few calibrations are wrong by far more than they claim.
+double SizeVariance(const std::optional<ScaleCheck::Scale>& scale);
+
+/// Not thread-safe.
+class SizeDoubt {
+ public:
+  /// After each keyframe that has a pose.
+  void AddKeyframe(const NavState& x, const std::optional<ScaleCheck::Scale>& scale);
+
+  /// The estimator has another calibration from the last keyframe on, and knows how uncertain that
+  /// one is.
+  void WorldHasChanged();
+
+  /// Of theta p v b_g b_a, beside the estimator's own.
+  Matrix<15, 15> CovarianceOf(const NavState& x) const;
+
+ private:
+  Vector3d WayTo(const Vector3d& p_W) const;
+
+  std::optional<Vector3d> origin_;  // where the calibration became what it is
+  Vector3d last_ = Vector3d::Zero();
+  double variance_ = 0;
+  bool has_changed_ = false;
+  Vector3d astray_ = Vector3d::Zero();  // 1-sigma [m] by what the calibrations before were wrong in
+};
+
+}  // namespace facet
