@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/self_calibration.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -25,6 +26,8 @@ constexpr Duration kSettles{5'000'000'000};
 // Of each part. Landmarks and velocities of the time before a step still fit the wrong calibration,
 // and what is learnt with them is too certain; they are gone before the last one.
 constexpr int kMaxLargeSteps = 3;
+// Beside the parameters that were learnt, before which nothing surprises.
+constexpr double kNumAsExpected = 3;
 
 CalibrationMatrix BaselineCovariance(const StereoRig& rig, double share) {
   CalibrationVector change = CalibrationVector::Zero();
@@ -76,6 +79,18 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
   return covariance;
 }
 
+// Sum of the squares of a change in units of what was possible, over what it is expected to be: the
+// number of parameters that were learnt, of which a few count as if they had been as expected.
+double SurpriseOf(const CalibrationVector& delta,
+                  const CalibrationMatrix& possible,
+                  const CalibrationMatrix& left) {
+  const auto num_free = static_cast<double>((possible.diagonal().array() > 0).count());
+  const Eigen::LDLT<CalibrationMatrix> factor(possible);
+  const double squares = delta.dot(CalibrationVector(factor.solve(delta)));
+  const double num_learnt = std::max(num_free - factor.solve(left).trace(), 0.0);
+  return (squares + kNumAsExpected) / (num_learnt + kNumAsExpected);
+}
+
 // What state and clock have in common is that of the newest keyframe. A frame after it may be known
 // better, or turn much faster; then it is less, so that the two still have a joint covariance.
 Vector<15> PossibleCovariance(const Matrix<15, 15>& covariance, const ClockCovariance& clock) {
@@ -95,7 +110,9 @@ Vector<15> PossibleCovariance(const Matrix<15, 15>& covariance, const ClockCovar
 
 SelfCalibration::SelfCalibration(const StereoRig& rig, const CalibrationOptions& options)
     : rig_(rig), options_(options) {
-  if (!options.IsHeld()) start_covariance_ = StartCovariance(rig, options);
+  if (options.IsHeld()) return;
+  start_covariance_ = StartCovariance(rig, options);
+  possible_ = *start_covariance_;
 }
 
 void SelfCalibration::Begin(SlidingWindow& window) const {
@@ -118,6 +135,7 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
                window.calibration->delta(),
                solver.CalibrationCovariance(),
                window.calibration->Refined()};
+  surprise_ = SurpriseOf(kept_->delta, possible_, kept_->covariance);
   if (freed_at_ && now - *freed_at_ < kSettles) return;
   gross_deviations_ = GrossDeviations(rig_, kept_->delta, kept_->covariance, *start_covariance_);
 }
@@ -146,24 +164,31 @@ std::optional<CalibrationMatrix> SelfCalibration::LargeStep() {
   return step;
 }
 
-void SelfCalibration::Walk(SlidingWindow& window) {
-  if (!window.calibration) return;
+bool SelfCalibration::Walk(SlidingWindow& window) {
+  if (!window.calibration || is_doubted_) return false;
   const Timestamp now = window.frames.back().x.t;
-  if (is_doubted_) return;
   const bool is_settled = !freed_at_ || now - *freed_at_ >= kSettles;
-  if (const auto step = is_settled ? LargeStep() : std::nullopt) {
-    TakeRandomStep(*step, window.prior);
+  const auto large = is_settled ? LargeStep() : std::nullopt;
+  if (large) {
+    TakeStep(*large, window);
     if (!freed_at_) gross_deviations_.clear();
     freed_at_ = now;
   }
   if (doubted_share_ != 0 && options_.lens) {
-    TakeRandomStep(BaselineCovariance(rig_, doubted_share_), window.prior);
+    TakeStep(BaselineCovariance(rig_, doubted_share_), window);
     doubted_share_ = 0;
   }
   if (!last_step_) last_step_ = now;
-  if (now - *last_step_ < kStepEvery) return;
-  last_step_ = now;
-  TakeRandomStep(kStepShare * kStepShare * *start_covariance_, window.prior);
+  if (now - *last_step_ >= kStepEvery) {
+    last_step_ = now;
+    TakeStep(kStepShare * kStepShare * *start_covariance_, window);
+  }
+  return large.has_value();
+}
+
+void SelfCalibration::TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window) {
+  TakeRandomStep(covariance, window.prior);
+  possible_ += covariance;
 }
 
 void SelfCalibration::MoveToImage(const SlidingWindow& window,

@@ -30,8 +30,8 @@ class SelfCalibration {
   void Keep(const SlidingWindow& window, const WindowSolver& solver);
 
   /// After marginalisation: from time to time it takes a random step. A part of it that has turned
-  /// out to be wrong by more than was believed possible takes a large one, up to three times.
-  void Walk(SlidingWindow& window);
+  /// out to be wrong by more than was believed possible takes a large one, up to three times: true.
+  bool Walk(SlidingWindow& window);
 
   /// The distance between the cameras may be wrong by this share of it. Counts with the next Walk,
   /// if lenses and stereo pair are estimated.
@@ -47,6 +47,11 @@ class SelfCalibration {
   std::vector<CalibrationDeviation> Gross() const {
     return freed_at_ ? gross_deviations_ : std::vector<CalibrationDeviation>();
   }
+
+  /// How far the calibration, as last kept, is from the given one: mean square in units of what was
+  /// believed possible (Birge's ratio). About 1 for a careful one, less for an exact one, 0 if
+  /// held.
+  double Surprise() const { return surprise_; }
 
   /// When a part took a large step last.
   const std::optional<Timestamp>& freed_at() const { return freed_at_; }
@@ -73,6 +78,7 @@ class SelfCalibration {
     StereoRig rig;
   };
 
+  void TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window);
   /// Of the large step that is due now; empty if none is.
   std::optional<CalibrationMatrix> LargeStep();
   int& NumLargeSteps(CalibrationPart part) {
@@ -82,6 +88,8 @@ class SelfCalibration {
   StereoRig rig_;
   CalibrationOptions options_;
   std::optional<CalibrationMatrix> start_covariance_;
+  CalibrationMatrix possible_ = CalibrationMatrix::Zero();  // with all steps since then
+  double surprise_ = 0;
   ClockCovariance clock_;
   std::optional<Kept> kept_;
   std::optional<Timestamp> last_step_;

@@ -56,6 +56,7 @@ VioEstimator::VioEstimator(const StereoRig& rig,
       start_(rig, options),
       calibration_(rig, options.calibration),
       bias_watch_(noise),
+      stated_covariance_(options.imu.accel_noise_scale),
       optimizer_(rig, options),
       planes_(options),
       updater_(rig, options.solver, BiasWalk(noise, options.imu)) {
@@ -96,7 +97,7 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
 }
 
 Matrix<15, 15> VioEstimator::InWorld(const Matrix<15, 15>& covariance, const NavState& x) const {
-  return segments_.InWorld(covariance, x) + contradiction_.CovarianceOf(x);
+  return segments_.InWorld(stated_covariance_.Of(covariance), x) + contradiction_.CovarianceOf(x);
 }
 
 CausalState VioEstimator::AtImu(const EstimatorResult& result) const {
@@ -211,6 +212,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
       contradiction_.Add(*end->imu_link, std::next(end)->x, end->x, *result.imu_error_sigma);
     }
     WatchBiases();
+    JudgeNoise();
     planes_.Judge(
         solver.PlaneInformation(), solver.PlaneCovariances(), optimizer_.noise(), window_);
     RemoveOutliers();
@@ -225,6 +227,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   segments_.Keep(newest.x, newest_covariance_, result.num_constraining >= kMinLandmarksSeen);
   calibration_.Doubt(newest.x.t, contradiction_.IsRecentAt(newest.x.t));
   calibration_.Keep(window_, optimizer_.solver());
+  stated_covariance_.SetCalibrationSurprise(calibration_.Surprise());
   ScopedStage stage(times, Stage::kMarginalize);
   updater_.SetReference(window_, newest_covariance_, optimizer_.noise());
   Shrink(result.finished_keyframes);
@@ -286,7 +289,7 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     }
     Marginalize(plan, rig_, optimizer_.noise(), window_);
   }
-  calibration_.Walk(window_);
+  if (calibration_.Walk(window_)) stated_covariance_.CalibrationIsFreed(newest_covariance_);
 }
 
 // What contradicts the images bends the biases for a while, and is told for itself.
@@ -297,6 +300,13 @@ void VioEstimator::WatchBiases() {
   const Vector<15> sigma = newest_covariance_.diagonal().cwiseMax(0).cwiseSqrt();
   bias_drift_ = bias_watch_.Add({x.t, x.bias, sigma.segment<3>(9), sigma.segment<3>(12)});
   if (bias_drift_) contradiction_.AddTilt(x, TiltOf(*bias_drift_, options_.imu.gravity_mps2));
+}
+
+void VioEstimator::JudgeNoise() {
+  const auto end = window_.frames.rbegin();
+  if (!end->imu_link || end->imu_link->is_synthetic) return;
+  stated_covariance_.AddImuError(
+      ImuPositionError(*end->imu_link, std::next(end)->x, end->x, window_.GyroScale()));
 }
 
 void VioEstimator::StartOver(EstimatorResult& result) {

@@ -18,6 +18,7 @@
 #include "facet/estimator/solver/window_optimizer.h"
 #include "facet/estimator/start/segments.h"
 #include "facet/estimator/start/vio_start.h"
+#include "facet/estimator/stated_covariance.h"
 #include "facet/estimator/window/imu_intervals.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/map/map_snapshot.h"
@@ -80,6 +81,7 @@ class VioEstimator {
   /// Marginalises what does not fit into the window.
   void Shrink(std::vector<KeyframePose>& finished);
   void WatchBiases();
+  void JudgeNoise();
   /// Gives up the state of the newest frame, a keyframe or not; the next frame is the first one of
   /// another segment.
   void StartOver(EstimatorResult& result);
@@ -104,6 +106,7 @@ class VioEstimator {
   InnovationJudge innovation_judge_;
   Contradiction contradiction_;
   BiasWatch bias_watch_;
+  StatedCovariance stated_covariance_;
   std::optional<BiasDrift> bias_drift_;  // as of the newest keyframe
   WindowOptimizer optimizer_;
   WindowValues before_solve_;  ///< where to return to if wrong landmarks on planes bent the window

@@ -61,7 +61,11 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
   out.state = result.state;
   out.causal = result.causal;
   out.covariance = result.covariance;
-  if (result.has_state) out.covariance += size_doubt_.CovarianceOf(result.state);
+  if (result.has_state) {
+    const Matrix<15, 15> of_size = size_doubt_.CovarianceOf(result.state);
+    out.covariance += of_size;
+    out.causal.covariance += of_size;
+  }
   const Vector<15> sigma = out.covariance.diagonal().cwiseMax(0).cwiseSqrt();
   out.sigma_theta = sigma.segment<3>(0);
   out.sigma_p = sigma.segment<3>(3);

@@ -145,6 +145,14 @@ double ImuErrorSigma(const ImuLink& link,
   return std::isfinite(r.sum()) ? sigma : std::numeric_limits<double>::infinity();
 }
 
+double ImuPositionError(const ImuLink& link,
+                        const NavState& i,
+                        const NavState& j,
+                        const Vector3d& gyro_scale) {
+  const Vector<15> r = link.sqrt_info * ImuError(link.measured, i, j, gyro_scale);
+  return r.segment<3>(3).squaredNorm() / 3;
+}
+
 Vector<15> ImuFactor::Error() const {
   const ImuLink& link = *frame_j_.imu_link;
   return link.sqrt_info * ImuError(link.measured, frame_i_.x, frame_j_.x, gyro_scale_);

@@ -37,6 +37,13 @@ double ImuErrorSigma(const ImuLink& link,
                      const NavState& j,
                      const Vector3d& gyro_scale);
 
+/// Mean square of what the second position is off from the measured motion, in units of the noise
+/// that was assumed; the two velocities have taken up their part of it. Not finite if not a number.
+double ImuPositionError(const ImuLink& link,
+                        const NavState& i,
+                        const NavState& j,
+                        const Vector3d& gyro_scale);
+
 /// IMU and images contradict each other beyond this (ImuErrorSigma of a keyframe). What it finds
 /// and where it is wrong: docs/notebook/faults.md, from "A blind set of ten faults" on.
 inline constexpr double kContradictionSigma = 4;

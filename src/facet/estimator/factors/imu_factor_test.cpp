@@ -102,6 +102,27 @@ TEST(ImuFactorTest, ErrorSigmaOfManyIsManySigmas) {
   EXPECT_TRUE(std::isinf(ImuErrorSigma(link, i, broken, imu.gyro_scale())));
 }
 
+TEST(ImuFactorTest, PositionErrorOfTheAssumedNoiseIsOneInTheMeanSquare) {
+  Rng rng(7);
+  const ImuPreintegration imu = RandomInterval(0.2, rng);
+  const ImuLink link{imu, ImuSqrtInfo(imu, testing::DefaultBiasWalk())};
+  const NavState i = RandomState(rng);
+  const auto error_at = [&](const Vector<15>& step) {
+    return ImuPositionError(link, i, testing::Retract(imu.Predict(i), step), imu.gyro_scale());
+  };
+  EXPECT_LT(error_at(Vector<15>::Zero()), 1e-9);
+  double sum = 0;
+  constexpr int kRuns = 1000;
+  for (int run = 0; run < kRuns; ++run) {
+    Vector<15> noise;
+    for (int k = 0; k < 15; ++k)
+      noise[k] = rng.Normal();
+    sum += error_at(link.sqrt_info.inverse() * noise);
+  }
+  EXPECT_NEAR(sum / kRuns, 1, 0.1);
+  EXPECT_FALSE(std::isfinite(error_at(Vector<15>::Constant(std::nan("")))));
+}
+
 TEST(ImuFactorTest, AScaleFactorOfTheSensorIsNoError) {
   Rng rng(4);
   for (int run = 0; run < 20; ++run) {

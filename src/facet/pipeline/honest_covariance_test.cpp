@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the states of the whole back half claim to know with right and wrong calibrations, on
+// simulated features.
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "facet/geometry/so3.h"
+#include "facet/sim/euroc_rig.h"
+#include "facet/sim/feature_simulator.h"
+#include "facet/testing/pipeline/simulated_front.h"
+
+namespace facet {
+namespace {
+
+constexpr double kDuration_s = 25;
+
+// Position and heading of the first pose are those of the world; it may not be level.
+SE3 AlignLevel(const SE3& estimate, const SE3& truth) {
+  const double yaw = LogSO3(estimate.q * truth.q.conjugate()).z();
+  const Quaterniond q = ExpSO3(Vector3d(0, 0, yaw));
+  return {q, estimate.p - q * truth.p};
+}
+
+using RigChange = std::function<StereoRig(const StereoRig&)>;
+
+RigChange Baseline(double factor) {
+  return [factor](StereoRig rig) {
+    const Vector3d left = rig.T_BC[0].p;
+    rig.T_BC[1].p = left + factor * (rig.T_BC[1].p - left);
+    return rig;
+  };
+}
+
+RigChange FocalLengths(double factor) {
+  return [factor](StereoRig rig) {
+    for (CameraModel& camera : rig.cameras) {
+      CameraIntrinsics k = camera.intrinsics();
+      k.fx *= factor;
+      k.fy *= factor;
+      camera = CameraModel(k);
+    }
+    return rig;
+  };
+}
+
+// `given`: what the estimator takes for the rig.
+double PositionNeesOfFlight(std::uint64_t seed, const RigChange& given, const VioOptions& options) {
+  FeatureSimulatorOptions simulated;
+  simulated.max_tracks = 150;
+  simulated.pixel_sigma = 0.1;
+  simulated.duration_s = kDuration_s;
+  SimulatedRun run = SimulateFeatures(
+      SplineTrajectory::Fit(MakeFlight(kDuration_s, seed)), EurocRig(), simulated, seed);
+  run.rig = given(run.rig);
+
+  std::size_t frame = 0;
+  int num_states = 0;
+  double nees = 0;
+  std::optional<SE3> T_W_truth;
+  testing::RunOnFeatures(run, options, [&](const VioOutput& output) {
+    const SE3& truth = run.truth[frame++].T_WB;
+    if (!output.has_pose) return;
+    if (!T_W_truth) T_W_truth = AlignLevel(output.state.T_WB, truth);
+    const Vector3d error = output.state.T_WB.p - *T_W_truth * truth.p;
+    nees += error.cwiseQuotient(output.sigma_p).squaredNorm() / 3;
+    ++num_states;
+  });
+  return nees / num_states;
+}
+
+// Mean of a few flights.
+double PositionNees(const RigChange& given, bool check_calibration = true) {
+  constexpr int kFlights = 3;
+  VioOptions options;
+  options.mesh.enabled = false;
+  options.check_calibration = check_calibration;
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= kFlights; ++seed)
+    sum += PositionNeesOfFlight(seed, given, options);
+  return sum / kFlights;
+}
+
+TEST(HonestCovarianceTest, IsThatOfTheErrorsWithTheRightCalibration) {
+  const double nees = PositionNees(Baseline(1));
+  EXPECT_LT(nees, 2);
+  EXPECT_GT(nees, 0.3);
+}
+
+TEST(HonestCovarianceTest, CoversABaselineThatIsWrong) {
+  const double doubted = PositionNees(Baseline(1.02));
+  EXPECT_LT(doubted, 4) << "most of it in the seconds before anything is measured";
+  EXPECT_GT(PositionNees(Baseline(1.02), false), 4 * doubted);
+}
+
+TEST(HonestCovarianceTest, CoversFocalLengthsThatAreWrong) {
+  EXPECT_LT(PositionNees(FocalLengths(0.99)), 3);
+  EXPECT_LT(PositionNees(FocalLengths(1.01)), 3);
+}
+
+}  // namespace
+}  // namespace facet
