@@ -21,11 +21,13 @@ struct EstimatorResult {
   bool has_state = false;  ///< false while initialising, and where it is lost
   int segment = 0;         ///< of the state; see Segments
   NavState state;          ///< causal estimate of this frame
-  Matrix<15, 15> covariance =
-      Matrix<15, 15>::Zero();  ///< theta p v b_g b_a; of the smoother, see docs
-  CausalState causal;          ///< the same for whoever goes on with the IMU
-  int num_constraining = 0;    ///< landmarks that constrain the window and are seen in this frame
-  bool was_reset = false;  ///< the state was given up after this frame; the next one starts again
+  /// Theta p v b_g b_a; of the smoother (docs/math.md, section 4.7).
+  Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
+  /// The same as the smoother itself believes it, with its noise and calibration.
+  Matrix<15, 15> solved_covariance = Matrix<15, 15>::Zero();
+  CausalState causal;        ///< the same for whoever goes on with the IMU
+  int num_constraining = 0;  ///< landmarks that constrain the window and are seen in this frame
+  bool was_reset = false;    ///< the state was given up after this frame; the next one starts again
   SolveSummary solve;
   /// Keyframes with an IMU interval: how far it is from the solved window (see ImuErrorSigma).
   std::optional<double> imu_error_sigma;

@@ -82,7 +82,8 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
     calibration_.MoveToImage(
         window_, intermediate_ ? ToImage(*intermediate_) : window_.frames.back().to_image, result);
     result.segment = segments_.id();
-    result.covariance = InWorld(result.covariance, result.state);
+    result.solved_covariance = InWorld(result.covariance, result.state);
+    result.covariance = InWorld(stated_covariance_.Of(result.covariance), result.state);
     if (contradiction_.IsRecentAt(result.state.t) && result.status == TrackingStatus::kOk) {
       result.status = TrackingStatus::kDegraded;
       result.reason = "IMU and images contradict each other";
@@ -97,11 +98,13 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
 }
 
 Matrix<15, 15> VioEstimator::InWorld(const Matrix<15, 15>& covariance, const NavState& x) const {
-  return segments_.InWorld(stated_covariance_.Of(covariance), x) + contradiction_.CovarianceOf(x);
+  return segments_.InWorld(covariance, x) + contradiction_.CovarianceOf(x);
 }
 
 CausalState VioEstimator::AtImu(const EstimatorResult& result) const {
-  CausalState causal{result.state, InWorld(result.covariance, result.state), window_.GyroScale()};
+  CausalState causal{result.state,
+                     InWorld(stated_covariance_.Of(result.covariance), result.state),
+                     window_.GyroScale()};
   causal.x.t = result.state.t + rig_.time_offset;
   return causal;
 }

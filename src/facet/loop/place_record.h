@@ -32,7 +32,7 @@ struct KeyframeView {
   CameraModel camera;  ///< left, by the present calibration
   SE3 T_WB;            ///< causal, of the odometry
   SE3 T_BC;            ///< left camera
-  /// Theta in B [rad] and p in W [m], as the estimator states it.
+  /// Theta in B [rad] and p in W [m], as the estimator believes it.
   Vector3d sigma_theta = Vector3d::Zero(), sigma_p = Vector3d::Zero();
   cv::Mat left;  ///< 8 bit grey
   std::vector<PlacePoint> points;

@@ -75,8 +75,9 @@ void LoopStage::FillView(const cv::Mat& left, const SE3& T_WB, const VioOutput& 
   view_.t = out.t;
   view_.segment = out.segment;
   view_.T_WB = T_WB;
-  view_.sigma_theta = out.sigma_theta;
-  view_.sigma_p = out.sigma_p;
+  const Vector<15> sigma = out.solved_covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  view_.sigma_theta = sigma.segment<3>(0);
+  view_.sigma_p = sigma.segment<3>(3);
   view_.left = left;
   view_.points.clear();
 }

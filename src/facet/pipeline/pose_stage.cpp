@@ -61,6 +61,7 @@ void PoseStage::FillPose(const TrackedFrame& frame, EstimatorResult result, VioO
   out.state = result.state;
   out.causal = result.causal;
   out.covariance = result.covariance;
+  out.solved_covariance = result.solved_covariance;
   if (result.has_state) {
     const Matrix<15, 15> of_size = size_doubt_.CovarianceOf(result.state);
     out.covariance += of_size;

@@ -48,6 +48,8 @@ struct VioOutput {
   Vector3d sigma_b_a = Vector3d::Zero();    ///< 1-sigma [m/s^2]
   /// Of `state`, theta p v b_g b_a: what the sigmas are the diagonal of.
   Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
+  /// The same as the estimator itself believes it: what it grows by is what the odometry drifts.
+  Matrix<15, 15> solved_covariance = Matrix<15, 15>::Zero();
   CausalState causal;              ///< the same for whoever goes on with the IMU
   int num_tracks = 0;              ///< features tracked in this frame
   int num_landmarks = 0;           ///< landmarks in the window
