@@ -80,14 +80,15 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
 }
 
 // Sum of the squares of a change in units of what was possible, over what it is expected to be: the
-// number of parameters that were learnt, of which a few count as if they had been as expected.
+// number of parameters that were learnt, and a few that count as if they had been as expected.
+// Those that are held have nearly no variance, before and after, so that they are not among the
+// learnt.
 double SurpriseOf(const CalibrationVector& delta,
                   const CalibrationMatrix& possible,
                   const CalibrationMatrix& left) {
-  const auto num_free = static_cast<double>((possible.diagonal().array() > 0).count());
   const Eigen::LDLT<CalibrationMatrix> factor(possible);
   const double squares = delta.dot(CalibrationVector(factor.solve(delta)));
-  const double num_learnt = std::max(num_free - factor.solve(left).trace(), 0.0);
+  const double num_learnt = std::max(kNumCalibration - factor.solve(left).trace(), 0.0);
   return (squares + kNumAsExpected) / (num_learnt + kNumAsExpected);
 }
 
@@ -164,13 +165,12 @@ std::optional<CalibrationMatrix> SelfCalibration::LargeStep() {
   return step;
 }
 
-bool SelfCalibration::Walk(SlidingWindow& window) {
-  if (!window.calibration || is_doubted_) return false;
+void SelfCalibration::Walk(SlidingWindow& window) {
+  if (!window.calibration || is_doubted_) return;
   const Timestamp now = window.frames.back().x.t;
   const bool is_settled = !freed_at_ || now - *freed_at_ >= kSettles;
-  const auto large = is_settled ? LargeStep() : std::nullopt;
-  if (large) {
-    TakeStep(*large, window);
+  if (const auto step = is_settled ? LargeStep() : std::nullopt) {
+    TakeStep(*step, window);
     if (!freed_at_) gross_deviations_.clear();
     freed_at_ = now;
   }
@@ -179,16 +179,13 @@ bool SelfCalibration::Walk(SlidingWindow& window) {
     doubted_share_ = 0;
   }
   if (!last_step_) last_step_ = now;
-  if (now - *last_step_ >= kStepEvery) {
-    last_step_ = now;
-    TakeStep(kStepShare * kStepShare * *start_covariance_, window);
-  }
-  return large.has_value();
+  if (now - *last_step_ < kStepEvery) return;
+  last_step_ = now;
+  TakeStep(kStepShare * kStepShare * *start_covariance_, window);
 }
 
 void SelfCalibration::TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window) {
-  TakeRandomStep(covariance, window.prior);
-  possible_ += covariance;
+  if (TakeRandomStep(covariance, window.prior)) possible_ += covariance;
 }
 
 void SelfCalibration::MoveToImage(const SlidingWindow& window,

@@ -30,8 +30,8 @@ class SelfCalibration {
   void Keep(const SlidingWindow& window, const WindowSolver& solver);
 
   /// After marginalisation: from time to time it takes a random step. A part of it that has turned
-  /// out to be wrong by more than was believed possible takes a large one, up to three times: true.
-  bool Walk(SlidingWindow& window);
+  /// out to be wrong by more than was believed possible takes a large one, up to three times.
+  void Walk(SlidingWindow& window);
 
   /// The distance between the cameras may be wrong by this share of it. Counts with the next Walk,
   /// if lenses and stereo pair are estimated.
@@ -88,7 +88,7 @@ class SelfCalibration {
   StereoRig rig_;
   CalibrationOptions options_;
   std::optional<CalibrationMatrix> start_covariance_;
-  CalibrationMatrix possible_ = CalibrationMatrix::Zero();  // with all steps since then
+  CalibrationMatrix possible_ = CalibrationMatrix::Zero();  // that, and all random steps so far
   double surprise_ = 0;
   ClockCovariance clock_;
   std::optional<Kept> kept_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// By what the covariance of the solve is multiplied before it is stated. The solve takes noise as
-// it is for an IMU that shakes on a drone, and the calibration for a careful one; what it leaves
-// over says whether they are (docs/math.md, section 4.7).
+// What the covariance of the solve becomes before it is stated. The solve takes noise for that of
+// an IMU that shakes on a drone, and the calibration for a careful one; what it leaves over says
+// whether they are (docs/math.md, section 4.7).
 #pragma once
 
 #include "facet/base/types.h"
@@ -15,27 +15,46 @@ class StatedCovariance {
   /// IMU is quieter than that.
   explicit StatedCovariance(double accel_noise_scale);
 
-  /// After a keyframe's solve: ImuPositionError of the interval that ends with it.
+  /// After a keyframe's solve: ImuPositionError of the interval that ends with it. Not where
+  /// something else than noise decides: a hole, no landmarks, a contradiction.
   void AddImuError(double mean_square);
 
   /// See SelfCalibration::Surprise.
-  void SetCalibrationSurprise(double ratio) { calibration_surprise_ = ratio; }
+  void SetCalibrationSurprise(double ratio);
 
-  /// The calibration was given room, so that it is no surprise any more; where it has led to stays.
-  /// `newest`: the covariance of the solve.
-  void CalibrationIsFreed(const Matrix<15, 15>& newest);
+  /// After both of a keyframe: the covariance of its solve.
+  void AddKeyframe(const Matrix<15, 15>& solved);
 
-  /// `covariance`: of the solve, of theta p v b_g b_a.
-  Matrix<15, 15> Of(const Matrix<15, 15>& covariance) const;
+  /// The state was given up: the next covariance begins with nothing again.
+  void StartOver();
+
+  /// `solved`: of the solve, of theta p v b_g b_a.
+  Matrix<15, 15> Of(const Matrix<15, 15>& solved) const;
+
+  /// Of the variances that were taken over from before the last StartOver: never less than 1.
+  double OfOrigin() const { return of_origin_; }
 
  private:
-  double OfImu() const;
-  double OfCalibration() const;
+  struct Mean {
+    double max_weight;  // in keyframes
+    double weight = 0, value = 1;
+
+    void Add(double measured);
+  };
+
+  double Measured() const;
+  double Believed(double measured) const;
+  double OfImu() const { return Believed(Measured()); }
+  double OfWay() const { return Believed(of_way_measured_) * of_way_calibration_; }
 
   double least_of_imu_;
-  double imu_sum_ = 0, imu_weight_ = 0;
-  double calibration_surprise_ = 0;
-  Matrix3d astray_ = Matrix3d::Zero();  // of positions
+  Mean imu_lately_{50}, imu_for_long_{500};
+  double of_calibration_ = 1;
+  /// Position and heading are sums of the whole way; each part of it counts as it was when it was
+  /// added.
+  double of_way_measured_ = 1, of_way_calibration_ = 1;
+  double largest_position_variance_ = 0;
+  double of_origin_ = 1;
 };
 
 }  // namespace facet

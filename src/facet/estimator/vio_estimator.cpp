@@ -83,7 +83,7 @@ EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
         window_, intermediate_ ? ToImage(*intermediate_) : window_.frames.back().to_image, result);
     result.segment = segments_.id();
     result.solved_covariance = InWorld(result.covariance, result.state);
-    result.covariance = InWorld(stated_covariance_.Of(result.covariance), result.state);
+    result.covariance = Stated(result.covariance, result.state);
     if (contradiction_.IsRecentAt(result.state.t) && result.status == TrackingStatus::kOk) {
       result.status = TrackingStatus::kDegraded;
       result.reason = "IMU and images contradict each other";
@@ -101,10 +101,15 @@ Matrix<15, 15> VioEstimator::InWorld(const Matrix<15, 15>& covariance, const Nav
   return segments_.InWorld(covariance, x) + contradiction_.CovarianceOf(x);
 }
 
+Matrix<15, 15> VioEstimator::Stated(const Matrix<15, 15>& covariance, const NavState& x) const {
+  Matrix<15, 15> stated = InWorld(stated_covariance_.Of(covariance), x);
+  const double of_origin = stated_covariance_.OfOrigin();
+  if (of_origin > 1) stated += (of_origin - 1) * segments_.InWorld(Matrix<15, 15>::Zero(), x);
+  return stated;
+}
+
 CausalState VioEstimator::AtImu(const EstimatorResult& result) const {
-  CausalState causal{result.state,
-                     InWorld(stated_covariance_.Of(result.covariance), result.state),
-                     window_.GyroScale()};
+  CausalState causal{result.state, Stated(result.covariance, result.state), window_.GyroScale()};
   causal.x.t = result.state.t + rig_.time_offset;
   return causal;
 }
@@ -231,6 +236,7 @@ EstimatorResult VioEstimator::TrackKeyframe(const FrameObservations& observation
   calibration_.Doubt(newest.x.t, contradiction_.IsRecentAt(newest.x.t));
   calibration_.Keep(window_, optimizer_.solver());
   stated_covariance_.SetCalibrationSurprise(calibration_.Surprise());
+  stated_covariance_.AddKeyframe(newest_covariance_);
   ScopedStage stage(times, Stage::kMarginalize);
   updater_.SetReference(window_, newest_covariance_, optimizer_.noise());
   Shrink(result.finished_keyframes);
@@ -292,7 +298,7 @@ void VioEstimator::Shrink(std::vector<KeyframePose>& finished) {
     }
     Marginalize(plan, rig_, optimizer_.noise(), window_);
   }
-  if (calibration_.Walk(window_)) stated_covariance_.CalibrationIsFreed(newest_covariance_);
+  calibration_.Walk(window_);
 }
 
 // What contradicts the images bends the biases for a while, and is told for itself.
@@ -305,9 +311,13 @@ void VioEstimator::WatchBiases() {
   if (bias_drift_) contradiction_.AddTilt(x, TiltOf(*bias_drift_, options_.imu.gravity_mps2));
 }
 
+// Without landmarks the solve repeats what the IMU says.
 void VioEstimator::JudgeNoise() {
   const auto end = window_.frames.rbegin();
-  if (!end->imu_link || end->imu_link->is_synthetic) return;
+  if (!end->imu_link || end->imu_link->is_synthetic ||
+      NumSeenInNewest(window_) < kMinLandmarksSeen || contradiction_.IsRecentAt(end->x.t)) {
+    return;
+  }
   stated_covariance_.AddImuError(
       ImuPositionError(*end->imu_link, std::next(end)->x, end->x, window_.GyroScale()));
 }
@@ -322,6 +332,7 @@ void VioEstimator::StartOver(EstimatorResult& result) {
   }
   segments_.End(to_lost);
   contradiction_.StartOver(result.state.t);
+  stated_covariance_.StartOver();
   bias_watch_.Break();
   bias_drift_.reset();
   for (int i = 0; i < num_good; ++i)

@@ -90,6 +90,8 @@ class VioEstimator {
   EstimatorResult Estimate(const FrameObservations& observations, StageTimes& times);
   /// Of a state of this segment, with what is uncertain about all of it.
   Matrix<15, 15> InWorld(const Matrix<15, 15>& covariance, const NavState& x) const;
+  /// The same with noise and calibration as they have turned out to be.
+  Matrix<15, 15> Stated(const Matrix<15, 15>& covariance, const NavState& x) const;
   /// The state of the newest frame, before it is moved to where the image was taken.
   CausalState AtImu(const EstimatorResult& result) const;
 

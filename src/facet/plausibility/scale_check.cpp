@@ -103,7 +103,7 @@ void ScaleCheck::AddImu(const ImuInterval& imu) {
 
 ScaleCheck::Finding ScaleCheck::AddKeyframe(const NavState& state) {
   Finding finding = Finding::kNothing;
-  if (static_cast<int>(rows_.size()) >= kRowsPerLegs * kMostLegs) return finding;
+  if (static_cast<int>(rows_.size() - num_rows_before_) >= kRowsPerLegs * kMostLegs) return finding;
   if (second_) {
     if (second_->imu.dt_s() < kShortest_s) return finding;
     if (first_) AddRows(*first_, *second_, state);

@@ -26,8 +26,10 @@ double Square(double x) {
 double SizeVariance(const std::optional<ScaleCheck::Scale>& scale) {
   constexpr double kWrong = kWrongSigma * kWrongSigma;
   if (!scale) return kWrongShare * kWrong;
+  // The truth is anywhere between the two bounds, and each of them has that sigma.
   const double error = scale->value() - 1;
-  const double noise = Square(scale->sigma) + Square(kAccelScaleSigma);
+  const double half_width = 0.5 * (scale->high - scale->low);
+  const double noise = Square(scale->sigma) + Square(half_width) / 3 + Square(kAccelScaleSigma);
   const double if_right = noise, if_wrong = noise + kWrong;
   const double right_to_wrong = (1 - kWrongShare) / kWrongShare * std::sqrt(if_wrong / if_right) *
                                 std::exp(-0.5 * Square(error) * (1 / if_right - 1 / if_wrong));
@@ -39,15 +41,15 @@ void SizeDoubt::AddKeyframe(const NavState& x, const std::optional<ScaleCheck::S
   if (!x.T_WB.p.allFinite()) return;
   if (!origin_) origin_ = x.T_WB.p;
   last_ = x.T_WB.p;
-  variance_ = scale || !has_changed_ ? SizeVariance(scale) : 0;
+  variance_ = SizeVariance(scale);
 }
 
 void SizeDoubt::WorldHasChanged() {
   if (!origin_) return;
-  astray_ += std::sqrt(variance_) * WayTo(last_);
+  const Vector3d way = WayTo(last_);
+  astray_ += variance_ * way * way.transpose();
   origin_ = last_;
-  variance_ = 0;
-  has_changed_ = true;
+  variance_ = SizeVariance({});
 }
 
 Vector3d SizeDoubt::WayTo(const Vector3d& p_W) const {
@@ -60,7 +62,7 @@ Matrix<15, 15> SizeDoubt::CovarianceOf(const NavState& x) const {
   Vector<6> way_and_velocity;
   way_and_velocity << WayTo(x.T_WB.p), x.v_WB;
   covariance.block<6, 6>(3, 3) = variance_ * way_and_velocity * way_and_velocity.transpose();
-  covariance.block<3, 3>(3, 3) += astray_ * astray_.transpose();
+  covariance.block<3, 3>(3, 3) += astray_;
   return covariance;
 }
 

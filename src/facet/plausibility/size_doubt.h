@@ -23,8 +23,7 @@ class SizeDoubt {
   /// After each keyframe that has a pose.
   void AddKeyframe(const NavState& x, const std::optional<ScaleCheck::Scale>& scale);
 
-  /// The estimator has another calibration from the last keyframe on, and knows how uncertain that
-  /// one is.
+  /// The estimator has another calibration from the last keyframe on.
   void WorldHasChanged();
 
   /// Of theta p v b_g b_a, beside the estimator's own.
@@ -36,8 +35,7 @@ class SizeDoubt {
   std::optional<Vector3d> origin_;  // where the calibration became what it is
   Vector3d last_ = Vector3d::Zero();
   double variance_ = 0;
-  bool has_changed_ = false;
-  Vector3d astray_ = Vector3d::Zero();  // 1-sigma [m] by what the calibrations before were wrong in
+  Matrix3d astray_ = Matrix3d::Zero();  // of positions, by calibrations that were changed [m^2]
 };
 
 }  // namespace facet

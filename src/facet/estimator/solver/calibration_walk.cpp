@@ -7,12 +7,13 @@
 
 namespace facet {
 
-void TakeRandomStep(const CalibrationMatrix& covariance, MarginalPrior& prior) {
+bool TakeRandomStep(const CalibrationMatrix& covariance, MarginalPrior& prior) {
   const auto block = std::find_if(prior.blocks.begin(), prior.blocks.end(), [](const auto& b) {
     return b.kind == Variable::Kind::kCalibration;
   });
-  if (block != prior.blocks.end())
-    TakeRandomStep<kNumCalibration>(block->offset, covariance, prior);
+  if (block == prior.blocks.end()) return false;
+  TakeRandomStep<kNumCalibration>(block->offset, covariance, prior);
+  return true;
 }
 
 }  // namespace facet

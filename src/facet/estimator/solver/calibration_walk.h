@@ -9,8 +9,8 @@
 namespace facet {
 
 /// From here on the calibration is another one, which differs from that of before by a random step
-/// with this covariance: the old one is marginalised (docs/math.md, equation (10.6)). Nothing, if
-/// the prior does not know the calibration.
-void TakeRandomStep(const CalibrationMatrix& covariance, MarginalPrior& prior);
+/// with this covariance: the old one is marginalised (docs/math.md, equation (10.6)). Nothing, and
+/// false, if the prior does not know the calibration.
+bool TakeRandomStep(const CalibrationMatrix& covariance, MarginalPrior& prior);
 
 }  // namespace facet
