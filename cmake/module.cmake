@@ -76,7 +76,13 @@ function(facet_add_test)
     target_link_libraries(${ARG_NAME} PRIVATE facet::${dep})
   endforeach()
   facet_use_precompiled(${ARG_NAME} test)
-  gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 900)
+  # Under sanitizers some tests take twenty times as long.
+  if(FACET_SANITIZE)
+    set(timeout_s 3600)
+  else()
+    set(timeout_s 900)
+  endif()
+  gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${timeout_s})
 endfunction()
 
 # facet_add_fuzzer(NAME imu_fuzzer DEPS imu_fuzz ...): the program of that name and source under libFuzzer, if FACET_FUZZER is on.
