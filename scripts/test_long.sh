@@ -35,9 +35,10 @@ headers() {
   scripts/build.sh no-pch && scripts/check_headers.py build-no-pch/compile_commands.json
 }
 
+# Programs and scripts that are tests have no limit of their own, and need longer under the sanitizers, too.
 asan() {
   scripts/build.sh asan-ubsan &&
-    ctest --test-dir build-asan --output-on-failure --parallel "$(nproc)" --no-tests=error &&
+    ctest --test-dir build-asan --output-on-failure --parallel "$(nproc)" --timeout 3600 --no-tests=error &&
     grep "tests passed" "$out/asan.log"
 }
 

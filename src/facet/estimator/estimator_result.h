@@ -25,7 +25,7 @@ struct EstimatorResult {
   Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
   /// The same as the smoother itself believes it, with its noise and calibration.
   Matrix<15, 15> solved_covariance = Matrix<15, 15>::Zero();
-  CausalState causal;        ///< the same for whoever goes on with the IMU
+  CausalState causal;        ///< state and `covariance` for whoever goes on with the IMU
   int num_constraining = 0;  ///< landmarks that constrain the window and are seen in this frame
   bool was_reset = false;    ///< the state was given up after this frame; the next one starts again
   SolveSummary solve;

@@ -16,13 +16,13 @@ class StatedCovariance {
   explicit StatedCovariance(double accel_noise_scale);
 
   /// After a keyframe's solve: ImuPositionError of the interval that ends with it. Not where
-  /// something else than noise decides: a hole, no landmarks, a contradiction.
+  /// something else than noise decides: without landmarks, after a contradiction.
   void AddImuError(double mean_square);
 
   /// See SelfCalibration::Surprise.
   void SetCalibrationSurprise(double ratio);
 
-  /// After both of a keyframe: the covariance of its solve.
+  /// After a keyframe's solve and these two: its covariance.
   void AddKeyframe(const Matrix<15, 15>& solved);
 
   /// The state was given up: the next covariance begins with nothing again.

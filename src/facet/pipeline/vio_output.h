@@ -50,7 +50,7 @@ struct VioOutput {
   Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
   /// The same as the estimator itself believes it: what it grows by is what the odometry drifts.
   Matrix<15, 15> solved_covariance = Matrix<15, 15>::Zero();
-  CausalState causal;              ///< state and covariance for whoever goes on with the IMU
+  CausalState causal;              ///< state and `covariance` for whoever goes on with the IMU
   int num_tracks = 0;              ///< features tracked in this frame
   int num_landmarks = 0;           ///< landmarks in the window
   int num_planes = 0;              ///< in the estimator
