@@ -69,6 +69,8 @@ class SelfCalibration {
 
   /// As it was last kept, with its covariance; empty before, and if all of it is held.
   std::optional<StereoRig> Refined() const;
+  /// The same without the covariance, until the next call of Keep; null: empty.
+  const StereoRig* KeptRig() const { return kept_ ? &kept_->rig : nullptr; }
 
  private:
   struct Kept {

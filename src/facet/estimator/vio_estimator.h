@@ -51,12 +51,13 @@ class VioEstimator {
 
   /// What became of the calibration; empty if all of it is held, and before a second keyframe.
   std::optional<StereoRig> Calibration() const { return calibration_.Refined(); }
+  const StereoRig* KeptRig() const { return calibration_.KeptRig(); }  ///< see SelfCalibration
   /// What is wrong with the given one by more than a careful calibration leaves.
   std::vector<CalibrationDeviation> GrossDeviations() const { return calibration_.Gross(); }
   /// When it was found so wrong last that the estimate of it began anew; poses of before have
   /// errors of another kind.
   const std::optional<Timestamp>& calibration_freed_at() const { return calibration_.freed_at(); }
-  /// See SelfCalibration::DoubtBaseline.
+  /// See SelfCalibration.
   void DoubtBaseline(double share) { calibration_.DoubtBaseline(share); }
 
   /// Latest state, keyframe poses, planes and landmarks.

@@ -12,7 +12,8 @@ namespace facet {
 PoseStage::PoseStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
     : time_offset_(rig.time_offset),
       estimator_(rig, noise, options.estimator),
-      check_calibration_(options.check_calibration) {}
+      check_calibration_(options.check_calibration),
+      motion_check_(rig) {}
 
 VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   VioOutput out;
@@ -26,7 +27,7 @@ VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   }
   EstimatorResult result = estimator_.AddFrame(frame.frontend.observations, frame.imu, out.times);
   const ScopedStage stage(out.times, Stage::kOutput);
-  if (result.bias_drift && !result.bias_drift->is_gyro) scale_.DistrustAccelerometer();
+  if (result.bias_drift && !result.bias_drift->is_gyro) motion_check_.DistrustAccelerometer();
   out.warning = frame.warning;
   const std::string of_estimate = JudgeCalibration(frame.frontend, result);
   if (out.warning.empty()) out.warning = of_estimate;
@@ -104,31 +105,36 @@ std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
 }
 
 void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
-  if (!out.has_pose || out.was_reset) return scale_.Break();
+  motion_check_.AddImu(frame.imu);
   // Poses of before had another calibration, and so another size of the world.
-  if (estimator_.calibration_freed_at() != scale_since_) {
-    scale_since_ = estimator_.calibration_freed_at();
-    scale_.WorldHasChanged();
+  if (estimator_.calibration_freed_at() != size_since_) {
+    size_since_ = estimator_.calibration_freed_at();
+    motion_check_.WorldHasChanged();
     size_doubt_.WorldHasChanged();
   }
-  scale_.AddImu(frame.imu);
+  const bool has_state = out.has_pose && !out.was_reset;
+  if (!has_state) motion_check_.LoseState();
   if (!out.is_keyframe) return;
-  const NavState& keyframe = estimator_.window().frames.back().x;
-  const ScaleCheck::Finding finding = scale_.AddKeyframe(keyframe);
-  size_doubt_.AddKeyframe(keyframe, scale_.scale());
+  if (const StereoRig* rig = estimator_.KeptRig()) motion_check_.SetRig(*rig);
+  const NavState* state = has_state ? &estimator_.window().frames.back().x : nullptr;
+  const ScaleCheck::Finding finding = motion_check_.AddKeyframe(frame.frontend.observations, state);
+  if (has_state) size_doubt_.AddKeyframe(*state, motion_check_.scale(), motion_check_.turns());
+  if (const auto turns = motion_check_.TakeDoubtOfTurns(); turns && out.warning.empty())
+    out.warning = TurnsInWords(*turns);
+  const ScaleCheck& found_by = motion_check_.found_by();
   switch (finding) {
     case ScaleCheck::Finding::kNothing:
       return;
     case ScaleCheck::Finding::kDoubt:
-      if (out.warning.empty()) out.warning = InWords(*scale_.scale());
-      estimator_.DoubtBaseline(scale_.scale()->value() - 1);
+      if (out.warning.empty()) out.warning = InWords(*found_by.scale());
+      estimator_.DoubtBaseline(found_by.scale()->value() - 1);
       return;
     case ScaleCheck::Finding::kRefusal:
-      if (out.refusal.empty()) out.refusal = kWrongCalibration + InWords(*scale_.scale());
+      if (out.refusal.empty()) out.refusal = kWrongCalibration + InWords(*found_by.scale());
       return;
     case ScaleCheck::Finding::kAxesTheOtherWay:
       if (out.refusal.empty())
-        out.refusal = kWrongCalibration + NegatedAxesInWords(scale_.negated_axes());
+        out.refusal = kWrongCalibration + NegatedAxesInWords(found_by.negated_axes());
       return;
   }
 }

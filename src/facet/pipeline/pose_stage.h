@@ -13,7 +13,7 @@
 #include "facet/pipeline/tracked_frame.h"
 #include "facet/pipeline/vio_options.h"
 #include "facet/pipeline/vio_output.h"
-#include "facet/plausibility/scale_check.h"
+#include "facet/plausibility/motion_check.h"
 #include "facet/plausibility/size_doubt.h"
 
 namespace facet {
@@ -50,9 +50,9 @@ class PoseStage {
   bool check_calibration_;
   Episodes contradictions_{Duration{10'000'000'000}};
   Episodes drifts_{Duration{10'000'000'000}};
-  ScaleCheck scale_;
+  MotionCheck motion_check_;
   SizeDoubt size_doubt_;
-  std::optional<Timestamp> scale_since_;  // its poses are all of after this change of calibration
+  std::optional<Timestamp> size_since_;  // its poses are all of after this change of calibration
   std::optional<Feedback> feedback_;
 };
 

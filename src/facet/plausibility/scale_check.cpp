@@ -5,12 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <span>
-#include <type_traits>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
-#include "facet/base/median.h"
+#include "facet/plausibility/robust_line.h"
 
 namespace facet {
 namespace {
@@ -29,68 +26,19 @@ constexpr int kLeastLegsForRefusal = 40, kMostLegsForRefusal = 300;
 constexpr double kBiasSigma = 0.5;
 // Neighbours share a position, so their errors are not independent.
 constexpr double kCorrelated = 1.5;
+constexpr LineNoise kNoise = {kBiasSigma, kCorrelated};
 // The least that is worth telling (a calibrated accelerometer's own scale is off by some 0.3 %),
 // and that makes a run useless.
 constexpr double kLeastDoubt = 0.01, kLeastRefusal = 0.15, kSureSigmas = 2.8;
 constexpr double kSigmaOfKnown = 0.05;
 // Early fits have poses in them that were not settled: a doubt has to last.
 constexpr int kDoubtsInARow = 3;
-constexpr double kHuberWidth = 2, kSigmaPerMedian = 1.4826;
-constexpr int kReweightings = 5;
+// Where the gyroscope's axes are wrong, too, that is told first.
+constexpr int kLeastLegsForAxes = 60;
 // Noise draws the factor of an axis from 1 towards 0, never beyond.
-constexpr int kLeastLegsForAxes =
-    60;  // where the gyroscope's axes are wrong, too, that is told first
 constexpr double kLeastNegated = 0.2, kSureNegatedSigmas = 2.5;
 
-template <int kNumSlopes>
-struct Line {
-  Vector<kNumSlopes> slope, sigma;
-};
-
-// y(row) = slope x(row) + constants. Huber's loss in units of the residuals' own spread.
-template <int kNumSlopes, class Rows, class X, class Y>
-std::optional<Line<kNumSlopes>> FitLine(const Rows& rows, const X& x, const Y& y) {
-  constexpr int kNumConstants = std::decay_t<decltype(rows.front().constants)>::SizeAtCompileTime;
-  constexpr int kSize = kNumSlopes + kNumConstants;
-  std::vector<double> residuals(rows.size()), sizes(rows.size());
-  double width = 0;
-  Line<kNumSlopes> line;
-  for (int k = 0; k < kReweightings; ++k) {
-    Matrix<kSize, kSize> H = Matrix<kSize, kSize>::Zero();
-    Vector<kSize> b = Vector<kSize>::Zero(), a;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const double weight =
-          width > 0 ? std::min(1.0, kHuberWidth * width / std::abs(residuals[i])) : 1.0;
-      a << x(rows[i]), rows[i].constants;
-      H += weight * a * a.transpose();
-      b += weight * y(rows[i]) * a;
-    }
-    H.diagonal().template tail<3>().array() += width * width / (kBiasSigma * kBiasSigma);
-    const Eigen::LDLT<Matrix<kSize, kSize>> factor(H);
-    if (factor.info() != Eigen::Success || !factor.isPositive()) return std::nullopt;
-    const Vector<kSize> solution = factor.solve(b);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      a << x(rows[i]), rows[i].constants;
-      residuals[i] = y(rows[i]) - solution.dot(a);
-      sizes[i] = std::abs(residuals[i]);
-    }
-    width = kSigmaPerMedian * Median(sizes).value_or(0);
-    line.slope = solution.template head<kNumSlopes>();
-    for (int j = 0; j < kNumSlopes; ++j) {
-      const double variance = factor.solve(Vector<kSize>::Unit(j))(j);
-      line.sigma(j) = kCorrelated * width * std::sqrt(std::max(variance, 0.0));
-    }
-  }
-  if (!line.slope.allFinite() || !line.sigma.allFinite()) return std::nullopt;
-  return line;
-}
-
 }  // namespace
-
-bool ScaleCheck::Scale::IsOff(double least, double sigmas) const {
-  const double limit = std::max(least, sigmas * sigma);
-  return low - 1 > limit || 1 - high > limit;
-}
 
 void ScaleCheck::AddImu(const ImuInterval& imu) {
   if (!second_) return;
@@ -103,7 +51,7 @@ void ScaleCheck::AddImu(const ImuInterval& imu) {
 
 ScaleCheck::Finding ScaleCheck::AddKeyframe(const NavState& state) {
   Finding finding = Finding::kNothing;
-  if (static_cast<int>(rows_.size() - num_rows_before_) >= kRowsPerLegs * kMostLegs) return finding;
+  if (IsDone()) return finding;
   if (second_) {
     if (second_->imu.dt_s() < kShortest_s) return finding;
     if (first_) AddRows(*first_, *second_, state);
@@ -112,6 +60,10 @@ ScaleCheck::Finding ScaleCheck::AddKeyframe(const NavState& state) {
   }
   second_ = Leg{state, ForceIntegral(state.bias.b_g)};
   return finding;
+}
+
+bool ScaleCheck::IsDone() const {
+  return static_cast<int>(rows_.size() - num_rows_before_) >= kRowsPerLegs * kMostLegs;
 }
 
 void ScaleCheck::Break() {
@@ -155,30 +107,15 @@ std::optional<ScaleCheck::Scale> ScaleCheck::Fit() const {
   const auto force = [](const Row& row) { return row.force_by_axis.sum(); };
   const auto velocity = [](const Row& row) { return row.velocity; };
   const auto rows = std::span(rows_).subspan(num_rows_before_);
-  const auto by_force = FitLine<1>(rows, force, velocity);
-  const auto by_velocity = FitLine<1>(rows, velocity, force);
-  if (!by_force || !by_velocity) return std::nullopt;
-  struct Bound {
-    double slope, sigma;
-  };
-  Bound low{by_force->slope(0), by_force->sigma(0)};
-  // Both have the sign of the correlation. A negative one is nothing but noise, unless it is clear.
-  const bool is_known = low.slope > 0 || low.slope < -kSureSigmas * low.sigma;
-  if (!is_known || low.slope * by_velocity->slope(0) <= 0) return std::nullopt;
-  const double inverse = 1 / by_velocity->slope(0);
-  Bound high{inverse, inverse * inverse * by_velocity->sigma(0)};
-  if (low.slope > high.slope) std::swap(low, high);
-  const double sigma = low.slope > 1    ? low.sigma
-                       : high.slope < 1 ? high.sigma
-                                        : std::max(low.sigma, high.sigma);
-  return Scale{low.slope, high.slope, sigma};
+  return FitFactor(rows, force, velocity, kNoise);
 }
 
 std::string ScaleCheck::FindNegatedAxes() const {
   const auto line = FitLine<3>(
       std::span(rows_),
       [](const Row& row) { return row.force_by_axis; },
-      [](const Row& row) { return row.velocity; });
+      [](const Row& row) { return row.velocity; },
+      kNoise);
   std::string axes;
   for (int k = 0; line && k < 3; ++k) {
     if (line->slope(k) < -std::max(kLeastNegated, kSureNegatedSigmas * line->sigma(k)))
@@ -192,8 +129,8 @@ ScaleCheck::Finding ScaleCheck::Judge() {
   if (num_all_legs >= kLeastLegs && num_all_legs <= kMostLegsForRefusal) {
     // What was clear once stays so: with a wrong accelerometer the poses become worse and worse.
     if (negated_axes_.empty()) negated_axes_ = FindNegatedAxes();
-    if (!negated_axes_.empty() && num_all_legs >= kLeastLegsForAxes)
-      return Finding::kAxesTheOtherWay;
+    const int least = is_gyro_trusted_ ? kLeastLegsForRefusal : kLeastLegsForAxes;
+    if (!negated_axes_.empty() && num_all_legs >= least) return Finding::kAxesTheOtherWay;
   }
   const int num_legs = num_all_legs - static_cast<int>(num_rows_before_) / kRowsPerLegs;
   if (num_legs < kLeastLegs) return Finding::kNothing;

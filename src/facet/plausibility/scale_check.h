@@ -11,23 +11,16 @@
 
 #include "facet/imu/imu_buffer.h"
 #include "facet/plausibility/force_integral.h"
+#include "facet/plausibility/robust_line.h"
 
 namespace facet {
 
 /// Not thread-safe.
 class ScaleCheck {
  public:
-  /// Size of the world by the stereo pair over its size by the accelerometer. Noise of the
-  /// accelerometer draws the one estimate towards zero, noise of the poses the other one towards
-  /// infinity: the truth is between them, where motion is slow anywhere.
-  struct Scale {
-    double low = 1, high = 1;
-    double sigma = 0;  ///< of the one that is nearer to 1
-
-    double value() const { return 0.5 * (low + high); }
-    /// By at least so much, and for sure.
-    bool IsOff(double least, double sigmas) const;
-  };
+  /// Size of the world by the stereo pair over its size by the accelerometer. Where motion is slow
+  /// anywhere, the two bounds are far apart.
+  using Scale = FactorBounds;
 
   enum class Finding {
     kNothing,
@@ -47,11 +40,18 @@ class ScaleCheck {
   /// the size meanwhile is no reason to refuse a calibration later, when the size is right.
   void DistrustAccelerometer() { is_accel_trusted_ = false; }
 
+  /// The gyroscope turns as the images do, so that its axes need not be named before those of the
+  /// accelerometer.
+  void TrustGyroscope() { is_gyro_trusted_ = true; }
+
   /// Poses from before and after this are not to be compared.
   void Break();
 
   /// The same, and the size of the world is measured anew: the estimator has another calibration.
   void WorldHasChanged();
+
+  /// Nothing more is to be learnt.
+  bool IsDone() const;
 
   /// As far as it is known; empty before there was enough motion to say anything.
   const std::optional<Scale>& scale() const { return scale_; }
@@ -86,7 +86,7 @@ class ScaleCheck {
   std::string negated_axes_;
   int num_doubts_ = 0;  // in a row
   bool has_doubted_ = false, is_hopeless_ = false, was_right_ = false;
-  bool is_accel_trusted_ = true;
+  bool is_accel_trusted_ = true, is_gyro_trusted_ = false;
 };
 
 /// What is wrong, in words that follow "warning: ".

@@ -12,6 +12,8 @@ namespace {
 constexpr double kWrongShare = 0.1, kWrongSigma = 0.02;
 // The accelerometer's own scale.
 constexpr double kAccelScaleSigma = 0.003;
+// What careful focal lengths and a calibrated gyroscope leave of turns.
+constexpr double kTurnSigma = 0.002;
 // Positions farther away are of no use to anybody.
 constexpr double kFarthest_m = 1e4;
 
@@ -19,17 +21,14 @@ double Square(double x) {
   return x * x;
 }
 
-}  // namespace
-
-// Two hypotheses: right, or wrong with kWrongSigma. The measurement of the size weighs them, and
-// says how wrong.
-double SizeVariance(const std::optional<ScaleCheck::Scale>& scale) {
+// Variance of an error that was measured. Two hypotheses: right, or wrong with kWrongSigma. The
+// measurement weighs them, and says how wrong. `own_sigma`: what it leaves of right calibrations.
+double VarianceAfter(const FactorBounds& measured, double own_sigma) {
   constexpr double kWrong = kWrongSigma * kWrongSigma;
-  if (!scale) return kWrongShare * kWrong;
   // The truth is anywhere between the two bounds, and each of them has that sigma.
-  const double error = scale->value() - 1;
-  const double half_width = 0.5 * (scale->high - scale->low);
-  const double noise = Square(scale->sigma) + Square(half_width) / 3 + Square(kAccelScaleSigma);
+  const double error = measured.value() - 1;
+  const double half_width = 0.5 * (measured.high - measured.low);
+  const double noise = Square(measured.sigma) + Square(half_width) / 3 + Square(own_sigma);
   const double if_right = noise, if_wrong = noise + kWrong;
   const double right_to_wrong = (1 - kWrongShare) / kWrongShare * std::sqrt(if_wrong / if_right) *
                                 std::exp(-0.5 * Square(error) * (1 / if_right - 1 / if_wrong));
@@ -37,11 +36,22 @@ double SizeVariance(const std::optional<ScaleCheck::Scale>& scale) {
   return (Square(gain * error) + gain * noise) / (1 + right_to_wrong);
 }
 
-void SizeDoubt::AddKeyframe(const NavState& x, const std::optional<ScaleCheck::Scale>& scale) {
+}  // namespace
+
+double SizeVariance(const std::optional<ScaleCheck::Scale>& scale,
+                    const std::optional<TurnCheck::Ratio>& turns) {
+  const double of_size =
+      scale ? VarianceAfter(*scale, kAccelScaleSigma) : kWrongShare * kWrongSigma * kWrongSigma;
+  return turns ? std::max(of_size, VarianceAfter(*turns, kTurnSigma)) : of_size;
+}
+
+void SizeDoubt::AddKeyframe(const NavState& x,
+                            const std::optional<ScaleCheck::Scale>& scale,
+                            const std::optional<TurnCheck::Ratio>& turns) {
   if (!x.T_WB.p.allFinite()) return;
   if (!origin_) origin_ = x.T_WB.p;
   last_ = x.T_WB.p;
-  variance_ = SizeVariance(scale);
+  variance_ = SizeVariance(scale, turns);
 }
 
 void SizeDoubt::WorldHasChanged() {
@@ -49,7 +59,7 @@ void SizeDoubt::WorldHasChanged() {
   const Vector3d way = WayTo(last_);
   astray_ += variance_ * way * way.transpose();
   origin_ = last_;
-  variance_ = SizeVariance({});
+  variance_ = SizeVariance({}, {});
 }
 
 Vector3d SizeDoubt::WayTo(const Vector3d& p_W) const {

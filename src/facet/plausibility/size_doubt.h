@@ -10,18 +10,24 @@
 
 #include "facet/imu/imu_types.h"
 #include "facet/plausibility/scale_check.h"
+#include "facet/plausibility/turn_check.h"
 
 namespace facet {
 
-/// Variance of the relative error of all lengths, by what the accelerometer says of the size so far
-/// (ScaleCheck): few calibrations are wrong by far more than they claim.
-double SizeVariance(const std::optional<ScaleCheck::Scale>& scale);
+/// Variance of the relative error of lengths, by what the accelerometer says of the size so far
+/// (ScaleCheck), and the gyroscope of turns (TurnCheck): few calibrations are wrong by far more
+/// than they claim. Focal lengths that are wrong make ways along the optical axis too long and
+/// others not, so that the size may be right in the mean.
+double SizeVariance(const std::optional<ScaleCheck::Scale>& scale,
+                    const std::optional<TurnCheck::Ratio>& turns);
 
 /// Not thread-safe.
 class SizeDoubt {
  public:
   /// After each keyframe that has a pose.
-  void AddKeyframe(const NavState& x, const std::optional<ScaleCheck::Scale>& scale);
+  void AddKeyframe(const NavState& x,
+                   const std::optional<ScaleCheck::Scale>& scale,
+                   const std::optional<TurnCheck::Ratio>& turns);
 
   /// The estimator has another calibration from the last keyframe on.
   void WorldHasChanged();

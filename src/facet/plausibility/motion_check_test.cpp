@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Simulated features and IMU against calibrations that are right and wrong. States are asked for
+// nothing but the gyroscope's bias where the test says so.
+#include "facet/plausibility/motion_check.h"
+
+#include <gtest/gtest.h>
+
+#include "facet/geometry/so3.h"
+#include "facet/sim/euroc_rig.h"
+#include "facet/sim/feature_simulator.h"
+
+namespace facet {
+namespace {
+
+constexpr std::size_t kFramesPerKeyframe = 4;
+
+SimulatedRun Fly(std::uint64_t seed, double duration_s) {
+  FeatureSimulatorOptions options;
+  options.pixel_sigma = 0.1;
+  options.outlier_share = 0.02;
+  options.duration_s = duration_s;
+  return SimulateFeatures(
+      SplineTrajectory::Fit(MakeFlight(duration_s, seed)), EurocRig(), options, seed);
+}
+
+struct Judgement {
+  bool is_doubted = false, is_refused = false, are_turns_doubted = false;
+  std::string negated_axes;
+  std::optional<ScaleCheck::Scale> scale;
+};
+
+// The estimator has one state and then none, so that all is by the images. What the axes of the
+// accelerometer and of the gyroscope are multiplied with: `axes`, `gyro_axes`.
+Judgement Judge(const SimulatedRun& run,
+                const StereoRig& rig,
+                const Vector3d& axes = Vector3d::Ones(),
+                const Vector3d& gyro_axes = Vector3d::Ones()) {
+  ImuBuffer imu;
+  for (ImuSample sample : run.imu) {
+    sample.accel = sample.accel.cwiseProduct(axes);
+    sample.gyro = sample.gyro.cwiseProduct(gyro_axes);
+    imu.Add(sample);
+  }
+  MotionCheck check(rig);
+  Judgement out;
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    if (i > 0)
+      check.AddImu(
+          imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
+    if (i > 0) check.LoseState();
+    if (i % kFramesPerKeyframe != 0) continue;
+    const ScaleCheck::Finding finding =
+        check.AddKeyframe(run.frames[i], i == 0 ? run.truth.data() : nullptr);
+    out.is_doubted |= finding == ScaleCheck::Finding::kDoubt;
+    out.is_refused |= finding == ScaleCheck::Finding::kRefusal;
+    if (finding == ScaleCheck::Finding::kAxesTheOtherWay)
+      out.negated_axes = check.found_by().negated_axes();
+    out.are_turns_doubted |= check.TakeDoubtOfTurns().has_value();
+  }
+  out.scale = check.scale();
+  return out;
+}
+
+StereoRig WithBaseline(double factor) {
+  StereoRig rig = EurocRig();
+  rig.T_BC[1].p = rig.T_BC[0].p + factor * (rig.T_BC[1].p - rig.T_BC[0].p);
+  return rig;
+}
+
+StereoRig WithFocalLengths(double factor) {
+  StereoRig rig = EurocRig();
+  for (CameraModel& camera : rig.cameras) {
+    CameraIntrinsics k = camera.intrinsics();
+    k.fx *= factor;
+    k.fy *= factor;
+    camera = CameraModel(k);
+  }
+  return rig;
+}
+
+TEST(MotionCheckTest, TheRightCalibrationIsNeitherDoubtedNorRefused) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Judgement judgement = Judge(Fly(seed, 40), EurocRig());
+    EXPECT_FALSE(judgement.is_doubted || judgement.is_refused) << seed;
+    EXPECT_FALSE(judgement.are_turns_doubted) << seed;
+    EXPECT_EQ(judgement.negated_axes, "") << seed;
+    ASSERT_TRUE(judgement.scale) << seed;
+    EXPECT_LT(std::abs(judgement.scale->value() - 1), 0.02) << seed;
+  }
+}
+
+TEST(MotionCheckTest, ADoubledBaselineIsRefusedWithoutAnyEstimator) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const SimulatedRun run = Fly(seed, 15);
+    EXPECT_TRUE(Judge(run, WithBaseline(2)).is_refused) << seed;
+    EXPECT_TRUE(Judge(run, WithBaseline(0.5)).is_refused) << seed;
+  }
+}
+
+TEST(MotionCheckTest, ABaselineThatIsOffByTwoPerCentIsDoubted) {
+  int num_doubted = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Judgement judgement = Judge(Fly(seed, 30), WithBaseline(1.02));
+    num_doubted += judgement.is_doubted ? 1 : 0;
+    EXPECT_FALSE(judgement.is_refused) << seed;
+    EXPECT_FALSE(judgement.are_turns_doubted) << seed;
+  }
+  EXPECT_GE(num_doubted, 7);
+}
+
+// Of the error of the focal lengths a third to all is seen in turns, translations take the rest.
+TEST(MotionCheckTest, FocalLengthsThatAreOffByTwoPerCentAreDoubted) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const SimulatedRun run = Fly(seed, 20);
+    EXPECT_TRUE(Judge(run, WithFocalLengths(1.02)).are_turns_doubted) << seed;
+    EXPECT_TRUE(Judge(run, WithFocalLengths(0.98)).are_turns_doubted) << seed;
+  }
+}
+
+TEST(MotionCheckTest, ANegatedAxisOfTheAccelerometerIsNamedWithoutAnyEstimator) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SimulatedRun run = Fly(seed, 15);
+    EXPECT_EQ(Judge(run, EurocRig(), Vector3d(-1, 1, 1)).negated_axes, "x") << seed;
+    EXPECT_EQ(Judge(run, EurocRig(), Vector3d(1, 1, -1)).negated_axes, "z") << seed;
+  }
+}
+
+// Of an IMU whose axes are all wrong the gyroscope is to be named, which another check does.
+TEST(MotionCheckTest, WithAWrongGyroscopeTheAccelerometerIsNotBlamedSoon) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SimulatedRun run = Fly(seed, 10);
+    const Vector3d axes(1, -1, 1);
+    EXPECT_EQ(Judge(run, EurocRig(), axes).negated_axes, "y") << seed;
+    EXPECT_EQ(Judge(run, EurocRig(), axes, axes).negated_axes, "") << seed;
+  }
+}
+
+// The estimator finds the baseline; what was measured with the wrong one counts no more.
+TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
+  const SimulatedRun run = Fly(1, 30);
+  ImuBuffer imu;
+  for (const ImuSample& sample : run.imu)
+    imu.Add(sample);
+  MotionCheck check(WithBaseline(1.05));
+  std::optional<double> before;
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    if (i > 0)
+      check.AddImu(
+          imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
+    check.LoseState();
+    if (i == run.frames.size() / 2) {
+      ASSERT_TRUE(check.scale());
+      before = check.scale()->value();
+      check.SetRig(EurocRig());
+      EXPECT_FALSE(check.scale());
+    }
+    if (i % kFramesPerKeyframe == 0)
+      check.AddKeyframe(run.frames[i], i == 0 ? run.truth.data() : nullptr);
+  }
+  EXPECT_NEAR(*before, 1.05, 0.02);
+  ASSERT_TRUE(check.scale());
+  EXPECT_NEAR(check.scale()->value(), 1, 0.02);
+}
+
+}  // namespace
+}  // namespace facet
