@@ -4,7 +4,7 @@
 # 1 if any did.
 #
 #   headers   every header and source compiles alone, without precompiled headers          about 15 minutes on two cores
-#   asan      every test under the address and undefined-behaviour sanitizers              about 90
+#   asan      every test but those of speed under the address and undefined-behaviour sanitizers   about 90
 #   tsan      what runs on two threads under the thread sanitizer                          about 20
 #   fuzz      readers of files, bags, IMU streams and the estimator under libFuzzer, a sixth of
 #             FUZZ_SECONDS each (default 600)                                              about 25
@@ -38,7 +38,8 @@ headers() {
 # Programs and scripts that are tests have no limit of their own, and need longer under the sanitizers, too.
 asan() {
   scripts/build.sh asan-ubsan &&
-    ctest --test-dir build-asan --output-on-failure --parallel "$(nproc)" --timeout 3600 --no-tests=error &&
+    ctest --test-dir build-asan --output-on-failure --parallel "$(nproc)" --timeout 3600 --no-tests=error \
+      --label-exclude '^speed$' &&
     grep "tests passed" "$out/asan.log"
 }
 
