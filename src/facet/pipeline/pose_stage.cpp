@@ -115,27 +115,25 @@ void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
   const bool has_state = out.has_pose && !out.was_reset;
   if (!has_state) motion_check_.LoseState();
   if (!out.is_keyframe) return;
-  if (const StereoRig* rig = estimator_.KeptRig()) motion_check_.SetRig(*rig);
+  const StereoRig* rig = estimator_.KeptRig();
+  if (rig != nullptr && motion_check_.SetRig(*rig)) size_doubt_.WorldHasChanged();
   const NavState* state = has_state ? &estimator_.window().frames.back().x : nullptr;
   const ScaleCheck::Finding finding = motion_check_.AddKeyframe(frame.frontend.observations, state);
   if (has_state) size_doubt_.AddKeyframe(*state, motion_check_.scale(), motion_check_.turns());
-  if (const auto turns = motion_check_.TakeDoubtOfTurns(); turns && out.warning.empty())
-    out.warning = TurnsInWords(*turns);
   const ScaleCheck& found_by = motion_check_.found_by();
-  switch (finding) {
-    case ScaleCheck::Finding::kNothing:
-      return;
-    case ScaleCheck::Finding::kDoubt:
-      if (out.warning.empty()) out.warning = InWords(*found_by.scale());
-      estimator_.DoubtBaseline(found_by.scale()->value() - 1);
-      return;
-    case ScaleCheck::Finding::kRefusal:
-      if (out.refusal.empty()) out.refusal = kWrongCalibration + InWords(*found_by.scale());
-      return;
-    case ScaleCheck::Finding::kAxesTheOtherWay:
-      if (out.refusal.empty())
-        out.refusal = kWrongCalibration + NegatedAxesInWords(found_by.negated_axes());
-      return;
+  if (finding == ScaleCheck::Finding::kDoubt) {
+    waiting_warnings_.push_back(InWords(*found_by.scale()));
+    estimator_.DoubtBaseline(found_by.scale()->value() - 1);
+  } else if (finding == ScaleCheck::Finding::kRefusal && out.refusal.empty()) {
+    out.refusal = kWrongCalibration + InWords(*found_by.scale());
+  } else if (finding == ScaleCheck::Finding::kAxesTheOtherWay && out.refusal.empty()) {
+    out.refusal = kWrongCalibration + NegatedAxesInWords(found_by.negated_axes());
+  }
+  if (const auto turns = motion_check_.TakeDoubtOfTurns())
+    waiting_warnings_.push_back(TurnsInWords(*turns));
+  if (!waiting_warnings_.empty() && out.warning.empty()) {
+    out.warning = std::move(waiting_warnings_.front());
+    waiting_warnings_.pop_front();
   }
 }
 

@@ -2,6 +2,7 @@
 // Second part of a stereo frame: from tracked features and IMU samples to the pose.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <string>
 #include <utility>
@@ -52,6 +53,7 @@ class PoseStage {
   Episodes drifts_{Duration{10'000'000'000}};
   MotionCheck motion_check_;
   SizeDoubt size_doubt_;
+  std::deque<std::string> waiting_warnings_;  // each is told once, with a frame that has no other
   std::optional<Timestamp> size_since_;  // its poses are all of after this change of calibration
   std::optional<Feedback> feedback_;
 };

@@ -20,7 +20,9 @@ void ForceIntegral::Integrate(std::span<const ImuSample> samples) {
 // both ends.
 void ForceIntegral::Step(const ImuSample& a, const ImuSample& b) {
   const double dt_s = ToSeconds(b.t - a.t);
-  const Matrix3d R_end = R_ * ExpSO3((0.5 * (a.gyro + b.gyro) - b_g_) * dt_s).toRotationMatrix();
+  const Vector3d reading = 0.5 * (a.gyro + b.gyro);
+  const Vector3d w_B = reading - gyro_scale_.cwiseProduct(reading) - b_g_;
+  const Matrix3d R_end = R_ * ExpSO3(w_B * dt_s).toRotationMatrix();
   Advance(0.5 * (R_ * a.accel.asDiagonal().toDenseMatrix() +
                  R_end * b.accel.asDiagonal().toDenseMatrix()),
           dt_s,

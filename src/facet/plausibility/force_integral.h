@@ -13,7 +13,9 @@ namespace facet {
 /// Not thread-safe.
 class ForceIntegral {
  public:
-  explicit ForceIntegral(const Vector3d& gyro_bias) : b_g_(gyro_bias) {}
+  /// `gyro_scale`: by what share the gyroscope reads too much, by axis (StereoRig).
+  explicit ForceIntegral(const Vector3d& gyro_bias, const Vector3d& gyro_scale = Vector3d::Zero())
+      : b_g_(gyro_bias), gyro_scale_(gyro_scale) {}
 
   /// `samples`: in order of time, from the last one of the call before to the end of the interval.
   void Integrate(std::span<const ImuSample> samples);
@@ -31,7 +33,7 @@ class ForceIntegral {
  private:
   void Step(const ImuSample& a, const ImuSample& b);
 
-  Vector3d b_g_;
+  Vector3d b_g_, gyro_scale_;
   double dt_s_ = 0;
   Matrix3d R_ = Matrix3d::Identity();  // from the body at the end so far to that of the beginning
   ByAxis measured_, constant_;

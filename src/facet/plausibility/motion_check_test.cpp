@@ -135,6 +135,80 @@ TEST(MotionCheckTest, WithAWrongGyroscopeTheAccelerometerIsNotBlamedSoon) {
   }
 }
 
+// Nothing is seen for half a second while the body turns.
+TEST(MotionCheckTest, ABreakInTheImagesTakesNothingAway) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SimulatedRun run = Fly(seed, 20);
+    const std::size_t begin = 4 * (run.frames.size() / 12);
+    for (std::size_t i = begin; i < begin + 10; ++i)
+      run.frames[i].features.clear();
+    EXPECT_TRUE(Judge(run, WithBaseline(2)).is_refused) << seed;
+    const Judgement right = Judge(run, EurocRig());
+    ASSERT_TRUE(right.scale) << seed;
+    EXPECT_NEAR(right.scale->value(), 1, 0.02) << seed;
+    EXPECT_EQ(right.negated_axes, "") << seed;
+  }
+}
+
+// A former run has found that the gyroscope reads ten per cent too much.
+TEST(MotionCheckTest, AStatedScaleOfTheGyroscopeIsTakenOut) {
+  StereoRig rig = EurocRig();
+  rig.gyro_scale = Vector3d::Constant(0.1);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SimulatedRun run = Fly(seed, 20);
+    // reading - scale reading - bias = rate, as everywhere.
+    for (ImuSample& sample : run.imu)
+      sample.gyro /= 0.9;
+    const Judgement judgement = Judge(run, rig);
+    EXPECT_FALSE(judgement.are_turns_doubted || judgement.is_doubted) << seed;
+    EXPECT_TRUE(Judge(run, EurocRig()).are_turns_doubted) << seed;
+  }
+}
+
+// A car that accelerates on a truck, or a lift: nothing moves in the images.
+TEST(MotionCheckTest, ImagesThatDoNotMoveAreNoWrongSize) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SimulatedRun run = Fly(seed, 30);
+    Rng rng(seed);
+    for (FrameObservations& frame : run.frames) {
+      const FrameId id = frame.frame;
+      frame = run.frames.front();
+      frame.frame = id;
+      for (FeatureObservation& feature : frame.features)
+        feature.px_left += 0.1 * rng.Normal3().head<2>();
+    }
+    const Judgement judgement = Judge(run, EurocRig());
+    EXPECT_FALSE(judgement.is_refused || judgement.is_doubted) << seed;
+    EXPECT_FALSE(judgement.are_turns_doubted) << seed;
+  }
+}
+
+// The estimator has believed the accelerometer, the images have not.
+TEST(MotionCheckTest, WhereStatesContradictTheImagesTheImagesCount) {
+  const SimulatedRun run = Fly(1, 30);
+  ImuBuffer imu;
+  for (const ImuSample& sample : run.imu)
+    imu.Add(sample);
+  MotionCheck check(WithBaseline(1.05));
+  int num_doubts = 0;
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    if (i > 0)
+      check.AddImu(
+          imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
+    if (i % kFramesPerKeyframe != 0) continue;
+    const auto finding = check.AddKeyframe(run.frames[i], &run.truth[i]);
+    num_doubts += finding == ScaleCheck::Finding::kDoubt ? 1 : 0;
+  }
+  EXPECT_EQ(num_doubts, 1);
+  ASSERT_TRUE(check.scale());
+  EXPECT_NEAR(check.scale()->value(), 1.05, 0.02);
+  EXPECT_NEAR(check.found_by().scale()->value(), 1.05, 0.02);
+  EXPECT_FALSE(check.SetRig(WithBaseline(1.051))) << "too little to change the size";
+  check.WorldHasChanged();
+  EXPECT_FALSE(check.scale());
+  EXPECT_FALSE(check.turns()) << "of the given calibration only";
+}
+
 // The estimator finds the baseline; what was measured with the wrong one counts no more.
 TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
   const SimulatedRun run = Fly(1, 30);
@@ -151,7 +225,7 @@ TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
     if (i == run.frames.size() / 2) {
       ASSERT_TRUE(check.scale());
       before = check.scale()->value();
-      check.SetRig(EurocRig());
+      EXPECT_TRUE(check.SetRig(EurocRig()));
       EXPECT_FALSE(check.scale());
     }
     if (i % kFramesPerKeyframe == 0)

@@ -38,6 +38,7 @@ std::optional<Line<kNumSlopes>> FitLine(const Rows& rows,
   constexpr double kHuberWidth = 2, kSigmaPerMedian = 1.4826;
   constexpr int kReweightings = 5;
   constexpr int kNumConstants = std::decay_t<decltype(rows.front().constants)>::SizeAtCompileTime;
+  static_assert(kNumConstants >= 3, "the last three are biases");
   constexpr int kSize = kNumSlopes + kNumConstants;
   std::vector<double> residuals(rows.size()), sizes(rows.size());
   double width = 0;
@@ -80,10 +81,16 @@ struct FactorBounds {
   double sigma = 0;  ///< of the one that is nearer to 1
 
   double value() const { return 0.5 * (low + high); }
-  /// From 1 by at least so much, and for sure.
+  /// From 1 by at least so much, and for sure. Where there is more noise than anything in common,
+  /// nothing is.
   bool IsOff(double least, double sigmas) const {
     const double limit = std::max(least, sigmas * sigma);
-    return low - 1 > limit || 1 - high > limit;
+    return IsOneThing() && (low - 1 > limit || 1 - high > limit);
+  }
+  /// Most of what each side shows is seen by the other side, too.
+  bool IsOneThing() const {
+    const auto [least, most] = std::minmax(std::abs(low), std::abs(high));
+    return least > 0.25 * most;
   }
 };
 
@@ -100,8 +107,8 @@ std::optional<FactorBounds> FitFactor(const Rows& rows,
     double slope, sigma;
   };
   Bound low{by_x->slope(0), by_x->sigma(0)};
-  // Both have the sign of the correlation. A negative one is nothing but noise, unless it is clear.
-  const bool is_known = low.slope > 0 || low.slope < -kSureSigmas * low.sigma;
+  // Both have the sign of the correlation, which is nothing but noise unless it is clear.
+  const bool is_known = std::abs(low.slope) > kSureSigmas * low.sigma;
   if (!is_known || low.slope * by_y->slope(0) <= 0) return std::nullopt;
   const double inverse = 1 / by_y->slope(0);
   Bound high{inverse, inverse * inverse * by_y->sigma(0)};

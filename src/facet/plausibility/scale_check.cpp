@@ -7,8 +7,6 @@
 #include <span>
 #include <utility>
 
-#include "facet/plausibility/robust_line.h"
-
 namespace facet {
 namespace {
 
@@ -16,9 +14,8 @@ namespace {
 // be told. Later than that the gyroscope's errors count.
 constexpr double kShortest_s = 0.15, kLongest_s = 1.0;
 constexpr int kRowsPerLegs = 3;
-// The least before anything is said, how often it is said anew, and after how many nothing more is
-// to be learnt.
-constexpr int kLeastLegs = 20, kLegsPerFit = 10, kMostLegs = 1000;
+// The least before anything is said, and how often it is said anew.
+constexpr int kLeastLegs = 20, kLegsPerFit = 10;
 // Refusals: whoever has the units or axes wrong is told so by the gyroscope, which takes some
 // seconds; and a run that has gone well for a minute is not refused any more.
 constexpr int kLeastLegsForRefusal = 40, kMostLegsForRefusal = 300;
@@ -58,12 +55,12 @@ ScaleCheck::Finding ScaleCheck::AddKeyframe(const NavState& state) {
     if (first_ && rows_.size() % (kRowsPerLegs * kLegsPerFit) == 0) finding = Judge();
     first_ = std::move(second_);
   }
-  second_ = Leg{state, ForceIntegral(state.bias.b_g)};
+  second_ = Leg{state, ForceIntegral(state.bias.b_g, gyro_scale_)};
   return finding;
 }
 
 bool ScaleCheck::IsDone() const {
-  return static_cast<int>(rows_.size() - num_rows_before_) >= kRowsPerLegs * kMostLegs;
+  return static_cast<int>(rows_.size() - num_rows_before_) >= kRowsPerLegs * most_legs_;
 }
 
 void ScaleCheck::Break() {
@@ -71,12 +68,18 @@ void ScaleCheck::Break() {
   second_.reset();
 }
 
-void ScaleCheck::WorldHasChanged() {
+void ScaleCheck::BeginAnew() {
   Break();
+  constexpr std::size_t kKept = kRowsPerLegs * (kMostLegsForRefusal + 1);
+  if (rows_.size() > kKept) rows_.resize(kKept);  // no memory for those that count no more
   num_rows_before_ = rows_.size();
   scale_.reset();
   num_doubts_ = 0;
   has_doubted_ = is_hopeless_ = false;
+}
+
+void ScaleCheck::WorldHasChanged() {
+  BeginAnew();
   is_accel_trusted_ = true;
 }
 

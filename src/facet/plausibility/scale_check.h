@@ -29,6 +29,12 @@ class ScaleCheck {
     kAxesTheOtherWay  ///< in the first minute: axes of the accelerometer, see negated_axes()
   };
 
+  /// `most_legs`: after so many nothing more is to be learnt.
+  explicit ScaleCheck(int most_legs = 1000) : most_legs_(most_legs) {}
+
+  /// By what share the gyroscope reads too much on each axis, from the next keyframe on.
+  void SetGyroScale(const Vector3d& scale) { gyro_scale_ = scale; }
+
   /// The IMU from the end of the interval before.
   void AddImu(const ImuInterval& imu);
 
@@ -47,7 +53,10 @@ class ScaleCheck {
   /// Poses from before and after this are not to be compared.
   void Break();
 
-  /// The same, and the size of the world is measured anew: the estimator has another calibration.
+  /// The same, and the size of the world is measured anew. What was said of the sensors stays.
+  void BeginAnew();
+
+  /// The same, because the estimator has another calibration: the accelerometer is trusted again.
   void WorldHasChanged();
 
   /// Nothing more is to be learnt.
@@ -79,6 +88,8 @@ class ScaleCheck {
   std::string FindNegatedAxes() const;
   Finding Judge();
 
+  int most_legs_;
+  Vector3d gyro_scale_ = Vector3d::Zero();
   std::optional<Leg> first_, second_;  // between three keyframes; the second one is growing
   std::vector<Row> rows_;
   std::size_t num_rows_before_ = 0;  // from before the world changed, of another scale

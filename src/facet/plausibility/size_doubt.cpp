@@ -42,7 +42,13 @@ double SizeVariance(const std::optional<ScaleCheck::Scale>& scale,
                     const std::optional<TurnCheck::Ratio>& turns) {
   const double of_size =
       scale ? VarianceAfter(*scale, kAccelScaleSigma) : kWrongShare * kWrongSigma * kWrongSigma;
-  return turns ? std::max(of_size, VarianceAfter(*turns, kTurnSigma)) : of_size;
+  if (!turns) return of_size;
+  // What turns say beyond what as vague a measurement without any error would say: to know little
+  // of turns is no reason to doubt a size that is known.
+  const double half_width = 0.5 * (turns->high - turns->low);
+  const FactorBounds as_should_be{1 - half_width, 1 + half_width, turns->sigma};
+  return std::max(of_size,
+                  VarianceAfter(*turns, kTurnSigma) - VarianceAfter(as_should_be, kTurnSigma));
 }
 
 void SizeDoubt::AddKeyframe(const NavState& x,

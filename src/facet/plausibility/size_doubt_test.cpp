@@ -65,6 +65,8 @@ TEST(SizeDoubtTest, TurnsThatAreOffMakeWaysDoubtful) {
   EXPECT_NEAR(sigma(0.99), 0.01, 0.002);
   EXPECT_DOUBLE_EQ(sigma(0.99), sigma(1.01));
   EXPECT_EQ(SizeVariance({}, TurnCheck::Ratio{1, 1, 0.001}), SizeVariance({}, {}));
+  for (const TurnCheck::Ratio& vague : {TurnCheck::Ratio{0.9, 1.2, 0.05}, {0.98, 1.04, 0.01}})
+    EXPECT_LT(std::sqrt(SizeVariance(confirmed, vague)), 0.002) << vague.high;
 }
 
 TEST(SizeDoubtTest, WaysAndVelocitiesAreLongerOrShorterTogether) {

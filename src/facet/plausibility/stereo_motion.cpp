@@ -14,13 +14,15 @@ namespace facet {
 namespace {
 
 constexpr std::size_t kLeastPairs = 15;
-constexpr double kLeastDisparity_px = 2;  // of less no distance is known
+// Of less distances are hardly known, which makes motions too short, and those that look nearer
+// than they are would be chosen.
+constexpr double kLeastDisparity_px = 5;
 // Of a place in the later image as the earlier pair predicts it; distances are a part of it.
 constexpr double kSigma_px = 0.5;
 // In sigmas: the loss begins wide, so that the beginning need not be near.
 constexpr std::array<double, 6> kLossWidths = {60, 20, 8, 4, 3, 3};
 // Less is no single motion.
-constexpr double kLeastAgreement = 0.3, kAgreementSigmas = 4;
+constexpr double kLeastAgreement = 0.5, kAgreementSigmas = 4;
 
 }  // namespace
 
@@ -32,13 +34,12 @@ void StereoMotion::SetRig(const StereoRig& rig) {
 }
 
 void StereoMotion::AddImu(const ImuInterval& imu, const Vector3d& gyro_bias) {
-  if (imu.samples.empty() || imu.has_hole) return Break();
-  const Vector3d scale = given_ ? given_->gyro_scale : rig_.gyro_scale;
-  const Vector3d per_reading = (Vector3d::Ones() + scale).cwiseInverse();
+  is_turn_known_ = is_turn_known_ && !imu.samples.empty() && !imu.has_hole;
   for (std::size_t i = 1; i < imu.samples.size(); ++i) {
     const double dt_s = ToSeconds(imu.samples[i].t - imu.samples[i - 1].t);
-    const Vector3d reading = 0.5 * (imu.samples[i - 1].gyro + imu.samples[i].gyro) - gyro_bias;
-    turned_ = turned_ * ExpSO3(dt_s * per_reading.cwiseProduct(reading));
+    const Vector3d reading = 0.5 * (imu.samples[i - 1].gyro + imu.samples[i].gyro);
+    const Vector3d w_B = reading - rig_.gyro_scale.cwiseProduct(reading) - gyro_bias;
+    turned_ = turned_ * ExpSO3(dt_s * w_B);
     dt_s_ += dt_s;
   }
 }
@@ -46,22 +47,26 @@ void StereoMotion::AddImu(const ImuInterval& imu, const Vector3d& gyro_bias) {
 void StereoMotion::Break() {
   before_.clear();
   turn_.reset();
+  turned_ = Quaterniond::Identity();
+  dt_s_ = 0;
+  is_turn_known_ = false;
 }
 
 SE3 StereoMotion::AddKeyframe(const FrameObservations& keyframe) {
   const Motion by_gyro{T_CB_.q * turned_.conjugate() * T_CB_.q.conjugate(), Vector3d::Zero()};
   const std::optional<Motion> motion = Fit(PairsWith(keyframe), by_gyro);
   turn_.reset();
-  if (motion) {
+  if (motion && is_turn_known_) {
     const Quaterniond by_images = T_CB_.q.conjugate() * motion->R.conjugate() * T_CB_.q;
-    const CameraModel& given = given_ ? given_->cameras[0] : rig_.cameras[0];
-    const double to_given = rig_.cameras[0].mean_focal_px() / given.mean_focal_px();
-    turn_ = DoubleTurn{to_given * LogSO3(by_images), LogSO3(turned_), dt_s_};
+    turn_ = DoubleTurn{LogSO3(by_images), LogSO3(turned_.normalized()), dt_s_};
   }
-  T_WC_ = motion ? T_WC_ * SE3(motion->R, motion->t).Inverse() : SE3();
+  has_lost_orientation_ = !motion && !is_turn_known_;
+  const Motion moved = motion.value_or(by_gyro);
+  T_WC_ = T_WC_ * SE3(moved.R.normalized(), moved.t).Inverse();
   before_ = PointsOf(keyframe);
   turned_ = Quaterniond::Identity();
   dt_s_ = 0;
+  is_turn_known_ = true;
   return T_WC_ * T_CB_;
 }
 

@@ -17,27 +17,26 @@ namespace facet {
 /// Errors add up: it is for comparing the motion of some keyframes. Not thread-safe.
 class StereoMotion {
  public:
-  explicit StereoMotion(const StereoRig& rig) : given_(rig) { SetRig(rig); }
+  explicit StereoMotion(const StereoRig& rig) { SetRig(rig); }
 
   /// For the keyframes that follow.
   void SetRig(const StereoRig& rig);
-  /// From here on turns are as the rig has them that was set last.
-  void ForgetGivenRig() { given_.reset(); }
 
-  /// The IMU from the end of the interval before. Only the gyroscope is used, and only to begin the
-  /// search near its end. `gyro_bias`: as far as it is known.
+  /// The IMU from the end of the interval before, and the gyroscope's bias as far as it is known.
+  /// The accelerometer is not used. The gyroscope begins the search for a motion near its end, goes
+  /// on where the images cannot be compared, and is the other side of turn().
   void AddImu(const ImuInterval& imu, const Vector3d& gyro_bias);
 
-  /// The pose of the body, in the frame of the left camera at the first keyframe since the last
-  /// break. Where too little of the keyframe before is seen again, this one is the first.
+  /// The pose of the body in a world of its own. Where too little of the keyframe before is seen
+  /// again, the position is not comparable with those of before, but the orientation is.
   SE3 AddKeyframe(const FrameObservations& keyframe);
 
-  /// The last keyframe was the first one: there is nothing to compare it with.
-  bool IsAtBeginning() const { return !turn_; }
-
-  /// From the keyframe before to the last one, as the focal length and the gyroscope's scale of the
-  /// given rig have it; empty at the beginning.
+  /// From the keyframe before to the last one; empty where they cannot be compared.
   const std::optional<DoubleTurn>& turn() const { return turn_; }
+
+  /// At the last keyframe neither the images nor the gyroscope could be followed: its orientation
+  /// is not comparable with those of before either.
+  bool HasLostOrientation() const { return has_lost_orientation_; }
 
   /// What comes is not to be compared with what was.
   void Break();
@@ -61,15 +60,18 @@ class StereoMotion {
   std::vector<Pair> PairsWith(const FrameObservations& keyframe) const;
   std::optional<Motion> Fit(const std::vector<Pair>& pairs, Motion motion) const;
 
-  std::optional<StereoRig> given_;
   StereoRig rig_;
   SE3 T_C1C0_, T_CB_;
   double bearing_sigma_ = 0;
-  std::vector<SeenPoint> before_;                 // by landmark
-  Quaterniond turned_ = Quaterniond::Identity();  // of the body since then, by the gyroscope
-  double dt_s_ = 0;                               // since then
+  std::vector<SeenPoint> before_;  // by landmark
+  // Since the keyframe before, by the gyroscope.
+  Quaterniond turned_ = Quaterniond::Identity();
+  double dt_s_ = 0;
+  bool is_turn_known_ = true;
+
   SE3 T_WC_;
   std::optional<DoubleTurn> turn_;
+  bool has_lost_orientation_ = false;
 };
 
 }  // namespace facet

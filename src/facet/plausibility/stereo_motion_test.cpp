@@ -44,7 +44,7 @@ StepErrors Follow(const SimulatedRun& run, const StereoRig& rig, double size = 1
     }
     if (i % kFramesPerKeyframe != 0) continue;
     const SE3 now = motion.AddKeyframe(run.frames[i]), true_now = run.truth[i].T_WB;
-    if (motion.IsAtBeginning()) {
+    if (!motion.turn()) {
       ++errors.num_beginnings;
     } else {
       const SE3 step = before.Inverse() * now, truth = true_before.Inverse() * true_now;
@@ -88,29 +88,74 @@ TEST(StereoMotionTest, StepsAreAsLongAsTheBaselineSays) {
   }
 }
 
-TEST(StereoMotionTest, WhatCannotBeComparedIsABeginning) {
+TEST(StereoMotionTest, WhereImagesCannotBeComparedTheGyroscopeGoesOn) {
+  const SimulatedRun run = Fly(1);
+  ImuBuffer imu;
+  for (const ImuSample& sample : run.imu)
+    imu.Add(sample);
+  StereoMotion motion(run.rig);
+  SE3 first, last;
+  for (std::size_t i = 0; i <= 40; ++i) {
+    if (i > 0)
+      motion.AddImu(
+          imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}),
+          run.truth[i].bias.b_g);
+    if (i % kFramesPerKeyframe != 0) continue;
+    FrameObservations seen = run.frames[i];
+    const bool is_dark = i == 16 || i == 20;
+    if (is_dark) seen.features.resize(i == 16 ? 10 : 0);
+    last = motion.AddKeyframe(seen);
+    if (i == 0) first = last;
+    const bool can_be_compared = i > 0 && !is_dark && i != 24;
+    EXPECT_EQ(motion.turn().has_value(), can_be_compared) << i;
+    EXPECT_FALSE(motion.HasLostOrientation());
+  }
+  const SE3 turned = first.Inverse() * last;
+  const SE3 truth = run.truth[0].T_WB.Inverse() * run.truth[40].T_WB;
+  EXPECT_GT(LogSO3(truth.q).norm(), 0.2);
+  EXPECT_LT(LogSO3(turned.q.conjugate() * truth.q).norm(), 0.5 * kDegree);
+}
+
+TEST(StereoMotionTest, WithoutImagesAHoleOfTheImuLosesTheOrientation) {
   const SimulatedRun run = Fly(1);
   StereoMotion motion(run.rig);
   motion.AddKeyframe(run.frames[0]);
-  EXPECT_TRUE(motion.IsAtBeginning());
-  motion.AddKeyframe(run.frames[4]);
-  EXPECT_FALSE(motion.IsAtBeginning());
-  ASSERT_TRUE(motion.turn());
-
   ImuInterval hole;
   hole.has_hole = true;
   motion.AddImu(hole, Vector3d::Zero());
-  EXPECT_TRUE(motion.IsAtBeginning());
-  motion.AddKeyframe(run.frames[8]);
-  EXPECT_TRUE(motion.IsAtBeginning());
-  EXPECT_FALSE(motion.turn());
-
-  FrameObservations few = run.frames[12];
-  few.features.resize(10);
-  motion.AddKeyframe(few);
-  EXPECT_TRUE(motion.IsAtBeginning());
+  motion.AddKeyframe(run.frames[4]);
+  EXPECT_FALSE(motion.HasLostOrientation()) << "the images know it";
+  EXPECT_FALSE(motion.turn()) << "with nothing to compare them with";
+  motion.AddImu(hole, Vector3d::Zero());
   motion.AddKeyframe(FrameObservations());
-  EXPECT_TRUE(motion.IsAtBeginning());
+  EXPECT_TRUE(motion.HasLostOrientation());
+}
+
+// Distances that are hardly known make motions too short; the farthest points are left out.
+TEST(StereoMotionTest, FarAwayStepsAreNotTooShort) {
+  FeatureSimulatorOptions options;
+  options.pixel_sigma = 0.3;
+  options.duration_s = 20;
+  options.room = {.min_margin_m = 8, .max_margin_m = 12, .num_boxes = 0, .num_boards = 0};
+  double sum = 0, true_sum = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const SimulatedRun run =
+        SimulateFeatures(SplineTrajectory::Fit(MakeFlight(20, seed)), EurocRig(), options, seed);
+    StereoMotion motion(run.rig);
+    SE3 before, true_before;
+    for (std::size_t i = 0; i < run.frames.size(); i += kFramesPerKeyframe) {
+      const SE3 now = motion.AddKeyframe(run.frames[i]), true_now = run.truth[i].T_WB;
+      if (motion.turn()) {
+        const Vector3d truth = (true_before.Inverse() * true_now).p;
+        sum += (before.Inverse() * now).p.dot(truth);
+        true_sum += truth.squaredNorm();
+      }
+      before = now;
+      true_before = true_now;
+    }
+  }
+  ASSERT_GT(true_sum, 0.1);
+  EXPECT_NEAR(sum / true_sum, 1, 0.01);
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/plausibility/turn_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 
 namespace facet {
 namespace {
@@ -14,8 +16,8 @@ constexpr std::size_t kLeastTurns = 20, kTurnsPerFit = 10, kMostTurns = 300;
 constexpr int kDoubtsInARow = 2;
 // Careful calibrations and drawn ones leave 0.2 %, and so do gyroscopes that were calibrated.
 constexpr double kLeastDoubt = 0.005, kSureSigmas = 4;
-// The factor of an axis that is the same on both sides is about 1.
-constexpr double kLeastOfAxis = 0.5;
+// Of the matrix between the turns of both sides, from the identity, where the axes are the same.
+constexpr double kMostOff = 0.5;
 // What the estimator leaves of the gyroscope's bias [rad/s]; errors of the lens are the same in
 // turns that are alike.
 constexpr LineNoise kNoise = {0.01, 1.5};
@@ -26,19 +28,10 @@ bool TurnCheck::IsDone() const {
   return rows_.size() >= kRowsPerTurn * kMostTurns;
 }
 
-void TurnCheck::Restart() {
-  rows_.clear();
-  ratio_.reset();
-  num_doubts_ = 0;
-}
-
 bool TurnCheck::Add(const DoubleTurn& turn) {
   if (IsDone()) return false;
   for (int axis = 0; axis < 3; ++axis)
-    rows_.push_back({turn.by_images(axis),
-                     turn.by_gyro(axis),
-                     Vector3d::Unit(axis),
-                     turn.dt_s * Vector3d::Unit(axis)});
+    rows_.push_back({axis, turn.by_images(axis), turn.by_gyro, turn.dt_s * Vector3d::Unit(axis)});
   const std::size_t num_turns = rows_.size() / kRowsPerTurn;
   if (num_turns < kLeastTurns || num_turns % kTurnsPerFit != 0) return false;
   ratio_ = Fit();
@@ -52,18 +45,28 @@ bool TurnCheck::Add(const DoubleTurn& turn) {
 std::optional<TurnCheck::Ratio> TurnCheck::Fit() const {
   return FitFactor(
       rows_,
-      [](const Row& row) { return row.by_gyro; },
+      [](const Row& row) { return row.by_gyro(row.axis); },
       [](const Row& row) { return row.by_images; },
       kNoise);
 }
 
 bool TurnCheck::FindWhetherAxesAgree() const {
-  const auto line = FitLine<3>(
-      rows_,
-      [](const Row& row) -> Vector3d { return row.by_gyro * row.axis; },
-      [](const Row& row) { return row.by_images; },
-      kNoise);
-  return line && (line->slope - kSureSigmas * line->sigma).minCoeff() > kLeastOfAxis;
+  std::vector<Row> rows;
+  for (int axis = 0; axis < 3; ++axis) {
+    rows.clear();
+    std::copy_if(rows_.begin(), rows_.end(), std::back_inserter(rows), [&](const Row& row) {
+      return row.axis == axis;
+    });
+    const auto line = FitLine<3>(
+        rows,
+        [](const Row& row) { return row.by_gyro; },
+        [](const Row& row) { return row.by_images; },
+        kNoise);
+    if (!line) return false;
+    const Vector3d off = (line->slope - Vector3d::Unit(axis)).cwiseAbs();
+    if ((off + kSureSigmas * line->sigma).maxCoeff() > kMostOff) return false;
+  }
+  return true;
 }
 
 std::string TurnsInWords(const TurnCheck::Ratio& ratio) {

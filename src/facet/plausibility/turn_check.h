@@ -28,14 +28,10 @@ class TurnCheck {
   /// True once, when the ratio is off and has been so for a while.
   bool Add(const DoubleTurn& turn);
 
-  /// The calibration is another one: turns of before are of no use. What was told is not told
-  /// again.
-  void Restart();
-
   /// Empty before the body has turned enough to say anything.
   const std::optional<Ratio>& ratio() const { return ratio_; }
 
-  /// For certain no axis of the gyroscope is negated or another one.
+  /// For certain no axis of the gyroscope is negated, or exchanged for another one.
   bool DoAxesAgree() const { return do_axes_agree_; }
 
   /// Nothing more is to be learnt.
@@ -43,8 +39,9 @@ class TurnCheck {
 
  private:
   struct Row {
-    double by_images = 0, by_gyro = 0;  // of one axis
-    Vector3d axis;
+    int axis = 0;  // of by_images
+    double by_images = 0;
+    Vector3d by_gyro;
     Vector3d constants;  // derivatives by what is left of the gyroscope's bias
   };
 
