@@ -167,8 +167,9 @@ std::string FormatSeconds(Timestamp t) {
 
 void SortByTime(std::vector<StampedPose>& poses) {
   std::ranges::stable_sort(poses, {}, &StampedPose::t);
-  const auto same = std::ranges::unique(poses, {}, &StampedPose::t);
-  poses.erase(same.begin(), same.end());
+  // std::ranges::unique does not compile with clang 14, which builds the fuzzers.
+  const auto is_same = [](const StampedPose& x, const StampedPose& y) { return x.t == y.t; };
+  poses.erase(std::unique(poses.begin(), poses.end(), is_same), poses.end());
 }
 
 std::string FormatTumLine(const StampedPose& pose) {
