@@ -79,19 +79,6 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
   return covariance;
 }
 
-// Sum of the squares of a change in units of what was possible, over what it is expected to be: the
-// number of parameters that were learnt, and a few that count as if they had been as expected.
-// Those that are held have nearly no variance, before and after, so that they are not among the
-// learnt.
-double SurpriseOf(const CalibrationVector& delta,
-                  const CalibrationMatrix& possible,
-                  const CalibrationMatrix& left) {
-  const Eigen::LDLT<CalibrationMatrix> factor(possible);
-  const double squares = delta.dot(CalibrationVector(factor.solve(delta)));
-  const double num_learnt = std::max(kNumCalibration - factor.solve(left).trace(), 0.0);
-  return (squares + kNumAsExpected) / (num_learnt + kNumAsExpected);
-}
-
 // What state and clock have in common is that of the newest keyframe. A frame after it may be known
 // better, or turn much faster; then it is less, so that the two still have a joint covariance.
 Vector<15> PossibleCovariance(const Matrix<15, 15>& covariance, const ClockCovariance& clock) {
@@ -108,6 +95,15 @@ Vector<15> PossibleCovariance(const Matrix<15, 15>& covariance, const ClockCovar
 }
 
 }  // namespace
+
+double CalibrationSurprise(const CalibrationVector& delta,
+                           const CalibrationMatrix& possible,
+                           const CalibrationMatrix& left) {
+  const Eigen::LDLT<CalibrationMatrix> factor(possible);
+  const double squares = delta.dot(CalibrationVector(factor.solve(delta)));
+  const double num_learnt = std::max(kNumCalibration - factor.solve(left).trace(), 0.0);
+  return (squares + kNumAsExpected) / (num_learnt + kNumAsExpected);
+}
 
 SelfCalibration::SelfCalibration(const StereoRig& rig, const CalibrationOptions& options)
     : rig_(rig), options_(options) {
@@ -136,7 +132,7 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
                window.calibration->delta(),
                solver.CalibrationCovariance(),
                window.calibration->Refined()};
-  surprise_ = SurpriseOf(kept_->delta, possible_, kept_->covariance);
+  surprise_ = CalibrationSurprise(kept_->delta, possible_, kept_->covariance);
   if (freed_at_ && now - *freed_at_ < kSettles) return;
   gross_deviations_ = GrossDeviations(rig_, kept_->delta, kept_->covariance, *start_covariance_);
 }

@@ -15,6 +15,15 @@
 
 namespace facet {
 
+/// Birge's ratio of a calibration that has changed by `delta`, where `possible` was what was
+/// believed of it, and `left` is what is not known now: the squares of the change in units of what
+/// was possible over what they are expected to be, the number of parameters that were learnt, and a
+/// few that count as if they had been as expected. Those that are held have nearly no variance,
+/// before and after, so that they are not among the learnt.
+double CalibrationSurprise(const CalibrationVector& delta,
+                           const CalibrationMatrix& possible,
+                           const CalibrationMatrix& left);
+
 /// Does nothing if all of the calibration is held. Not thread-safe.
 class SelfCalibration {
  public:
@@ -48,9 +57,8 @@ class SelfCalibration {
     return freed_at_ ? gross_deviations_ : std::vector<CalibrationDeviation>();
   }
 
-  /// How far the calibration, as last kept, is from the given one: mean square in units of what was
-  /// believed possible (Birge's ratio). About 1 for a careful one, less for an exact one, 0 if
-  /// held.
+  /// Of the calibration as last kept, against the given one: about 1 for a careful one, less for an
+  /// exact one, 0 if held.
   double Surprise() const { return surprise_; }
 
   /// When a part took a large step last.

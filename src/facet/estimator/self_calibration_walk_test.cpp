@@ -121,6 +121,33 @@ TEST_F(HeldLensesTest, ADoubtedBaselineStays) {
   EXPECT_EQ(Covariance(), before);
 }
 
+// Estimates of calibrations that are as wrong as was believed; a half of the directions is learnt,
+// of the others nothing.
+TEST(CalibrationSurpriseTest, IsOneForWhatWasBelievedAndTheSquareOfAFactor) {
+  const CalibrationMatrix possible = StartCovariance(EurocRig(), {});
+  const CalibrationMatrix root = possible.llt().matrixL();
+  constexpr int kNumLearnt = kNumCalibration / 2;
+  CalibrationMatrix unknown = CalibrationMatrix::Identity();
+  unknown.diagonal().head<kNumLearnt>().setConstant(0.05);
+  const CalibrationMatrix left = root * unknown * root.transpose();
+  Rng rng(1);
+  constexpr int kRuns = 400;
+  double sum = 0, sum_of_wrong = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    CalibrationVector learnt = CalibrationVector::Zero();
+    for (int k = 0; k < kNumLearnt; ++k)
+      learnt(k) = std::sqrt(0.95) * rng.Normal();
+    const CalibrationVector delta = root * learnt;
+    sum += CalibrationSurprise(delta, possible, left) / kRuns;
+    sum_of_wrong += CalibrationSurprise(3 * delta, possible, left) / kRuns;
+  }
+  EXPECT_NEAR(sum, 1, 0.05);
+  const double num_learnt = 0.95 * kNumLearnt;
+  EXPECT_NEAR(sum_of_wrong, (9 * num_learnt + 3) / (num_learnt + 3), 0.3);
+  EXPECT_LT(CalibrationSurprise(CalibrationVector::Zero(), possible, possible), 1.01)
+      << "nothing learnt is no surprise";
+}
+
 // Focal lengths that are off by far more than one step allows: the part is freed again and again.
 TEST(LargeStepTest, APartIsFreedThreeTimesAtMostAndSettlesInBetween) {
   FeatureSimulatorOptions options;
