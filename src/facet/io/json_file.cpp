@@ -33,7 +33,10 @@ bool IsTooDeep(std::string_view text) {
   return false;
 }
 
+// Empty for what is no file: a pipe would be waited for, a device read for ever.
 std::string ReadText(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return {};
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/io/json_file.h"
 
+#include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "facet/io/errors.h"
 #include "facet/testing/io/test_sequence.h"
@@ -45,6 +47,18 @@ TEST(JsonFile, DepthHasALimit) {
   // Brackets in strings are no lists.
   const std::string brackets = "[\"\\\"" + std::string(1000, '[') + "\"]";
   EXPECT_EQ(ParseJson(brackets)[0].get<std::string>().size(), 1001u);
+}
+
+// Waiting for a pipe, or reading a device to its end, would never end.
+TEST(JsonFile, WhatIsNoFileIsNoJson) {
+  const TempFolder folder;
+  const auto pipe = folder / "pipe.json";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/zero", folder / "zeros.json");
+  for (const char* name : {"pipe.json", "zeros.json", "nothing.json", "."}) {
+    EXPECT_TRUE(ReadJsonFile(folder / name).is_null()) << name;
+    EXPECT_THROW(ReadJsonObject(folder / name), InputError) << name;
+  }
 }
 
 TEST(JsonFile, AnObjectThatIsDamagedIsNamed) {
