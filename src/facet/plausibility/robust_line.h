@@ -89,8 +89,8 @@ struct FactorBounds {
   }
   /// Most of what each side shows is seen by the other side, too.
   bool IsOneThing() const {
-    const auto [least, most] = std::minmax(std::abs(low), std::abs(high));
-    return least > 0.25 * most;
+    const double a = std::abs(low), b = std::abs(high);
+    return std::min(a, b) > 0.25 * std::max(a, b);
   }
 };
 
