@@ -13,6 +13,7 @@
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
 #include "facet/testing/pipeline/simulated_front.h"
+#include "facet/testing/wrong_rigs.h"
 
 namespace facet {
 namespace {
@@ -29,23 +30,11 @@ SE3 AlignLevel(const SE3& estimate, const SE3& truth) {
 using RigChange = std::function<StereoRig(const StereoRig&)>;
 
 RigChange Baseline(double factor) {
-  return [factor](StereoRig rig) {
-    const Vector3d left = rig.T_BC[0].p;
-    rig.T_BC[1].p = left + factor * (rig.T_BC[1].p - left);
-    return rig;
-  };
+  return [factor](const StereoRig& rig) { return testing::WithBaseline(rig, factor); };
 }
 
 RigChange FocalLengths(double factor) {
-  return [factor](StereoRig rig) {
-    for (CameraModel& camera : rig.cameras) {
-      CameraIntrinsics k = camera.intrinsics();
-      k.fx *= factor;
-      k.fy *= factor;
-      camera = CameraModel(k);
-    }
-    return rig;
-  };
+  return [factor](const StereoRig& rig) { return testing::WithFocalLengths(rig, factor); };
 }
 
 // `given`: what the estimator takes for the rig.

@@ -32,7 +32,7 @@ VioOutput PoseStage::Estimate(const TrackedFrame& frame) {
   const std::string of_estimate = JudgeCalibration(frame.frontend, result);
   if (out.warning.empty()) out.warning = of_estimate;
   FillPose(frame, std::move(result), out);
-  if (check_calibration_) CheckScale(frame, out);
+  if (check_calibration_) CheckMotion(frame, out);
   HandBack(out);
   return out;
 }
@@ -104,7 +104,7 @@ std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
   return warning;
 }
 
-void PoseStage::CheckScale(const TrackedFrame& frame, VioOutput& out) {
+void PoseStage::CheckMotion(const TrackedFrame& frame, VioOutput& out) {
   motion_check_.AddImu(frame.imu);
   // Poses of before had another calibration, and so another size of the world.
   if (estimator_.calibration_freed_at() != size_since_) {

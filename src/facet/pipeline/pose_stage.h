@@ -42,7 +42,7 @@ class PoseStage {
  private:
   void FillPose(const TrackedFrame& frame, EstimatorResult result, VioOutput& out) const;
   std::string JudgeCalibration(const FrontendResult& frontend, const EstimatorResult& result);
-  void CheckScale(const TrackedFrame& frame, VioOutput& out);
+  void CheckMotion(const TrackedFrame& frame, VioOutput& out);
   void HandBack(VioOutput& out);
 
   Duration time_offset_;

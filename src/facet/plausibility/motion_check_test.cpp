@@ -8,6 +8,7 @@
 #include "facet/geometry/so3.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
+#include "facet/testing/wrong_rigs.h"
 
 namespace facet {
 namespace {
@@ -44,10 +45,11 @@ Judgement Judge(const SimulatedRun& run,
   MotionCheck check(rig);
   Judgement out;
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
-    if (i > 0)
+    if (i > 0) {
       check.AddImu(
           imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
-    if (i > 0) check.LoseState();
+      check.LoseState();
+    }
     if (i % kFramesPerKeyframe != 0) continue;
     const ScaleCheck::Finding finding =
         check.AddKeyframe(run.frames[i], i == 0 ? run.truth.data() : nullptr);
@@ -62,20 +64,11 @@ Judgement Judge(const SimulatedRun& run,
 }
 
 StereoRig WithBaseline(double factor) {
-  StereoRig rig = EurocRig();
-  rig.T_BC[1].p = rig.T_BC[0].p + factor * (rig.T_BC[1].p - rig.T_BC[0].p);
-  return rig;
+  return testing::WithBaseline(EurocRig(), factor);
 }
 
 StereoRig WithFocalLengths(double factor) {
-  StereoRig rig = EurocRig();
-  for (CameraModel& camera : rig.cameras) {
-    CameraIntrinsics k = camera.intrinsics();
-    k.fx *= factor;
-    k.fy *= factor;
-    camera = CameraModel(k);
-  }
-  return rig;
+  return testing::WithFocalLengths(EurocRig(), factor);
 }
 
 TEST(MotionCheckTest, TheRightCalibrationIsNeitherDoubtedNorRefused) {

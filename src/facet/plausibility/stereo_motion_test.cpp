@@ -9,6 +9,7 @@
 #include "facet/geometry/so3.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
+#include "facet/testing/wrong_rigs.h"
 
 namespace facet {
 namespace {
@@ -78,8 +79,7 @@ TEST(StereoMotionTest, ManyPairsMayBeWrong) {
 
 // Pixels and the gyroscope are as before; the rig is said to be half as wide again.
 TEST(StereoMotionTest, StepsAreAsLongAsTheBaselineSays) {
-  StereoRig rig = EurocRig();
-  rig.T_BC[1].p = rig.T_BC[0].p + 1.5 * (rig.T_BC[1].p - rig.T_BC[0].p);
+  const StereoRig rig = testing::WithBaseline(EurocRig(), 1.5);
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const SimulatedRun run = Fly(seed);
     StepErrors as_said = Follow(run, rig, 1.5), as_in_truth = Follow(run, rig, 1);
