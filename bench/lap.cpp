@@ -42,7 +42,8 @@ void RequireClosed(const NavState& second_last, const NavState& last, const NavS
 
 Lap::Lap(std::span<const Timestamp> frames,
          std::span<const ImuSample> imu,
-         std::span<const NavState> truth)
+         std::span<const NavState> truth,
+         const std::optional<ImuBias>& bias)
     : frames_(frames.begin(), frames.end()) {
   if (frames.size() < 3 || imu.empty() || truth.empty())
     throw InputError("a lap needs three frames, IMU samples and ground truth");
@@ -52,11 +53,12 @@ Lap::Lap(std::span<const Timestamp> frames,
   RequireClosed(StateAt(truth, frames[frames.size() - 2]), StateAt(truth, frames.back()), first);
   if (!first.bias.b_g.allFinite() || !first.bias.b_a.allFinite())
     throw InputError("a lap needs the biases of the IMU in its ground truth");
+  bias_ = bias.value_or(first.bias);
   for (ImuSample sample : imu) {
     if (sample.t < frames.front() || sample.t >= frames.front() + period_) continue;
-    const ImuBias& bias = StateAt(truth, sample.t).bias;
-    sample.gyro += first.bias.b_g - bias.b_g;
-    sample.accel += first.bias.b_a - bias.b_a;
+    const ImuBias& own = StateAt(truth, sample.t).bias;
+    sample.gyro += bias_.b_g - own.b_g;
+    sample.accel += bias_.b_a - own.b_a;
     imu_.push_back(sample);
   }
 }

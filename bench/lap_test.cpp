@@ -41,6 +41,22 @@ Lap LapOf(const Recording& recording) {
   return {recording.frames, recording.imu, recording.truth};
 }
 
+TEST(LapTest, LapsOfTwoTakesHaveTheSameBias) {
+  const Lap first = LapOf(Circle(1));
+  Recording other = Circle(1);
+  for (NavState& state : other.truth)
+    state.bias.b_a.z() = 0.25;
+  for (ImuSample& sample : other.imu)
+    sample.accel.z() += 0.25;
+  const Lap second(other.frames, other.imu, other.truth, first.bias());
+  const std::vector<ImuSample> expected = first.ImuOf(1), samples = second.ImuOf(1);
+  ASSERT_EQ(samples.size(), expected.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_TRUE(samples[i].gyro.isApprox(expected[i].gyro, 1e-12)) << i;
+    EXPECT_TRUE(samples[i].accel.isApprox(expected[i].accel, 1e-12)) << i;
+  }
+}
+
 TEST(LapTest, NextLapGoesOnWithoutAHole) {
   const Lap lap = LapOf(Circle(1));
   EXPECT_EQ(lap.period().ns, 20 * kFrameStep.ns);

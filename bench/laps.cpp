@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// laps SEQUENCE [--hours H | --laps N] [--set key=value]...
-// Plays a closed sequence again and again to one pipeline and prints for each lap its ATE, the
-// memory of the process, and every alarm: on clean data there should be none, the memory should
-// stay level, and every lap should be as good as the first. Exit code 1 if not.
+// laps SEQUENCE... [--hours H | --laps N] [--set key=value]...
+// Plays a closed sequence, or in turn several that differ in their noise, again and again to one
+// pipeline and prints for each lap its ATE, the memory of the process, and every alarm: on clean
+// data there should be none, the memory should stay level, and every lap should be as good as the
+// first. Exit code 1 if not. What is learnt in the course of hours from one sequence alone is where
+// its noise leads, which is the same in every lap.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lap.h"
@@ -95,22 +99,51 @@ double RssMb() {
   return 1e-6 * resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-std::vector<StereoFrame> DecodeAll(AslDataset& dataset) {
-  std::vector<StereoFrame> frames;
-  for (std::size_t i = 0; i < dataset.frames().size(); ++i) {
-    StereoFrame frame{dataset.frames()[i].t, {}, {}};
-    const std::string problem = dataset.ReadPair(i, frame.left, frame.right);
-    if (!problem.empty()) throw InputError(problem);
-    frames.push_back(frame);
-  }
-  return frames;
-}
-
-std::vector<Timestamp> StampsOf(const std::vector<StereoFrame>& frames) {
+std::vector<Timestamp> StampsOf(const AslDataset& dataset) {
   std::vector<Timestamp> stamps;
-  for (const StereoFrame& frame : frames)
+  for (const auto& frame : dataset.frames())
     stamps.push_back(frame.t);
   return stamps;
+}
+
+/// One sequence that can be played as any lap. Its images are decoded again each time: all of them
+/// would be half a gigabyte. Not thread-safe.
+class Take {
+ public:
+  Take(const std::string& sequence, const std::optional<ImuBias>& bias)
+      : sequence_(sequence),
+        dataset_(sequence),
+        lap_(StampsOf(dataset_), dataset_.imu(), LoadGroundTruthCsv(RequireTruth(sequence)), bias) {
+  }
+
+  const std::string& sequence() const { return sequence_; }
+  const AslDataset& dataset() const { return dataset_; }
+  const Lap& lap() const { return lap_; }
+
+  StereoFrame Frame(int i) {
+    const auto index = static_cast<std::size_t>(i);
+    StereoFrame frame{dataset_.frames()[index].t, {}, {}};
+    const std::string problem = dataset_.ReadPair(index, frame.left, frame.right);
+    if (!problem.empty()) throw InputError(problem);
+    return frame;
+  }
+
+ private:
+  std::string sequence_;
+  AslDataset dataset_;
+  Lap lap_;
+};
+
+/// Throws InputError if they are not the same frames.
+std::vector<Take> OpenTakes(const std::vector<std::string>& sequences) {
+  std::vector<Take> takes;
+  for (const std::string& sequence : sequences) {
+    takes.emplace_back(
+        sequence, takes.empty() ? std::nullopt : std::make_optional(takes.front().lap().bias()));
+    if (StampsOf(takes.back().dataset()) != StampsOf(takes.front().dataset()))
+      throw InputError(sequence + ": its frames are not those of " + sequences.front());
+  }
+  return takes;
 }
 
 double AteOf(const std::vector<StampedPose>& poses, const std::vector<StampedPose>& truth) {
@@ -123,30 +156,30 @@ double AteOf(const std::vector<StampedPose>& poses, const std::vector<StampedPos
 /// Plays laps to one pipeline. Not thread-safe.
 class Player {
  public:
-  Player(AslDataset& dataset, const std::string& sequence, const VioOptions& options)
-      : frames_(DecodeAll(dataset)),
-        truth_(ReadTrajectory(RequireTruth(sequence)).poses),
-        lap_(StampsOf(frames_), dataset.imu(), LoadGroundTruthCsv(RequireTruth(sequence))),
-        vio_(dataset.rig(), dataset.imu_noise(), options) {}
+  Player(std::vector<Take> takes, const VioOptions& options)
+      : takes_(std::move(takes)),
+        truth_(ReadTrajectory(RequireTruth(takes_.front().sequence())).poses),
+        vio_(takes_.front().dataset().rig(), takes_.front().dataset().imu_noise(), options) {}
 
-  const Lap& lap() const { return lap_; }
   Alarms& alarms() { return alarms_; }
 
   LapFigures PlayNext() {
     std::vector<StampedPose> poses;
     LapFigures figures;
-    for (int i = 0; i < lap_.num_frames(); ++i) {
-      StereoFrame frame = frames_[static_cast<std::size_t>(i)];
+    Take& take = TakeOf(num_laps_);
+    const Lap& lap = take.lap();
+    for (int i = 0; i < lap.num_frames(); ++i) {
+      StereoFrame frame = take.Frame(i);
       const Timestamp in_first_lap = frame.t;
-      frame.t = lap_.FrameStamp(num_laps_, i);
+      frame.t = lap.FrameStamp(num_laps_, i);
       FeedImu(frame.t);
       const VioOutput output = vio_.AddStereo(frame);
       alarms_.Add(output);
-      figures.cpu_ms += output.times.Total() / lap_.num_frames();
+      figures.cpu_ms += output.times.Total() / lap.num_frames();
       if (output.has_pose) poses.push_back({in_first_lap, output.state.T_WB});
     }
     ++num_laps_;
-    figures.end_s = num_laps_ * ToSeconds(lap_.period());
+    figures.end_s = num_laps_ * ToSeconds(lap.period());
     figures.ate_m = AteOf(poses, truth_);
     poses = {};
     figures.heap_mb = HeapMb();
@@ -158,11 +191,14 @@ class Player {
   }
 
  private:
+  Take& TakeOf(int lap) { return takes_[static_cast<std::size_t>(lap) % takes_.size()]; }
+
   /// The samples up to the stamp, and one beyond it.
   void FeedImu(Timestamp t) {
     while (last_imu_ <= t) {
       if (next_imu_ == imu_.size()) {
-        imu_ = lap_.ImuOf(num_imu_laps_++);
+        imu_ = TakeOf(num_imu_laps_).lap().ImuOf(num_imu_laps_);
+        ++num_imu_laps_;
         next_imu_ = 0;
       }
       last_imu_ = imu_[next_imu_].t;
@@ -170,9 +206,8 @@ class Player {
     }
   }
 
-  std::vector<StereoFrame> frames_;
+  std::vector<Take> takes_;
   std::vector<StampedPose> truth_;
-  Lap lap_;
   VioPipeline vio_;
   Alarms alarms_;
   int num_laps_ = 0, num_imu_laps_ = 0;
@@ -215,11 +250,13 @@ bool Judge(const std::vector<LapFigures>& laps, const Alarms& alarms) {
 
 int Main(int argc, char** argv) {
   CLI::App app("The same closed lap again and again: alarms, memory, accuracy");
-  std::string sequence;
+  std::vector<std::string> sequences;
   double hours = 2;
   int num_laps = 0, print_every = 1;
   std::vector<std::string> overrides;
-  app.add_option("sequence", sequence, "folder in ASL layout whose end joins its beginning")
+  app.add_option("sequence",
+                 sequences,
+                 "folders in ASL layout whose ends join their beginnings, with the same motion")
       ->required();
   app.add_option("--hours", hours, "of data");
   app.add_option("--laps", num_laps, "instead of hours");
@@ -230,12 +267,10 @@ int Main(int argc, char** argv) {
   cv::setNumThreads(1);
   VioOptions options;
   ApplyOverrides(overrides, ListFields(options));
-  AslDataset dataset(sequence);
-  Player player(dataset, sequence, options);
-  if (num_laps == 0) {
-    const double period_h = ToSeconds(player.lap().period()) / 3600;
-    num_laps = std::max(1, static_cast<int>(std::ceil(hours / period_h - 1e-9)));
-  }
+  std::vector<Take> takes = OpenTakes(sequences);
+  const double period_h = ToSeconds(takes.front().lap().period()) / 3600;
+  Player player(std::move(takes), options);
+  if (num_laps == 0) num_laps = std::max(1, static_cast<int>(std::ceil(hours / period_h - 1e-9)));
   std::vector<LapFigures> laps;
   std::printf("  lap    end[s]  ATE[mm]  cpu[ms]   heap[MB]  map[MB]  resident[MB]  alarms\n");
   for (int i = 0; i < num_laps; ++i) {

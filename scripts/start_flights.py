@@ -10,7 +10,7 @@ import os
 import shutil
 import subprocess
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import debian_python  # noqa: F401 (first: it may start another Python)
@@ -146,6 +146,16 @@ def write_poses(poses, file):
 
 def data_folder():
     return Path(os.environ.get("FACET_DATA_DIR") or ROOT.parent / "shared" / "data")
+
+
+def make_takes(flight, cache, program, count):
+    """`count` folders of one flight that differ in their noise only, simulated if they are not there."""
+    folders = [Path(cache) / f"{flight.name}-{i + 1}" for i in range(count)]
+    if not all((folder / "simulation.txt").exists() for folder in folders):
+        for folder in folders:
+            shutil.rmtree(folder, ignore_errors=True)
+        make(replace(flight, scene=[*flight.scene, "--noise-seeds", str(count)]), cache, program)
+    return folders
 
 
 def make(flight, cache, program):

@@ -43,6 +43,19 @@ class ClosedFlights(unittest.TestCase):
         self.assertAlmostEqual(1e-9 * (stamps[-1] - stamps[0]), start_flights.LAP_S + 2 * start_flights.MARGIN_S)
         self.assertTrue(np.isfinite(p).all())
 
+    def test_takes_that_are_there_are_not_simulated_again(self):
+        flight = start_flights.FLIGHTS[0]
+        with tempfile.TemporaryDirectory() as cache:
+            for i in (1, 2):
+                folder = Path(cache) / f"{flight.name}-{i}"
+                folder.mkdir()
+                (folder / "simulation.txt").touch()
+            takes = start_flights.make_takes(flight, cache, "no program", 2)
+            self.assertEqual([take.name for take in takes], [f"{flight.name}-1", f"{flight.name}-2"])
+            self.assertTrue(all((take / "simulation.txt").exists() for take in takes))
+            with self.assertRaises(OSError):
+                start_flights.make_takes(flight, cache, "no program", 3)
+
     def test_the_flight_from_rest_is_at_rest(self):
         self.assertEqual(start_flights.rest_then_round(0), start_flights.rest_then_round(8.9))
 
