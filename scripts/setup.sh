@@ -1,7 +1,8 @@
 #!/bin/sh
-# scripts/setup.sh [test|deb|ros1|dds]: installs the Debian packages that the program and the demo are built with, and with "test"
-# those of the Python package, tests, benchmarks and checks, too; with "deb" those that Debian packages are made with;
-# with "ros1" those of the node for ROS 1 and of its test; with "dds" those of the node on Cyclone DDS.
+# scripts/setup.sh [test|fuzz|deb|ros1|dds]: installs the Debian packages that the program and the demo are built with, and
+# with "test" those of the Python package, tests, benchmarks and checks, too; with "fuzz" those and a compiler with
+# libFuzzer; with "deb" those that Debian packages are made with; with "ros1" those of the node for ROS 1 and of its
+# test; with "dds" those of the node on Cyclone DDS.
 # Does nothing, quickly, when all are there.
 set -eu
 
@@ -12,10 +13,12 @@ libboost-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libnanoflann-dev
 libpng-dev libdeflate-dev libjpeg62-turbo-dev libwebp-dev libembree-dev
 libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev zlib1g-dev
 python3 python3-numpy python3-matplotlib"
+of_tests="libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev clang-format clang-tidy
+pybind11-dev python3-dev python3-pytest python3-venv python3-yaml python3-pil cyclonedds-dev cyclonedds-tools"
 case "${1:-}" in
   "") ;;
-  test) packages="$packages libgtest-dev libgmock-dev libbenchmark-dev libceres-dev libcgal-dev clang-format clang-tidy
-pybind11-dev python3-dev python3-pytest python3-venv python3-yaml python3-pil cyclonedds-dev cyclonedds-tools" ;;
+  test) packages="$packages $of_tests" ;;
+  fuzz) packages="$packages $of_tests clang libclang-rt-14-dev" ;;
   dds) packages="$packages cyclonedds-dev cyclonedds-tools" ;;
   deb) packages="$packages debhelper dh-python lintian pybind11-dev python3-dev" ;;
   ros1) packages="$packages libroscpp-dev libdiagnostic-msgs-dev libgeometry-msgs-dev libnav-msgs-dev libsensor-msgs-dev
@@ -23,7 +26,7 @@ libstd-msgs-dev libstd-srvs-dev libtf2-msgs-dev libvisualization-msgs-dev ros-co
 python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-std-srvs python3-tf2-msgs
 python3-visualization-msgs python3-pil" ;;
   *)
-    echo "usage: scripts/setup.sh [test|deb|ros1|dds]" >&2
+    echo "usage: scripts/setup.sh [test|fuzz|deb|ros1|dds]" >&2
     exit 2
     ;;
 esac

@@ -1,20 +1,26 @@
 #!/bin/sh
-# scripts/test_long.sh [PART]...: what takes too long for every change; without arguments all parts but fuzz-totals.
+# scripts/test_long.sh [PART]...: what takes too long for every change; without arguments most parts.
 # One line per part in runs/test-long/results.txt, with the commit. Each part is tried even if another failed; exit code
-# 1 if any did.
+# 1 if any did. fuzz-ci, fuzz-totals and fuzz-keep have to be named.
 #
 #   headers   every header and source compiles alone, without precompiled headers          about 15 minutes on two cores
 #   asan      every test but those of speed under the address and undefined-behaviour sanitizers   about 90
 #   tsan      what runs on two threads under the thread sanitizer                          about 20
 #   fuzz      readers of files, bags, IMU streams and the estimator under libFuzzer, a sixth of
 #             FUZZ_SECONDS each (default 600)                                              about 25
+#   fuzz-ci   the same with a minute each and always the same seed; needs nothing but clang    about 13
 #   fuzz-totals   the same by number: ten million executions for text, a million for images, PLY,
 #             bags and IMU streams, a hundred thousand for the estimator                   some hours
+#   fuzz-keep     what the fuzzers have found, as few inputs as reach the same code, into testdata/fuzz
 #   soak      flights of minutes: nothing lost, memory and time per frame stay level       about 15
 #   large     an MCAP file of 2 GB is read: speed, and memory that stays level              about 1
 set -u
 cd "$(dirname "$0")/.."
-scripts/setup.sh test || exit 1
+[ $# -gt 0 ] || set -- headers asan tsan fuzz soak large
+case " $* " in
+  *" fuzz"*) scripts/setup.sh fuzz || exit 1 ;;
+  *) scripts/setup.sh test || exit 1 ;;
+esac
 out=runs/test-long
 mkdir -p "$out"
 commit=$(git describe --always --dirty 2>/dev/null || echo unknown)
@@ -28,6 +34,7 @@ part() {
   if "$@" >"$out/$part.log" 2>&1; then result=passed; else result=FAILED; failures=$((failures + 1)); fi
   line="$part $result, $(($(date +%s) - start)) s, $commit, $(date -u +%Y-%m-%d): $(tail -n 1 "$out/$part.log")"
   echo "$line"
+  [ "$result" = passed ] || tail -n 30 "$out/$part.log"
   echo "$line" >>"$out/results.txt"
 }
 
@@ -57,7 +64,7 @@ fuzz_build() {
   shift 3
   clang=$(command -v clang++ clang++-14 clang++-19 | head -n 1)
   if [ -z "$clang" ]; then
-    echo "no clang++: apt-get install clang libclang-rt-14-dev"
+    echo "no clang++: scripts/setup.sh fuzz"
     return 1
   fi
   cmake -S . -B "$folder" -G Ninja -D CMAKE_CXX_COMPILER="$clang" -D CMAKE_BUILD_TYPE="$type" -D FACET_FUZZER=ON \
@@ -66,7 +73,7 @@ fuzz_build() {
 }
 
 # fuzz_target NAME LIMIT PROGRAM [ARGUMENT]...: from the good inputs and from what earlier runs found, until LIMIT
-# (-max_total_time=S or -runs=N). The readers' files are written to memory: a disk takes ten times as long as reading
+# (-max_total_time=S or -runs=N, and other options of libFuzzer). The readers' files are written to memory: a disk takes ten times as long as reading
 # them. Entropic schedules and stack traces of all allocations cost more than the targets; a finding that is run alone
 # without ASAN_OPTIONS has its traces.
 fuzz_target() {
@@ -78,7 +85,7 @@ fuzz_target() {
   scratch=$(mktemp -d "$([ -w /dev/shm ] && echo /dev/shm || echo "${TMPDIR:-/tmp}")/facet-fuzz-XXXXXX")
   "$program" --write-seeds="$out/seeds/$name" "$@" &&
     TMPDIR=$scratch ASAN_OPTIONS=malloc_context_size=1:quarantine_size_mb=16 \
-      "$program" "$out/found/$name" "$out/seeds/$name" "$limit" -timeout=20 -rss_limit_mb=4096 -entropic=0 \
+      "$program" "$out/found/$name" "$out/seeds/$name" $limit -timeout=20 -rss_limit_mb=4096 -entropic=0 \
       -print_funcs=0 -artifact_prefix="$out/$name-" -print_final_stats=1 "$@" 2>&1 | tee "$out/fuzz-$name.log"
   done=$(sed -n 's/^stat::number_of_executed_units: *//p' "$out/fuzz-$name.log")
   executions="${executions:+$executions, }$name ${done:-0}"
@@ -86,9 +93,10 @@ fuzz_target() {
   grep -q "^Done " "$out/fuzz-$name.log"  # not after a finding
 }
 
+fuzz_text="config,camera,kalibr,image_list,imu,trajectory,states,truth,planes,true_planes,json,basalt"
+fuzz_text="$fuzz_text,kitti_calibration,kitti_times,kitti_oxts"
+
 fuzz_all() {
-  fuzz_text="config,camera,kalibr,image list,imu,trajectory,states,truth,planes,true planes,json,basalt"
-  fuzz_text="$fuzz_text,kitti calibration,kitti times,kitti oxts"
   executions=
   fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \
     reader_fuzzer recording_fuzzer imu_fuzzer estimator_fuzzer &&
@@ -123,6 +131,29 @@ fuzz_totals() {
   fuzz_all
 }
 
+fuzz_ci() {
+  fuzz_limit() { echo "-max_total_time=60 -seed=1"; }
+  fuzz_all
+}
+
+# fuzz_keep_target TARGET FILE PROGRAM [READERS]: those of runs/test-long/found and the seeds
+fuzz_keep_target() {
+  small="$out/small/$1"
+  rm -rf "$small"
+  mkdir -p "$small" "$out/found/$1" "$out/seeds/$1"
+  "$3" -merge=1 -use_counters=0 ${4:+"--only=$4"} "$small" "$out/found/$1" "$out/seeds/$1" &&
+    scripts/keep_fuzz_inputs.py "$small" "testdata/fuzz/$2.txt" ${4:+--readers "$4"}
+}
+
+fuzz_keep() {
+  fuzz_keep_target text readers build-fuzz/reader_fuzzer "$fuzz_text" &&
+    fuzz_keep_target ply readers build-fuzz/reader_fuzzer ply &&
+    fuzz_keep_target image readers build-fuzz/reader_fuzzer image &&
+    fuzz_keep_target recording recording build-fuzz/recording_fuzzer &&
+    fuzz_keep_target imu imu build-fuzz/imu_fuzzer &&
+    fuzz_keep_target estimator estimator build-fuzz-fast/estimator_fuzzer
+}
+
 soak() {
   scripts/build.sh release facet && scripts/soak.py --duration "${SOAK_SECONDS:-240}"
 }
@@ -131,10 +162,11 @@ large() {
   scripts/build.sh release large_recording && build/bench/large_recording --folder "$out"
 }
 
-[ $# -gt 0 ] || set -- headers asan tsan fuzz soak large
 for name in "$@"; do
   case $name in
     headers | asan | tsan | fuzz | soak | large) part "$name" "$name" ;;
+    fuzz-ci) part "$name" fuzz_ci ;;
+    fuzz-keep) part "$name" fuzz_keep ;;
     fuzz-totals) part "$name" fuzz_totals ;;
     *)
       echo "test_long: '$name' is no part; see the head of $0" >&2

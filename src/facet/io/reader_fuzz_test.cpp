@@ -63,6 +63,20 @@ TEST(ReaderFuzzTest, GoodFilesAreTaken) {
   }
 }
 
+TEST(ReaderFuzzTest, SavedInputs) {
+  std::size_t num_inputs = 0;
+  for (const FuzzedReader& reader : FuzzedReaders()) {
+    const TempFolder folder;
+    for (const testing::FuzzInput& input : testing::SavedFuzzInputs("readers", reader.name)) {
+      ++num_inputs;
+      EXPECT_NO_THROW(
+          ReadsOrComplains(reader, folder.path(), std::string(input.begin(), input.end())))
+          << reader.name << ": " << testing::ToHex(input);
+    }
+  }
+  EXPECT_GT(num_inputs, 100U);
+}
+
 TEST(ReaderFuzzTest, DamagedFilesAreTakenOrComplainedAbout) {
   const int num_runs = testing::NumFuzzRuns(1000);
   for (const FuzzedReader& reader : FuzzedReaders()) {

@@ -64,6 +64,16 @@ TEST(RecordingFuzzTest, GoodRecordingsAreRead) {
   }
 }
 
+TEST(RecordingFuzzTest, SavedInputs) {
+  const std::vector<testing::FuzzInput> inputs = testing::SavedFuzzInputs("recording");
+  EXPECT_FALSE(inputs.empty());
+  const TempFolder folder;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const std::string bytes(inputs[i].begin(), inputs[i].end());
+    EXPECT_NO_THROW(ReadsRecordingOrComplains(folder.path(), bytes)) << "input " << i;
+  }
+}
+
 TEST(RecordingFuzzTest, DamagedRecordingsAreReadOrComplainedAbout) {
   const int num_runs = testing::NumFuzzRuns(3000);
   const std::vector<std::string> seeds = RecordingSeeds();

@@ -25,9 +25,8 @@ FuzzInput FromHex(const std::string& line, const std::string& where) {
   return input;
 }
 
-}  // namespace
-
-std::vector<FuzzInput> SavedFuzzInputs(const std::string& name) {
+// Of the lines that begin with `prefix`, what follows it.
+std::vector<FuzzInput> ReadInputs(const std::string& name, const std::string& prefix) {
   const std::filesystem::path file = SourceFolder() / "testdata" / "fuzz" / (name + ".txt");
   std::ifstream stream(file);
   if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
@@ -35,10 +34,21 @@ std::vector<FuzzInput> SavedFuzzInputs(const std::string& name) {
   int number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;
-    if (line.empty() || line.front() == '#') continue;
-    inputs.push_back(FromHex(line, file.string() + ":" + std::to_string(number)));
+    if (line.empty() || line.front() == '#' || !line.starts_with(prefix)) continue;
+    const std::string where = file.string() + ":" + std::to_string(number);
+    inputs.push_back(FromHex(line.substr(prefix.size()), where));
   }
   return inputs;
+}
+
+}  // namespace
+
+std::vector<FuzzInput> SavedFuzzInputs(const std::string& name) {
+  return ReadInputs(name, "");
+}
+
+std::vector<FuzzInput> SavedFuzzInputs(const std::string& name, const std::string& reader) {
+  return ReadInputs(name, reader + '\t');
 }
 
 std::string ToHex(const FuzzInput& input) {

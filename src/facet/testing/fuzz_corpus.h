@@ -16,8 +16,12 @@ using FuzzInput = std::vector<std::uint8_t>;
 
 /// The inputs of the file of that name in testdata/fuzz, one a line in hexadecimal digits; lines
 /// that begin with '#' are comments. Throws std::runtime_error where the file is missing or holds
-/// anything else.
+/// anything else. scripts/keep_fuzz_inputs.py writes such files.
 std::vector<FuzzInput> SavedFuzzInputs(const std::string& name);
+
+/// The same of a file that serves several readers: each line has a reader's name, a tabulator and
+/// an input; those of this reader.
+std::vector<FuzzInput> SavedFuzzInputs(const std::string& name, const std::string& reader);
 
 /// As a line of such a file.
 std::string ToHex(const FuzzInput& input);

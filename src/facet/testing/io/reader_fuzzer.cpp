@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The readers under libFuzzer: the first byte chooses the reader, the rest is its file. With
-// --only=NAME,NAME it chooses among these readers of FuzzedReaders (clang and FACET_FUZZER=ON;
+// --only=NAME,NAME it chooses among these readers of FuzzedReaders, with '_' for the blanks in
+// their names: libFuzzer's -merge starts itself without quotes (clang and FACET_FUZZER=ON;
 // scripts/test_long.sh).
+#include <algorithm>
 #include <cstdint>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "facet/testing/fuzz_corpus.h"
 #include "facet/testing/io/reader_fuzz.h"
@@ -24,6 +27,7 @@ void KeepOnly(const std::string& names) {
   std::vector<facet::FuzzedReader> kept;
   std::istringstream stream(names);
   for (std::string name; std::getline(stream, name, ',');) {
+    std::replace(name.begin(), name.end(), '_', ' ');
     for (const facet::FuzzedReader& reader : Readers()) {
       if (reader.name == name) kept.push_back(reader);
     }
@@ -31,14 +35,21 @@ void KeepOnly(const std::string& names) {
   if (!kept.empty()) Readers() = kept;
 }
 
+void Append(std::vector<facet::testing::FuzzInput>& seeds,
+            std::size_t reader,
+            const auto& content) {
+  facet::testing::FuzzInput& seed = seeds.emplace_back();
+  seed.push_back(static_cast<std::uint8_t>(reader));
+  seed.insert(seed.end(), content.begin(), content.end());
+}
+
 std::vector<facet::testing::FuzzInput> Seeds() {
   std::vector<facet::testing::FuzzInput> seeds;
   for (std::size_t r = 0; r < Readers().size(); ++r) {
-    for (const std::string& content : Readers()[r].seeds) {
-      facet::testing::FuzzInput& seed = seeds.emplace_back();
-      seed.push_back(static_cast<std::uint8_t>(r));
-      seed.insert(seed.end(), content.begin(), content.end());
-    }
+    for (const std::string& content : Readers()[r].seeds)
+      Append(seeds, r, content);
+    for (const auto& input : facet::testing::SavedFuzzInputs("readers", Readers()[r].name))
+      Append(seeds, r, input);
   }
   return seeds;
 }

@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerInitialize(int* num_arguments, char*** arguments);
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 extern "C" int LLVMFuzzerInitialize(int* num_arguments, char*** arguments) {
-  std::vector<facet::testing::FuzzInput> seeds;
+  std::vector<facet::testing::FuzzInput> seeds = facet::testing::SavedFuzzInputs("recording");
   for (const std::string& seed : facet::RecordingSeeds())
     seeds.emplace_back(seed.begin(), seed.end());
   facet::testing::WriteSeedsIfAsked(*num_arguments, *arguments, seeds);
