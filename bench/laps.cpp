@@ -11,6 +11,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,9 +34,11 @@
 namespace facet {
 namespace {
 
-constexpr double kSettled_s = 300;    // memory is compared from then on
-constexpr double kMaxGrowth_mb = 2;   // without the map
-constexpr double kMaxAteRatio = 1.5;  // of a lap to the median of all laps
+constexpr double kSettled_s = 300;     // memory is compared from then on
+constexpr double kMaxGrowth_mb = 2;    // without the map
+constexpr double kMaxAteRatio = 2;     // of a lap to the median of all laps
+constexpr double kMaxTrend = 1.25;     // of the median of the second half to that of the first one,
+constexpr std::size_t kMinTrend = 16;  // if there are so many laps
 
 /// Everything that should not happen on clean data, by what is said of it.
 class Alarms {
@@ -217,7 +220,7 @@ class Player {
 };
 
 /// What the memory gained after it had settled; zero for a short run.
-double GrowthMb(const std::vector<LapFigures>& laps) {
+double GrowthMb(std::span<const LapFigures> laps) {
   const auto settled = std::find_if(
       laps.begin(), laps.end(), [](const LapFigures& lap) { return lap.end_s >= kSettled_s; });
   if (settled == laps.end()) return 0;
@@ -227,25 +230,41 @@ double GrowthMb(const std::vector<LapFigures>& laps) {
   return largest - settled->OwnMemory();
 }
 
-bool Judge(const std::vector<LapFigures>& laps, const Alarms& alarms) {
+/// Sorted.
+std::vector<double> AtesOf(std::span<const LapFigures> laps) {
   std::vector<double> ates;
   for (const LapFigures& lap : laps)
     ates.push_back(lap.ate_m);
   std::sort(ates.begin(), ates.end());
-  const double median = ates[ates.size() / 2], growth = GrowthMb(laps);
+  return ates;
+}
+
+double MedianAte(std::span<const LapFigures> laps) {
+  return AtesOf(laps)[laps.size() / 2];
+}
+
+bool Judge(std::span<const LapFigures> laps, const Alarms& alarms) {
+  const std::vector<double> ates = AtesOf(laps);
+  const double median = MedianAte(laps), growth = GrowthMb(laps);
+  const double early = MedianAte(laps.first(std::max<std::size_t>(1, laps.size() / 2)));
+  const double late = MedianAte(laps.subspan(laps.size() / 2));
   alarms.Print();
   std::printf(
-      "%zu laps, %.4f h: ATE per lap %.2f to %.2f mm, median %.2f; memory without the map +%.2f MB "
-      "after the first %.0f s; %d alarms\n",
+      "%zu laps, %.4f h: ATE per lap %.2f to %.2f mm, median %.2f (first half %.2f, second half "
+      "%.2f); memory without the map +%.2f MB after the first %.0f s; %d alarms\n",
       laps.size(),
       laps.back().end_s / 3600,
       1e3 * ates.front(),
       1e3 * ates.back(),
       1e3 * median,
+      1e3 * early,
+      1e3 * late,
       growth,
       kSettled_s,
       alarms.Total());
-  return ates.back() <= kMaxAteRatio * median && growth <= kMaxGrowth_mb && alarms.Total() == 0;
+  const bool is_level = laps.size() < kMinTrend || late <= kMaxTrend * early;
+  return is_level && ates.back() <= kMaxAteRatio * median && growth <= kMaxGrowth_mb &&
+         alarms.Total() == 0;
 }
 
 int Main(int argc, char** argv) {
