@@ -1,6 +1,6 @@
 #!/bin/sh
-# scripts/setup.sh [test|fuzz|deb|ros1|dds]: installs the Debian packages that the program and the demo are built with, and
-# with "test" those of the Python package, tests, benchmarks and checks, too; with "fuzz" those and a compiler with
+# scripts/setup.sh [test|fuzz|deb|ros1|dds]: installs the Debian packages that the program and the demo are built with,
+# and with "test" those of the Python package, tests, benchmarks and checks, too; with "fuzz" those and a compiler with
 # libFuzzer; with "deb" those that Debian packages are made with; with "ros1" those of the node for ROS 1 and of its
 # test; with "dds" those of the node on Cyclone DDS.
 # Does nothing, quickly, when all are there.
@@ -18,7 +18,7 @@ pybind11-dev python3-dev python3-pytest python3-venv python3-yaml python3-pil cy
 case "${1:-}" in
   "") ;;
   test) packages="$packages $of_tests" ;;
-  fuzz) packages="$packages $of_tests clang libclang-rt-14-dev" ;;
+  fuzz) packages="$packages $of_tests clang libclang-rt-dev" ;;
   dds) packages="$packages cyclonedds-dev cyclonedds-tools" ;;
   deb) packages="$packages debhelper dh-python lintian pybind11-dev python3-dev" ;;
   ros1) packages="$packages libroscpp-dev libdiagnostic-msgs-dev libgeometry-msgs-dev libnav-msgs-dev libsensor-msgs-dev

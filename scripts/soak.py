@@ -9,8 +9,8 @@
 
 Fails if a frame has no pose after the start, the run was reset, the second half of the frames takes much longer than
 the first (flights of a minute and more), memory grows faster than the map is allowed to, or the drift is not that of an
-odometry. Laps may show no alarm at all, memory without the map may grow by 2 MB after the first five minutes, and each
-lap has to be as accurate as the others.
+odometry. Laps may show no alarm at all, memory without the map may grow by 2 MB after the first five minutes, and later
+laps have to be as accurate as the first ones.
 """
 
 import argparse

@@ -8,7 +8,7 @@
 #   tsan      what runs on two threads under the thread sanitizer                          about 20
 #   fuzz      readers of files, bags, IMU streams and the estimator under libFuzzer, a sixth of
 #             FUZZ_SECONDS each (default 600)                                              about 25
-#   fuzz-ci   the same with a minute each and always the same seed; needs nothing but clang    about 13
+#   fuzz-ci   the same with a minute each, from the inputs in testdata/fuzz alone          about 13
 #   fuzz-totals   the same by number: ten million executions for text, a million for images, PLY,
 #             bags and IMU streams, a hundred thousand for the estimator                   some hours
 #   fuzz-keep     what the fuzzers have found, as few inputs as reach the same code, into testdata/fuzz
@@ -17,10 +17,7 @@
 set -u
 cd "$(dirname "$0")/.."
 [ $# -gt 0 ] || set -- headers asan tsan fuzz soak large
-case " $* " in
-  *" fuzz"*) scripts/setup.sh fuzz || exit 1 ;;
-  *) scripts/setup.sh test || exit 1 ;;
-esac
+scripts/setup.sh test || exit 1
 out=runs/test-long
 mkdir -p "$out"
 commit=$(git describe --always --dirty 2>/dev/null || echo unknown)
@@ -62,31 +59,40 @@ tsan() {
 fuzz_build() {
   folder=$1 type=$2 sanitizers=$3
   shift 3
-  clang=$(command -v clang++ clang++-14 clang++-19 | head -n 1)
+  scripts/setup.sh fuzz || return 1
+  clang=
+  for name in clang++ clang++-14 clang++-19; do
+    clang=$(command -v "$name") && break
+  done
   if [ -z "$clang" ]; then
     echo "no clang++: scripts/setup.sh fuzz"
     return 1
   fi
+  if command -v ccache >/dev/null; then
+    export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
+  fi
   cmake -S . -B "$folder" -G Ninja -D CMAKE_CXX_COMPILER="$clang" -D CMAKE_BUILD_TYPE="$type" -D FACET_FUZZER=ON \
-    -D CMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS -D FACET_BUILD_BENCH=OFF -D FACET_PCH=OFF -D FACET_SANITIZE="$sanitizers" &&
+    -D CMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS -D FACET_BUILD_BENCH=OFF -D FACET_PCH=OFF \
+    -D FACET_SANITIZE="$sanitizers" &&
     cmake --build "$folder" --target "$@"
 }
 
-# fuzz_target NAME LIMIT PROGRAM [ARGUMENT]...: from the good inputs and from what earlier runs found, until LIMIT
-# (-max_total_time=S or -runs=N, and other options of libFuzzer). The readers' files are written to memory: a disk takes ten times as long as reading
-# them. Entropic schedules and stack traces of all allocations cost more than the targets; a finding that is run alone
-# without ASAN_OPTIONS has its traces.
+# fuzz_target NAME LIMIT PROGRAM [ARGUMENT]...: from the good inputs and from what earlier runs left in $found, until
+# LIMIT (-max_total_time=S or -runs=N, and other options of libFuzzer). The readers' files are written to memory: a disk
+# takes ten times as long as reading them. Entropic schedules and stack traces of all allocations cost more than the
+# targets; a finding that is run alone without ASAN_OPTIONS has its traces.
 fuzz_target() {
   name=$1 limit=$2 program=$3
   shift 3
   echo "-- $name, $limit"
-  rm -rf "$out/seeds/$name"
-  mkdir -p "$out/seeds/$name" "$out/found/$name"
+  rm -rf "$out/seeds/$name" "$out/fuzz-$name.log"
+  mkdir -p "$out/seeds/$name" "$found/$name"
   scratch=$(mktemp -d "$([ -w /dev/shm ] && echo /dev/shm || echo "${TMPDIR:-/tmp}")/facet-fuzz-XXXXXX")
-  "$program" --write-seeds="$out/seeds/$name" "$@" &&
-    TMPDIR=$scratch ASAN_OPTIONS=malloc_context_size=1:quarantine_size_mb=16 \
-      "$program" "$out/found/$name" "$out/seeds/$name" $limit -timeout=20 -rss_limit_mb=4096 -entropic=0 \
-      -print_funcs=0 -artifact_prefix="$out/$name-" -print_final_stats=1 "$@" 2>&1 | tee "$out/fuzz-$name.log"
+  "$program" --write-seeds="$out/seeds/$name" "$@" || return 1
+  TMPDIR=$scratch ASAN_OPTIONS=malloc_context_size=1:quarantine_size_mb=16 \
+    "$program" "$found/$name" "$out/seeds/$name" $limit -timeout=20 -rss_limit_mb=4096 -entropic=0 \
+    -print_funcs=0 -artifact_prefix="$out/$name-" -print_final_stats=1 "$@" 2>&1 | tee "$out/fuzz-$name.log"
+  find "$out" -maxdepth 1 -name "$name-*" -newer "$out/seeds/$name" -print -exec base64 {} \;
   done=$(sed -n 's/^stat::number_of_executed_units: *//p' "$out/fuzz-$name.log")
   executions="${executions:+$executions, }$name ${done:-0}"
   rm -rf "$scratch"
@@ -96,12 +102,16 @@ fuzz_target() {
 fuzz_text="config,camera,kalibr,image_list,imu,trajectory,states,truth,planes,true_planes,json,basalt"
 fuzz_text="$fuzz_text,kitti_calibration,kitti_times,kitti_oxts"
 
-fuzz_all() {
-  executions=
+fuzz_builds() {
   fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \
     reader_fuzzer recording_fuzzer imu_fuzzer estimator_fuzzer &&
     fuzz_build build-fuzz-fast Release fuzzer-no-link,signed-integer-overflow,float-cast-overflow,bounds,shift \
-      estimator_fuzzer || return 1
+      estimator_fuzzer
+}
+
+fuzz_all() {
+  executions=
+  fuzz_builds || return 1
   # fuzz_limit NAME: what fuzz and fuzz-totals differ in. Text formats are lines: longer files only repeat them.
   fuzz_target text "$(fuzz_limit text)" build-fuzz/reader_fuzzer -max_len=4000 "--only=$fuzz_text" &&
     fuzz_target ply "$(fuzz_limit ply)" build-fuzz/reader_fuzzer -max_len=4000 --only=ply &&
@@ -109,18 +119,22 @@ fuzz_all() {
     fuzz_target recording "$(fuzz_limit recording)" build-fuzz/recording_fuzzer -max_len=20000 &&
     fuzz_target imu "$(fuzz_limit imu)" build-fuzz/imu_fuzzer -max_len=200 &&
     fuzz_target estimator "$(fuzz_limit estimator)" build-fuzz-fast/estimator_fuzzer -max_len=80 &&
-    build-fuzz/estimator_fuzzer "$out/found/estimator" "$out/seeds/estimator" -runs=0 -timeout=60 || return 1
+    build-fuzz/estimator_fuzzer $fuzz_again -runs=0 -timeout=60 || return 1
   echo "executions: $executions"
 }
 
 # The estimator is fifty times as slow under the sanitizers: the fuzzer looks for ways through it without them, then
 # every way that it found is taken once with them.
 fuzz() {
+  found="$out/found"
+  fuzz_again="$found/estimator $out/seeds/estimator"
   fuzz_limit() { echo "-max_total_time=$((${FUZZ_SECONDS:-600} / 6))"; }
   fuzz_all
 }
 
 fuzz_totals() {
+  found="$out/found"
+  fuzz_again="$found/estimator $out/seeds/estimator"
   fuzz_limit() {
     case $1 in
       text) echo -runs=10000000 ;;
@@ -131,22 +145,30 @@ fuzz_totals() {
   fuzz_all
 }
 
+# What others have found does not count, and the sanitizers see the estimator's saved inputs only: it finds some
+# hundreds, which take them seconds each.
 fuzz_ci() {
+  found="$out/found-ci"
+  rm -rf "$found"
+  fuzz_again="$out/seeds/estimator"
   fuzz_limit() { echo "-max_total_time=60 -seed=1"; }
   fuzz_all
 }
 
-# fuzz_keep_target TARGET FILE PROGRAM [READERS]: those of runs/test-long/found and the seeds
+# fuzz_keep_target TARGET FILE PROGRAM [READERS]: of what is in runs/test-long/found as much as reaches what neither the
+# good inputs nor those of testdata/fuzz reach
 fuzz_keep_target() {
   small="$out/small/$1"
   rm -rf "$small"
-  mkdir -p "$small" "$out/found/$1" "$out/seeds/$1"
-  "$3" -merge=1 -use_counters=0 ${4:+"--only=$4"} "$small" "$out/found/$1" "$out/seeds/$1" &&
+  mkdir -p "$small" "$out/found/$1"
+  "$3" --write-seeds="$small" ${4:+"--only=$4"} &&
+    "$3" -merge=1 -use_counters=0 -max_len=250 ${4:+"--only=$4"} "$small" "$out/found/$1" &&
+    rm -f "$small"/seed-* &&
     scripts/keep_fuzz_inputs.py "$small" "testdata/fuzz/$2.txt" ${4:+--readers "$4"}
 }
 
 fuzz_keep() {
-  fuzz_keep_target text readers build-fuzz/reader_fuzzer "$fuzz_text" &&
+  fuzz_builds && fuzz_keep_target text readers build-fuzz/reader_fuzzer "$fuzz_text" &&
     fuzz_keep_target ply readers build-fuzz/reader_fuzzer ply &&
     fuzz_keep_target image readers build-fuzz/reader_fuzzer image &&
     fuzz_keep_target recording recording build-fuzz/recording_fuzzer &&

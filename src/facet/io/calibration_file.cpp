@@ -21,9 +21,10 @@ constexpr double kMaxBaselineM = 10;
 constexpr double kMaxTimeOffsetS = 1;
 constexpr double kMaxTimeOffsetDifferenceS = 1e-3;
 
-bool IsFile(const fs::path& path) {
+/// As a file, or as something else that whoever reads it complains about.
+bool IsThere(const fs::path& path) {
   std::error_code error;
-  return fs::is_regular_file(path, error);
+  return fs::exists(path, error);
 }
 
 /// Files in `folder` whose name begins with `prefix` and ends in .yaml or .yml, sorted.
@@ -91,7 +92,7 @@ fs::path FindImuFile(const std::vector<fs::path>& folders, const fs::path& mav0)
       return file;
   }
   const fs::path euroc = mav0 / "imu0" / "sensor.yaml";
-  return IsFile(euroc) ? euroc : fs::path();
+  return IsThere(euroc) ? euroc : fs::path();
 }
 
 bool IsBasalt(const fs::path& file) {
@@ -122,7 +123,7 @@ Calibration ReadEurocCalibration(const fs::path& mav0, const fs::path& imu_file)
   Calibration result;
   SE3 T_BS_imu;
   const fs::path imu = imu_file.empty() ? mav0 / "imu0" / "sensor.yaml" : imu_file;
-  if (imu_file.empty() && !IsFile(imu)) {
+  if (imu_file.empty() && !IsThere(imu)) {
     result.warnings.push_back(imu.string() +
                               ": no such file, the IMU is taken for the body, with the noise "
                               "densities of an ADIS16448; give the real ones with "
@@ -196,7 +197,7 @@ Calibration FindCalibration(const fs::path& mav0, const CalibrationFiles& files)
   if (!files.cameras.empty()) return ReadKalibrCalibration(files.cameras, imu);
 
   const fs::path camchain = FindCamchain(folders);
-  if (!IsFile(mav0 / "cam0" / "sensor.yaml")) {
+  if (!IsThere(mav0 / "cam0" / "sensor.yaml")) {
     if (!camchain.empty()) return ReadKalibrCalibration(camchain, imu);
     throw InputError((mav0 / "cam0" / "sensor.yaml").string() +
                      ": no such file, and no camchain*.yaml beside mav0 either; give a Kalibr "

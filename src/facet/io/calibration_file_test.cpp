@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "facet/io/errors.h"
 #include "facet/testing/io/test_sequence.h"
@@ -252,6 +253,17 @@ TEST_F(CalibrationFileTest, AbsurdNumbersOfTheImuNameFileAndLine) {
     WriteText(Imu(), good);
     ReplaceInFile(Imu(), damage.from, damage.to);
     EXPECT_THAT(Error(), HasSubstr(damage.message));
+  }
+}
+
+// A pipe would be waited for for ever.
+TEST_F(CalibrationFileTest, WhatIsNoFileIsNotCalledMissing) {
+  for (const std::filesystem::path& file : {Sensor(0), Imu()}) {
+    WriteText(Sensor(0), TestCameraYaml(0));
+    std::filesystem::remove(file);
+    ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+    EXPECT_THAT(Error(), HasSubstr(file.string() + ": cannot be read as a file"));
+    std::filesystem::remove(file);
   }
 }
 

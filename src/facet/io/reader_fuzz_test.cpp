@@ -5,11 +5,13 @@
 #include "facet/testing/io/reader_fuzz.h"
 
 #include <algorithm>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "facet/base/random.h"
+#include "facet/testing/folders.h"
 #include "facet/testing/fuzz_corpus.h"
 #include "facet/testing/io/test_sequence.h"
 
@@ -74,7 +76,12 @@ TEST(ReaderFuzzTest, SavedInputs) {
           << reader.name << ": " << testing::ToHex(input);
     }
   }
+  std::ifstream file(testing::SourceFolder() / "testdata" / "fuzz" / "readers.txt");
+  std::size_t num_lines = 0;
+  for (std::string line; std::getline(file, line);)
+    num_lines += line.empty() || line.front() == '#' ? 0 : 1;
   EXPECT_GT(num_inputs, 100U);
+  EXPECT_EQ(num_inputs, num_lines) << "was a reader renamed?";
 }
 
 TEST(ReaderFuzzTest, DamagedFilesAreTakenOrComplainedAbout) {

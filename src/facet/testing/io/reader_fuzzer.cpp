@@ -28,9 +28,10 @@ void KeepOnly(const std::string& names) {
   std::istringstream stream(names);
   for (std::string name; std::getline(stream, name, ',');) {
     std::replace(name.begin(), name.end(), '_', ' ');
-    for (const facet::FuzzedReader& reader : Readers()) {
-      if (reader.name == name) kept.push_back(reader);
-    }
+    const auto reader = std::ranges::find(Readers(), name, &facet::FuzzedReader::name);
+    if (reader == Readers().end())
+      facet::testing::AbortOnProblem("--only: there is no reader '" + name + "'");
+    kept.push_back(*reader);
   }
   if (!kept.empty()) Readers() = kept;
 }
