@@ -113,7 +113,10 @@ void PoseStage::CheckMotion(const TrackedFrame& frame, VioOutput& out) {
     size_doubt_.WorldHasChanged();
   }
   const bool has_state = out.has_pose && !out.was_reset;
-  if (!has_state) motion_check_.LoseState();
+  if (!has_state) {
+    motion_check_.LoseState();
+    size_doubt_.LoseState();
+  }
   if (!out.is_keyframe) return;
   const StereoRig* rig = estimator_.KeptRig();
   if (rig != nullptr && motion_check_.SetRig(*rig)) size_doubt_.WorldHasChanged();
