@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "facet/estimator/solver/calibration_walk.h"
 #include "facet/estimator/start/start_calibration.h"
@@ -26,6 +27,8 @@ constexpr Duration kSettles{5'000'000'000};
 // Of each part. Landmarks and velocities of the time before a step still fit the wrong calibration,
 // and what is learnt with them is too certain; they are gone before the last one.
 constexpr int kMaxLargeSteps = 3;
+// Of a variance that is left; less is rounding.
+constexpr double kLeastShare = 1e-12;
 // Beside the parameters that were learnt, before which nothing surprises.
 constexpr double kNumAsExpected = 3;
 
@@ -105,6 +108,30 @@ double CalibrationSurprise(const CalibrationVector& delta,
   return (squares + kNumAsExpected) / (num_learnt + kNumAsExpected);
 }
 
+CalibrationMatrix LeftWithNoise(double factor,
+                                const CalibrationMatrix& possible,
+                                const CalibrationMatrix& left) {
+  // Parameters have different units, and those that are held nearly no variance.
+  const CalibrationVector sigma = possible.diagonal().cwiseSqrt();
+  const CalibrationVector inverse = sigma.cwiseInverse();
+  const CalibrationMatrix before = inverse.asDiagonal() * possible * inverse.asDiagonal();
+  const CalibrationMatrix after = inverse.asDiagonal() * left * inverse.asDiagonal();
+  const Eigen::LLT<CalibrationMatrix> root(before);
+  if (root.info() != Eigen::Success) return left;
+  CalibrationMatrix whitened = after;
+  root.matrixL().solveInPlace(whitened);
+  whitened.transposeInPlace();
+  root.matrixL().solveInPlace(whitened);
+  const Eigen::SelfAdjointEigenSolver<CalibrationMatrix> solver(whitened);
+  if (solver.info() != Eigen::Success) return left;
+  // In each direction `share` of the variance is left, so that 1 / share - 1 is what was learnt.
+  CalibrationVector share = solver.eigenvalues().cwiseMax(kLeastShare);
+  for (double& s : share)
+    s = s < 1 ? factor * s / (factor * s + 1 - s) : s;
+  const CalibrationMatrix axes = sigma.asDiagonal() * (root.matrixL() * solver.eigenvectors());
+  return axes * share.asDiagonal() * axes.transpose();
+}
+
 SelfCalibration::SelfCalibration(const StereoRig& rig, const CalibrationOptions& options)
     : rig_(rig), options_(options) {
   if (options.IsHeld()) return;
@@ -130,6 +157,7 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
   if (is_doubted_ || (kept_ && now - kept_->t < kKeepEvery)) return;
   kept_ = Kept{now,
                window.calibration->delta(),
+               possible_,
                solver.CalibrationCovariance(),
                window.calibration->Refined()};
   surprise_ = CalibrationSurprise(kept_->delta, possible_, kept_->covariance);
@@ -201,10 +229,11 @@ void SelfCalibration::MoveToImage(const SlidingWindow& window,
   x.v_WB += 2 * dv_W;  // dv_W is the mean on the way
 }
 
-std::optional<StereoRig> SelfCalibration::Refined() const {
+std::optional<StereoRig> SelfCalibration::Refined(double noise_factor) const {
   if (!kept_) return std::nullopt;
   StereoRig rig = kept_->rig;
-  rig.covariance = std::make_shared<const MatrixXd>(kept_->covariance);
+  rig.covariance = std::make_shared<const MatrixXd>(
+      LeftWithNoise(noise_factor, kept_->possible, kept_->covariance));
   return rig;
 }
 

@@ -24,6 +24,13 @@ double CalibrationSurprise(const CalibrationVector& delta,
                            const CalibrationMatrix& possible,
                            const CalibrationMatrix& left);
 
+/// What is left not known of a calibration of which `possible` was believed before, if `left` is
+/// what the measurements leave with the noise that was assumed of them, and their variances are
+/// `factor` times that.
+CalibrationMatrix LeftWithNoise(double factor,
+                                const CalibrationMatrix& possible,
+                                const CalibrationMatrix& left);
+
 /// Does nothing if all of the calibration is held. Not thread-safe.
 class SelfCalibration {
  public:
@@ -75,8 +82,9 @@ class SelfCalibration {
     return window.calibration ? window.calibration->delta()(kTimeOffset) : 0.0;
   }
 
-  /// As it was last kept, with its covariance; empty before, and if all of it is held.
-  std::optional<StereoRig> Refined() const;
+  /// As it was last kept, with its covariance if the measurements' variances were `noise_factor`
+  /// times what was assumed of them; empty before, and if all of it is held.
+  std::optional<StereoRig> Refined(double noise_factor) const;
   /// The same without the covariance, until the next call of Keep; null: empty.
   const StereoRig* KeptRig() const { return kept_ ? &kept_->rig : nullptr; }
 
@@ -84,7 +92,7 @@ class SelfCalibration {
   struct Kept {
     Timestamp t;
     CalibrationVector delta;
-    CalibrationMatrix covariance;
+    CalibrationMatrix possible, covariance;  // before and after what was learnt
     StereoRig rig;
   };
 

@@ -148,6 +148,56 @@ TEST(CalibrationSurpriseTest, IsOneForWhatWasBelievedAndTheSquareOfAFactor) {
       << "nothing learnt is no surprise";
 }
 
+// Against the sum of the information, for a calibration that was as uncertain as a careful one, and
+// measurements of which some see most parameters together.
+TEST(LeftWithNoiseTest, IsWhatMeasurementsWithThatNoiseWouldLeave) {
+  const CalibrationMatrix possible = StartCovariance(EurocRig(), {});
+  const CalibrationVector inverse = possible.diagonal().cwiseSqrt().cwiseInverse();
+  Rng rng(2);
+  CalibrationMatrix learnt = CalibrationMatrix::Zero();
+  for (int i = 0; i < 20; ++i) {
+    CalibrationVector row;
+    for (double& x : row)
+      x = (i < 10 ? 1 : 30) * rng.Normal();
+    row = row.cwiseProduct(inverse);
+    learnt += row * row.transpose();
+  }
+  const auto left_with = [&](double factor) {
+    const CalibrationMatrix scaled_back = inverse.cwiseInverse().asDiagonal() * (learnt / factor) *
+                                          inverse.cwiseInverse().asDiagonal();
+    const CalibrationMatrix before = inverse.asDiagonal() * possible * inverse.asDiagonal();
+    const CalibrationMatrix left = (before.inverse() + scaled_back).inverse();
+    return left;
+  };
+  for (const double factor : {0.2, 1.0, 4.0}) {
+    const CalibrationMatrix left =
+        inverse.cwiseInverse().asDiagonal() * left_with(1) * inverse.cwiseInverse().asDiagonal();
+    const CalibrationMatrix found =
+        inverse.asDiagonal() * LeftWithNoise(factor, possible, left) * inverse.asDiagonal();
+    EXPECT_LT((found - left_with(factor)).norm(), 1e-6 * left_with(factor).norm()) << factor;
+  }
+}
+
+TEST(LeftWithNoiseTest, LeavesWhatIsHeldOrWasNotLearntAsItIs) {
+  CalibrationOptions held;
+  held.lens = false;
+  for (const CalibrationOptions& options : {CalibrationOptions(), held}) {
+    const CalibrationMatrix possible = StartCovariance(EurocRig(), options);
+    const CalibrationVector inverse = possible.diagonal().cwiseSqrt().cwiseInverse();
+    for (const double factor : {0.2, 5.0}) {
+      const CalibrationMatrix change = inverse.asDiagonal() *
+                                       (LeftWithNoise(factor, possible, possible) - possible) *
+                                       inverse.asDiagonal();
+      EXPECT_LT(change.cwiseAbs().maxCoeff(), 1e-6) << factor;
+      const CalibrationMatrix more = LeftWithNoise(factor, possible, 4 * possible);
+      EXPECT_LT((inverse.asDiagonal() * (more - 4 * possible) * inverse.asDiagonal()).norm(), 1e-6)
+          << "more than before is no information";
+    }
+  }
+  const CalibrationMatrix no_covariance = -CalibrationMatrix::Identity();
+  EXPECT_EQ(LeftWithNoise(0.2, CalibrationMatrix::Zero(), no_covariance), no_covariance);
+}
+
 // Focal lengths that are off by far more than one step allows: the part is freed again and again.
 TEST(LargeStepTest, APartIsFreedThreeTimesAtMostAndSettlesInBetween) {
   FeatureSimulatorOptions options;

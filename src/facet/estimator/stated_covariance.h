@@ -31,6 +31,9 @@ class StatedCovariance {
   /// `solved`: of the solve, of theta p v b_g b_a.
   Matrix<15, 15> Of(const Matrix<15, 15>& solved) const;
 
+  /// For what was learnt of the calibration: by images and IMU together, as of late.
+  double OfLearnt() const { return OfImu() * of_calibration_; }
+
   /// Of the variances that were taken over from before the last StartOver: never less than 1.
   double OfOrigin() const { return of_origin_; }
 

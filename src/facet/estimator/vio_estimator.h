@@ -50,7 +50,9 @@ class VioEstimator {
   int NumPlaneConstraints() const { return window_.NumPlaneLandmarks(); }
 
   /// What became of the calibration; empty if all of it is held, and before a second keyframe.
-  std::optional<StereoRig> Calibration() const { return calibration_.Refined(); }
+  std::optional<StereoRig> Calibration() const {
+    return calibration_.Refined(stated_covariance_.OfLearnt());
+  }
   const StereoRig* KeptRig() const { return calibration_.KeptRig(); }  ///< see SelfCalibration
   /// What is wrong with the given one by more than a careful calibration leaves.
   std::vector<CalibrationDeviation> GrossDeviations() const { return calibration_.Gross(); }
