@@ -103,8 +103,9 @@ def execute(run, core):
     run.message = last_line(process)
     run.summary = read_json(run.folder / "summary.json")
     if trajectories.truth_file(run.sequence) and (run.folder / "trajectory.tum").exists():
-        process = subprocess.run([run.config.program, "evaluate", str(run.folder), "--truth", str(run.sequence)],
-                                 capture_output=True, text=True, check=False)
+        # Surfaces of a large scene would take longer than the run.
+        command = [run.config.program, "evaluate", str(run.folder), "--truth", str(run.sequence)]
+        process = subprocess.run([*command, "--parts", "trajectory"], capture_output=True, text=True, check=False)
         if process.returncode != 0:
             run.message = run.message or last_line(process)
         run.evaluation = read_json(run.folder / "evaluation.json")
