@@ -8,7 +8,7 @@
 #   tsan      what runs on two threads under the thread sanitizer                          about 20
 #   fuzz      readers of files, bags, IMU streams and the estimator under libFuzzer, a sixth of
 #             FUZZ_SECONDS each (default 600)                                              about 25
-#   fuzz-ci   the same with a minute each, from the inputs in testdata/fuzz alone          about 13
+#   fuzz-ci   the same with a minute each, from the inputs in testdata/fuzz alone          about 12
 #   fuzz-totals   the same by number: ten million executions for text, a million for images, PLY,
 #             bags and IMU streams, a hundred thousand for the estimator                   some hours
 #   fuzz-keep     what the fuzzers have found, as few inputs as reach the same code, into testdata/fuzz
@@ -102,39 +102,40 @@ fuzz_target() {
 fuzz_text="config,camera,kalibr,image_list,imu,trajectory,states,truth,planes,true_planes,json,basalt"
 fuzz_text="$fuzz_text,kitti_calibration,kitti_times,kitti_oxts"
 
+# fuzz_builds [TARGET]: it, too, with the address sanitizer
 fuzz_builds() {
   fuzz_build build-fuzz RelWithDebInfo address,undefined,float-cast-overflow,fuzzer-no-link \
-    reader_fuzzer recording_fuzzer imu_fuzzer estimator_fuzzer &&
+    reader_fuzzer recording_fuzzer imu_fuzzer "$@" &&
     fuzz_build build-fuzz-fast Release fuzzer-no-link,signed-integer-overflow,float-cast-overflow,bounds,shift \
       estimator_fuzzer
 }
 
 fuzz_all() {
   executions=
-  fuzz_builds || return 1
   # fuzz_limit NAME: what fuzz and fuzz-totals differ in. Text formats are lines: longer files only repeat them.
   fuzz_target text "$(fuzz_limit text)" build-fuzz/reader_fuzzer -max_len=4000 "--only=$fuzz_text" &&
     fuzz_target ply "$(fuzz_limit ply)" build-fuzz/reader_fuzzer -max_len=4000 --only=ply &&
     fuzz_target image "$(fuzz_limit image)" build-fuzz/reader_fuzzer -max_len=4000 --only=image &&
     fuzz_target recording "$(fuzz_limit recording)" build-fuzz/recording_fuzzer -max_len=20000 &&
     fuzz_target imu "$(fuzz_limit imu)" build-fuzz/imu_fuzzer -max_len=200 &&
-    fuzz_target estimator "$(fuzz_limit estimator)" build-fuzz-fast/estimator_fuzzer -max_len=80 &&
-    build-fuzz/estimator_fuzzer $fuzz_again -runs=0 -timeout=60 || return 1
-  echo "executions: $executions"
+    fuzz_target estimator "$(fuzz_limit estimator)" build-fuzz-fast/estimator_fuzzer -max_len=80
 }
 
-# The estimator is fifty times as slow under the sanitizers: the fuzzer looks for ways through it without them, then
-# every way that it found is taken once with them.
-fuzz() {
+# The estimator is fifty times as slow under the address sanitizer: the fuzzer looks for ways through it without, then
+# every way that it found is taken once with it.
+fuzz_all_twice() {
   found="$out/found"
-  fuzz_again="$found/estimator $out/seeds/estimator"
+  fuzz_builds estimator_fuzzer && fuzz_all &&
+    build-fuzz/estimator_fuzzer "$found/estimator" "$out/seeds/estimator" -runs=0 -timeout=60 &&
+    echo "executions: $executions"
+}
+
+fuzz() {
   fuzz_limit() { echo "-max_total_time=$((${FUZZ_SECONDS:-600} / 6))"; }
-  fuzz_all
+  fuzz_all_twice
 }
 
 fuzz_totals() {
-  found="$out/found"
-  fuzz_again="$found/estimator $out/seeds/estimator"
   fuzz_limit() {
     case $1 in
       text) echo -runs=10000000 ;;
@@ -142,17 +143,15 @@ fuzz_totals() {
       *) echo -runs=1000000 ;;
     esac
   }
-  fuzz_all
+  fuzz_all_twice
 }
 
-# What others have found does not count, and the sanitizers see the estimator's saved inputs only: it finds some
-# hundreds, which take them seconds each.
+# What earlier runs have found does not count.
 fuzz_ci() {
   found="$out/found-ci"
   rm -rf "$found"
-  fuzz_again="$out/seeds/estimator"
   fuzz_limit() { echo "-max_total_time=60 -seed=1"; }
-  fuzz_all
+  fuzz_builds && fuzz_all && echo "executions: $executions"
 }
 
 # fuzz_keep_target TARGET FILE PROGRAM [READERS]: of what is in runs/test-long/found as much as reaches what neither the
