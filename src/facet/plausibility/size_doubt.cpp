@@ -61,6 +61,10 @@ Judgement JudgeTurns(const TurnCheck::Ratio& turns) {
   return judgement;
 }
 
+Vector3d Way(const Vector3d& from_W, const Vector3d& to_W) {
+  return (to_W - from_W).cwiseMin(kFarthest_m).cwiseMax(-kFarthest_m);
+}
+
 bool HasPose(const NavState& x) {
   return x.T_WB.p.allFinite() && x.T_WB.q.coeffs().allFinite();
 }
@@ -95,7 +99,7 @@ void SizeDoubt::AddKeyframe(const NavState& x,
 
 void SizeDoubt::WorldHasChanged() {
   if (!last_) return;
-  const Vector3d way = WayTo(last_->T_WB.p);
+  const Vector3d way = Way(since_->T_WB.p, last_->T_WB.p);
   astray_ += size_variance_ * way * way.transpose();
   if (turn_variance_ > 0) turned_astray_.push_back(AstrayAt(*last_));
   since_ = last_;
@@ -104,35 +108,31 @@ void SizeDoubt::WorldHasChanged() {
   are_turns_doubted_ = false;
 }
 
-Vector3d SizeDoubt::WayTo(const Vector3d& p_W) const {
-  return (p_W - since_->T_WB.p).cwiseMin(kFarthest_m).cwiseMax(-kFarthest_m);
-}
-
 SizeDoubt::Reached SizeDoubt::ReachedAt(const SE3& T_WB) const {
   const double turn_rad = LogSO3(T_WB.q * last_->T_WB.q.conjugate()).z();
-  const Vector3d way = (T_WB.p - last_->T_WB.p).cwiseMin(kFarthest_m).cwiseMax(-kFarthest_m);
+  const Vector3d way = Way(last_->T_WB.p, T_WB.p);
   const double mean_rad = last_->heading_rad + 0.5 * turn_rad;
   return {T_WB, last_->heading_rad + turn_rad, last_->turned_way_W + mean_rad * way};
 }
 
 SizeDoubt::Astray SizeDoubt::AstrayAt(const Reached& now) const {
-  return {
-      turn_variance_,
-      now.heading_rad - since_->heading_rad,
-      now.turned_way_W - since_->turned_way_W - since_->heading_rad * (now.T_WB.p - since_->T_WB.p),
-      now.T_WB.p};
+  return {turn_variance_,
+          now.heading_rad - since_->heading_rad,
+          now.turned_way_W - since_->turned_way_W -
+              since_->heading_rad * Way(since_->T_WB.p, now.T_WB.p),
+          now.T_WB.p};
 }
 
 Matrix<15, 15> SizeDoubt::CovarianceOf(const NavState& x) const {
   Matrix<15, 15> covariance = Matrix<15, 15>::Zero();
   if (!last_ || !HasPose(x) || !x.v_WB.allFinite()) return covariance;
   Vector<6> way_and_velocity;
-  way_and_velocity << WayTo(x.T_WB.p), x.v_WB;
+  way_and_velocity << Way(since_->T_WB.p, x.T_WB.p), x.v_WB;
   covariance.block<6, 6>(3, 3) = size_variance_ * way_and_velocity * way_and_velocity.transpose();
   covariance.block<3, 3>(3, 3) += astray_;
   const auto add = [&](const Astray& astray) {
     const Vector3d up(0, 0, 1);
-    const Vector3d way = (x.T_WB.p - astray.p_W).cwiseMin(kFarthest_m).cwiseMax(-kFarthest_m);
+    const Vector3d way = Way(astray.p_W, x.T_WB.p);
     Vector<9> led_astray;
     led_astray << x.T_WB.q.conjugate() * (astray.heading_rad * up),
         up.cross(astray.turned_way_W + astray.heading_rad * way),

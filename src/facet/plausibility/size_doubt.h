@@ -60,7 +60,6 @@ class SizeDoubt {
     Vector3d p_W = Vector3d::Zero();  // where it changed
   };
 
-  Vector3d WayTo(const Vector3d& p_W) const;
   Reached ReachedAt(const SE3& T_WB) const;
   Astray AstrayAt(const Reached& now) const;
 
