@@ -49,12 +49,29 @@ struct ViewSums {
       : right(MatrixXd::Zero(kNumRigParameters, num_errors)),
         right_pose(MatrixXd::Zero(6, num_errors)) {}
 
-  void Add(const CornerRow& row, const MatrixXd& errors) {
-    H += row.J_rig.transpose() * row.J_rig;
-    H_cross += row.J_rig.transpose() * row.J_pose;
-    H_pose += row.J_pose.transpose() * row.J_pose;
-    right += row.J_rig.transpose() * errors;
-    right_pose += row.J_pose.transpose() * errors;
+  /// A corner of `camera`, and its errors: the columns from `first_error` on.
+  template <typename Errors>
+  void Add(std::size_t camera,
+           const CornerRow& row,
+           const Errors& errors,
+           Eigen::Index first_error) {
+    if (camera == 0) {
+      AddRow<0, kNumIntrinsics>(row, errors, first_error);
+    } else {
+      AddRow<kNumIntrinsics, kNumRigParameters - kNumIntrinsics>(row, errors, first_error);
+    }
+  }
+
+  /// Only kCount parameters from kFirst on move the corner.
+  template <int kFirst, int kCount, typename Errors>
+  void AddRow(const CornerRow& row, const Errors& errors, Eigen::Index first_error) {
+    const Matrix<2, kCount> J = row.J_rig.middleCols<kCount>(kFirst);
+    H.block<kCount, kCount>(kFirst, kFirst).noalias() += J.transpose() * J;
+    H_cross.middleRows<kCount>(kFirst).noalias() += J.transpose() * row.J_pose;
+    H_pose.noalias() += row.J_pose.transpose() * row.J_pose;
+    constexpr int kNumErrors = Errors::ColsAtCompileTime;
+    right.block<kCount, kNumErrors>(kFirst, first_error).noalias() += J.transpose() * errors;
+    right_pose.middleCols<kNumErrors>(first_error).noalias() += row.J_pose.transpose() * errors;
   }
 
   RigMatrix H = RigMatrix::Zero();
@@ -108,7 +125,7 @@ std::optional<ViewSums> SumResiduals(const StereoRig& rig,
     for (std::size_t i = 0; i < view.corners[c].size(); ++i) {
       const auto row = LinearizeCorner(rig, view.T_C0_board, c, view.corners[c][i]);
       if (!row) return std::nullopt;
-      sums.Add(*row, detected.corners[c][i] - row->px);
+      sums.Add(c, *row, Vector2d(detected.corners[c][i] - row->px), 0);
     }
   }
   return sums;
@@ -140,13 +157,11 @@ std::optional<double> Improve(StereoRig& rig,
 }
 
 /// What the monomials of a camera's field, axis after axis, add to the pixel of a corner.
-MatrixXd FieldColumns(const CameraModel& camera, std::size_t c, const Vector2d& px) {
+Matrix<2, 2 * kNumMonomials> FieldColumns(const CameraModel& camera, const Vector2d& px) {
   const auto m = SmoothField::Monomials(px, camera.width(), camera.height());
-  MatrixXd columns = MatrixXd::Zero(2, 4 * kNumMonomials);
-  for (Eigen::Index axis = 0; axis < 2; ++axis) {
-    const Eigen::Index first = (2 * static_cast<Eigen::Index>(c) + axis) * kNumMonomials;
-    columns.row(axis).segment<kNumMonomials>(first) = m;
-  }
+  Matrix<2, 2 * kNumMonomials> columns = Matrix<2, 2 * kNumMonomials>::Zero();
+  for (int axis = 0; axis < 2; ++axis)
+    columns.row(axis).segment<kNumMonomials>(axis * kNumMonomials) = m;
   return columns;
 }
 
@@ -156,9 +171,10 @@ RigSums SumFields(const StereoRig& rig, const std::vector<BoardView>& views) {
   for (const BoardView& view : views) {
     ViewSums sums(4 * kNumMonomials);
     for (std::size_t c = 0; c < 2; ++c) {
+      const Eigen::Index first_error = 2 * kNumMonomials * static_cast<Eigen::Index>(c);
       for (const Vector3d& corner : view.corners[c]) {
         const auto row = LinearizeCorner(rig, view.T_C0_board, c, corner);
-        if (row) sums.Add(*row, FieldColumns(rig.cameras[c], c, row->px));
+        if (row) sums.Add(c, *row, FieldColumns(rig.cameras[c], row->px), first_error);
       }
     }
     total.Add(sums);

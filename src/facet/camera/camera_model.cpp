@@ -33,10 +33,25 @@ LensRadius RadialDistortion(const CameraIntrinsics& k, double argument) {
                                   : RadiusThroughPlaneLens(k, argument);
 }
 
+/// Whether the radial distortion grows everywhere, where that is easily seen: its slope is a
+/// parabola over the squared radius.
+bool AlwaysGrows(const CameraIntrinsics& k) {
+  if (k.distortion != DistortionModel::kRadialTangential) return false;
+  const double k1 = k.coefficients[0], k2 = k.coefficients[1];
+  const double lowest_r2 = k2 > 0 ? std::max(0.0, -0.3 * k1 / k2) : 0;
+  if (lowest_r2 > kMaxRadius * kMaxRadius) return false;
+  constexpr double kRounding = 1e-6;
+  const auto grows_at = [&](double r) {
+    return RadialDistortion(k, r).slope > kMinSlope + kRounding;
+  };
+  return grows_at(0) && grows_at(std::sqrt(lowest_r2)) && grows_at(kMaxRadius);
+}
+
 /// Largest argument up to which the radial distortion grows (or where lenses end).
 double FindMaxArgument(const CameraIntrinsics& k) {
   constexpr int kSteps = 4000;
   const double end = IsWideLens(k.distortion) ? kMaxAngle : kMaxRadius;
+  if (AlwaysGrows(k)) return end;
   for (int i = 1; i <= kSteps; ++i) {
     double high = end * i / kSteps;
     if (RadialDistortion(k, high).slope > kMinSlope) continue;

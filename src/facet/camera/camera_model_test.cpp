@@ -130,6 +130,20 @@ TEST(CameraModelTest, RefusesTheFoldOfEquidistantDistortion) {
   EXPECT_FALSE(camera.Project(ray(1.01 * fold)));
 }
 
+TEST(CameraModelTest, RefusesAFoldBetweenRadiiThatGrow) {
+  // The slope 1 + 3 k1 r^2 + 5 k2 r^4 is lowest at r^2 = -0.3 k1 / k2, and 1 - 0.45 k1^2 / k2
+  // there.
+  CameraIntrinsics k = EurocLeft();
+  const double lowest_r2 = 0.3 * 0.4 / 0.07;
+  k.coefficients = {-0.4, 0.07, 0, 0};
+  ASSERT_LT(1 - 0.45 * 0.4 * 0.4 / 0.07, 0.0);
+  EXPECT_LT(std::tan(CameraModel(k).max_angle()), std::sqrt(lowest_r2));
+  k.coefficients = {-0.4, 0.074, 0, 0};  // 0.027 there: it still grows
+  EXPECT_NEAR(CameraModel(k).max_angle(), 85 * M_PI / 180, 1e-9);
+  k.coefficients = {-0.4, 0.0733, 0, 0};  // 0.018: too slowly
+  EXPECT_NEAR(std::tan(CameraModel(k).max_angle()), std::sqrt(0.3 * 0.4 / 0.0733), 0.1);
+}
+
 TEST(CameraModelTest, EurocLensNeverFolds) {
   EXPECT_NEAR(CameraModel(EurocLeft()).max_angle(), 85 * M_PI / 180, 1e-9);
 }

@@ -127,12 +127,6 @@ bool IsBetween(double value, double low, double high) {
 
 }  // namespace
 
-bool IsWideLens(DistortionModel model) {
-  return model == DistortionModel::kEquidistant || model == DistortionModel::kFieldOfView ||
-         model == DistortionModel::kDoubleSphere || model == DistortionModel::kExtendedUnified ||
-         model == DistortionModel::kUnified;
-}
-
 std::optional<Vector2d> ProjectThroughWideLens(const CameraIntrinsics& k,
                                                const Vector3d& p,
                                                Matrix<2, 3>* J) {

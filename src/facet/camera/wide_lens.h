@@ -13,7 +13,11 @@
 
 namespace facet {
 
-bool IsWideLens(DistortionModel model);
+inline bool IsWideLens(DistortionModel model) {
+  return model == DistortionModel::kEquidistant || model == DistortionModel::kFieldOfView ||
+         model == DistortionModel::kDoubleSphere || model == DistortionModel::kExtendedUnified ||
+         model == DistortionModel::kUnified;
+}
 
 /// Where the lens puts the direction p (any length); empty where it images nothing. J: d result /
 /// d p.
