@@ -66,7 +66,7 @@ void MapLocaliseCommand(const MapArguments& arguments) {
     return std::vector{vio.AddStereo(frame)};
   };
   functions.finish = [] { return std::vector<VioOutput>(); };
-  functions.result = [&] { return vio.Result(); };
+  functions.result = [&] { return vio.TakeResult(); };
   Found found;
   RunRange range;
   range.start_s = arguments.start_s;

@@ -263,7 +263,7 @@ SequenceRun RunWith(Vio& vio,
     return add(frame);
   };
   functions.add_imu = [&](const ImuSample& sample) { vio.AddImu(sample); };
-  functions.result = [&] { return vio.Result(); };
+  functions.result = [&] { return vio.TakeResult(); };
   ProgressBar bar(!arguments.quiet && !arguments.verbose);
   CatchInterrupts();
   const auto observer = [&](const RunProgress& progress, const VioOutput& output) {

@@ -2,6 +2,7 @@
 #include "facet/pipeline/scene_stage.h"
 
 #include <memory>
+#include <utility>
 
 #include "facet/camera/image_extent.h"
 #include "facet/mesh/mesh_snapshot.h"
@@ -83,14 +84,24 @@ void SceneStage::KeepExpiredFaces() {
     map_.Add(face);
 }
 
-std::optional<TriangleMesh> SceneStage::Map(MapMemory& memory) const {
-  memory = map_.memory();
-  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
-  const SurfaceMap map = WithHorizon(map_, horizon_);
+std::optional<TriangleMesh> SceneStage::MeshOf(SurfaceMap map,
+                                               HorizonMesh horizon,
+                                               MapMemory& memory) const {
   memory = map.memory();
-  TriangleMesh mesh = ExtractSurface(map);
+  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
+  const SurfaceMap whole = WithHorizon(std::move(map), std::move(horizon));
+  memory = whole.memory();
+  TriangleMesh mesh = ExtractSurface(whole);
   if (planes_) UseCurrentPlaneIds(planes_->Records(), mesh.plane_ids);
   return mesh;
+}
+
+std::optional<TriangleMesh> SceneStage::Map(MapMemory& memory) const {
+  return MeshOf(map_, horizon_, memory);
+}
+
+std::optional<TriangleMesh> SceneStage::TakeMap(MapMemory& memory) {
+  return MeshOf(std::move(map_), std::move(horizon_), memory);
 }
 
 std::optional<std::vector<PlaneRecord>> SceneStage::Planes() const {

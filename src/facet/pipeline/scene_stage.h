@@ -43,6 +43,10 @@ class SceneStage {
   /// Its plane ids are those of Planes(). `memory`: what it takes up.
   std::optional<TriangleMesh> Map(MapMemory& memory) const;
 
+  /// The same without a copy of what it is made from, which is gone then: no more frames may
+  /// follow.
+  std::optional<TriangleMesh> TakeMap(MapMemory& memory);
+
   /// Every plane that was ever a variable, in the order of their ids; empty but in pipeline SPR.
   std::optional<std::vector<PlaneRecord>> Planes() const;
 
@@ -51,6 +55,7 @@ class SceneStage {
   void AddUpdate(VioOutput& out);
   void Reset();
   void KeepExpiredFaces();
+  std::optional<TriangleMesh> MeshOf(SurfaceMap map, HorizonMesh horizon, MapMemory& memory) const;
 
   MeshOptions options_;
   SE3 T_BC_;

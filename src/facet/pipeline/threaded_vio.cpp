@@ -125,4 +125,8 @@ RunResult ThreadedVio::Result() const {
   return stages_->Result();
 }
 
+RunResult ThreadedVio::TakeResult() {
+  return stages_->TakeResult();
+}
+
 }  // namespace facet

@@ -39,6 +39,9 @@ class ThreadedVio {
   /// Window, map and planes; after Finish.
   RunResult Result() const;
 
+  /// The same at the end of a run, without a copy of the map: no more frames may follow.
+  RunResult TakeResult();
+
  private:
   class Worker;
 

@@ -152,7 +152,7 @@ TEST_F(ThreadedVioTest, GivesTheSameBitsAsOneThread) {
     SCOPED_TRACE(i);
     ExpectSame(outputs[i], (*outputs_)[i]);
   }
-  const RunResult result = two.Result(), expected = one_->Result();
+  const RunResult result = two.TakeResult(), expected = one_->Result();
   ASSERT_TRUE(result.map && expected.map);
   EXPECT_EQ(result.map->vertices, expected.map->vertices);
   EXPECT_EQ(result.map->faces, expected.map->faces);

@@ -33,4 +33,8 @@ RunResult VioPipeline::Result() const {
   return stages_->Result();
 }
 
+RunResult VioPipeline::TakeResult() {
+  return stages_->TakeResult();
+}
+
 }  // namespace facet

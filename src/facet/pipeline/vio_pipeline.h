@@ -37,8 +37,11 @@ class VioPipeline {
   /// Changes nothing else. May be called from any thread.
   void RequestSceneUpdate();
 
-  /// Window, map and planes as they are now; for the end of a run.
+  /// Window, map and planes as they are now.
   RunResult Result() const;
+
+  /// The same at the end of a run, without a copy of the map: no more frames may follow.
+  RunResult TakeResult();
 
  private:
   std::unique_ptr<VioStages> stages_;

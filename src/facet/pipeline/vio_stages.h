@@ -20,9 +20,21 @@ struct VioStages {
   LoopStage loops;
 
   RunResult Result() const {
+    RunResult result = ResultWithoutMap();
+    result.map = scene.Map(result.map_memory);
+    return result;
+  }
+
+  RunResult TakeResult() {
+    RunResult result = ResultWithoutMap();
+    result.map = scene.TakeMap(result.map_memory);
+    return result;
+  }
+
+ private:
+  RunResult ResultWithoutMap() const {
     RunResult result;
     result.window_keyframes = pose.WindowKeyframes();
-    result.map = scene.Map(result.map_memory);
     result.planes = scene.Planes();
     result.loops = loops.Result();
     result.calibration = pose.Calibration();
