@@ -33,7 +33,7 @@ FAULTS = [
     "pause:length=1", "pause:length=3", "black:length=1", "black:length=7", "overexposed:length=2",
     "covered:length=3", "noisy:length=3",
     "object:share=0.2", "object:share=0.3", "object:share=0.3,depth=0.7,crossing=1.5",
-    "knocked:deg=0.3", "knocked:deg=0.3,axis=1", "knocked:deg=0.3,axis=2",
+    "knocked:deg=0.3", "knocked:deg=0.3,axis=1", "knocked:deg=0.3,axis=2", "knocked:deg=1.2,axis=1",
     "right_turned:axis=0", "right_turned:axis=1", "right_turned:axis=2", "focal:percent=1", "focal:percent=-1",
     "baseline:percent=2", "baseline:percent=100", "imu_early:ms=10", "imu_early:ms=20",
     "imu_degrees", "imu_negated:axis=0", "imu_negated:axis=1", "imu_negated:axis=2",

@@ -10,6 +10,8 @@ namespace {
 
 // Medians of fewer tracks are those of one thing.
 constexpr int kLeastTracks = 25;
+// A knock of a degree leaves so few, of things that are near.
+constexpr int kLeastTracksInDoubt = 10;
 // Beyond what keyframes of recordings, fast flights and drawn calibrations have; a knock of a tenth
 // of a degree is more (docs/notebook/faults.md).
 constexpr double kLargestChange_px = 0.7;
@@ -19,14 +21,18 @@ constexpr double kAdaptation = 0.1;  // of the usual shift, per keyframe
 constexpr std::size_t kNumInRow = 3;
 constexpr Duration kStretch{1'000'000'000};
 constexpr double kLargestDisagreement_px = 0.4;  // of those in a row
+constexpr double kLargestDisagreement = 0.05;    // of their shift
 // If they do not agree, the depths may be what is wrong, and only right images mend them.
 constexpr int kPassAfterDisagreement = 12;
 
 }  // namespace
 
-DisparityWatch::Verdict DisparityWatch::Add(Timestamp t, const DisparityShift& shift) {
-  if (shift.num < kLeastTracks || focal_px_ * shift.spread > kLargestSpread_px)
-    return Verdict::kAgrees;
+DisparityWatch::Verdict DisparityWatch::Add(Timestamp t,
+                                            const DisparityShift& shift,
+                                            bool in_doubt) {
+  if (shift.num < (in_doubt ? kLeastTracksInDoubt : kLeastTracks) ||
+      focal_px_ * shift.spread > kLargestSpread_px)
+    return in_doubt && 2 * shift.num_agreeing < shift.num ? Verdict::kScatters : Verdict::kAgrees;
   const double change = shift.angle - usual_angle_;
   if (focal_px_ * std::abs(change) < kLargestChange_px) {
     usual_angle_ += kAdaptation * change;
@@ -34,15 +40,17 @@ DisparityWatch::Verdict DisparityWatch::Add(Timestamp t, const DisparityShift& s
     num_to_pass_ = 0;
     return Verdict::kAgrees;
   }
-  if (num_to_pass_ > 0) {
+  if (num_to_pass_ > 0 && !in_doubt) {
     --num_to_pass_;
     return Verdict::kAgrees;
   }
   if (contradicting_.empty()) begin_ = t;
   contradicting_.push_back(change);
   const auto [least, largest] = std::ranges::minmax(contradicting_);
-  if (focal_px_ * (largest - least) > kLargestDisagreement_px) {
+  if (focal_px_ * (largest - least) >
+      std::max(kLargestDisagreement_px, kLargestDisagreement * focal_px_ * std::abs(change))) {
     contradicting_.clear();
+    if (in_doubt) return Verdict::kContradicts;
     num_to_pass_ = kPassAfterDisagreement;
     return Verdict::kAgrees;
   }

@@ -14,8 +14,9 @@ namespace facet {
 /// Of the tracks whose depth was known and that have a match.
 struct DisparityShift {
   int num = 0;
-  double angle = 0;   ///< by which the right camera would have to be turned [rad]; median
-  double spread = 0;  ///< median distance from it [rad]
+  int num_agreeing = 0;  ///< that are no more than two pixels from where their depth puts them
+  double angle = 0;      ///< by which the right camera would have to be turned [rad]; median
+  double spread = 0;     ///< median distance from it [rad]
 };
 
 /// Not thread-safe.
@@ -23,14 +24,17 @@ class DisparityWatch {
  public:
   enum class Verdict {
     kAgrees,
-    kContradicts,  ///< this right image had better not be used
+    kScatters,     ///< in doubt: they agree with the depths as little as with each other
+    kContradicts,  ///< all are off by the same; this right image had better not be used
     kTurned,       ///< all of a second agree on `turn`; the caller corrects it
   };
 
   /// `focal_px`: pixels per radian, which the noise of matches has to do with.
   explicit DisparityWatch(double focal_px) : focal_px_(focal_px) {}
 
-  Verdict Add(Timestamp t, const DisparityShift& shift);
+  /// `in_doubt`: far fewer matches than usual were found of late. Then most of them may be of other
+  /// points, and depths that were known before are believed rather than they.
+  Verdict Add(Timestamp t, const DisparityShift& shift, bool in_doubt);
 
   /// After kTurned [rad].
   double turn() const { return turn_; }

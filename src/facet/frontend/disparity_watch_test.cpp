@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/frontend/disparity_watch.h"
 
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,15 +14,15 @@ using Verdict = DisparityWatch::Verdict;
 constexpr double kFocal_px = 460;
 
 DisparityShift Shift(double px, int num = 100, double spread_px = 0.1) {
-  return {num, px / kFocal_px, spread_px / kFocal_px};
+  return {num, std::abs(px) < 2 ? num : 0, px / kFocal_px, spread_px / kFocal_px};
 }
 
 /// Keyframes every 0.3 s.
 class Keyframes {
  public:
-  Verdict Add(const DisparityShift& shift) {
+  Verdict Add(const DisparityShift& shift, bool in_doubt = false) {
     t_ = t_ + FromSeconds(0.3);
-    return watch_.Add(t_, shift);
+    return watch_.Add(t_, shift, in_doubt);
   }
   double turn() const { return watch_.turn(); }
 
@@ -78,6 +79,21 @@ TEST(DisparityWatchTest, FewOrScatteredDisparitiesProveNothing) {
     EXPECT_EQ(watch.Add(Shift(5, 10)), Verdict::kAgrees);
     EXPECT_EQ(watch.Add(Shift(5, 100, 3)), Verdict::kAgrees);
   }
+}
+
+// After a knock of a degree only things that are near have a match, and many matches are of other
+// points.
+TEST(DisparityWatchTest, InDoubtFewAreEnoughAndScatteredOnesAreNotUsed) {
+  constexpr bool kInDoubt = true;
+  Keyframes watch;
+  EXPECT_EQ(watch.Add(Shift(3, 20, 4), kInDoubt), Verdict::kScatters);
+  EXPECT_EQ(watch.Add(Shift(0.2, 20, 4), kInDoubt), Verdict::kAgrees) << "half of a covered lens";
+  EXPECT_EQ(watch.Add(Shift(3, 5, 4), kInDoubt), Verdict::kScatters);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_EQ(watch.Add(Shift(9.5, 12), kInDoubt), Verdict::kContradicts) << i;
+  EXPECT_EQ(watch.Add(Shift(9.5, 12), kInDoubt), Verdict::kTurned);
+  for (int i = 0; i < 100; ++i)
+    EXPECT_NE(watch.Add(Shift(2 + 3 * (i % 3)), kInDoubt), Verdict::kAgrees) << "nor later";
 }
 
 }  // namespace

@@ -44,16 +44,30 @@ RightImageFindings KeyframeStereo::MatchTracks(Timestamp t,
   has_right_ = true;
   KeepDepths(tracks);
   MatchAll(left, tracks);
+  const bool is_suspicious = IsSuspicious(t, tracks);
+  const bool in_doubt = !watch_.IsTrustedAt(t);
+  DisparityShift shift;
+  const auto judge = [&] {
+    if (!are_depths_known) return DisparityWatch::Verdict::kAgrees;
+    shift = ShiftOf(tracks);
+    return disparities_.Add(t, shift, in_doubt);
+  };
   RightImageFindings findings;
-  findings.turn = SeekTurn(t, left, tracks);
-  if (findings.turn) Turn(findings.turn->omega, left, tracks);
-  if (!are_depths_known || !watch_.IsTrustedAt(t)) return findings;
-
-  const DisparityShift shift = ShiftOf(tracks);
+  DisparityWatch::Verdict verdict = judge();
+  // What is off along the lines is mended first: matches at other points look like other turns.
+  const bool may_be_off_lines =
+      verdict == DisparityWatch::Verdict::kAgrees || verdict == DisparityWatch::Verdict::kScatters;
+  if (is_suspicious && may_be_off_lines)
+    findings.turn = watch_.Add(t, rig_, MatchWidely(left, tracks));
+  if (findings.turn) {
+    Turn(findings.turn->omega, left, tracks);
+    verdict = judge();
+  }
   const double shift_px = rig_.cameras[1].mean_focal_px() * shift.angle;
-  switch (disparities_.Add(t, shift)) {
+  switch (verdict) {
     case DisparityWatch::Verdict::kAgrees:
       break;
+    case DisparityWatch::Verdict::kScatters:
     case DisparityWatch::Verdict::kContradicts:
       Clear();
       RestoreDepths(tracks);
@@ -91,17 +105,10 @@ void KeyframeStereo::Turn(const Vector3d& omega,
   MatchAll(left, tracks);
 }
 
-std::optional<StereoTurn> KeyframeStereo::SeekTurn(Timestamp t,
-                                                   const ImagePyramid& left,
-                                                   std::span<const Track> tracks) {
-  if (!IsSuspicious(t, tracks)) return std::nullopt;
-  return watch_.Add(t, rig_, MatchWidely(left, tracks));
-}
-
 // By how much a turn about AxisAcross moves a point: to first order. What is seen along the
 // baseline or the axis hardly moves.
 DisparityShift KeyframeStereo::ShiftOf(std::span<const Track> tracks) {
-  constexpr double kLeastCosine = 0.2;
+  constexpr double kLeastCosine = 0.2, kAgreeing_px = 2;
   const Vector3d along = rig_.T_C1C0().p.normalized();
   const Vector3d ahead = (Vector3d::UnitZ() - along.z() * along).normalized();
   angles_.clear();
@@ -115,6 +122,9 @@ DisparityShift KeyframeStereo::ShiftOf(std::span<const Track> tracks) {
   }
   DisparityShift shift;
   shift.num = static_cast<int>(angles_.size());
+  const double agreeing = kAgreeing_px / rig_.cameras[1].mean_focal_px();
+  shift.num_agreeing = static_cast<int>(
+      std::ranges::count_if(angles_, [&](double angle) { return std::abs(angle) < agreeing; }));
   shift.angle = Median(angles_).value_or(0);
   for (double& angle : angles_)
     angle = std::abs(angle - shift.angle);

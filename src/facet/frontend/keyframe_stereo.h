@@ -49,9 +49,6 @@ class KeyframeStereo {
   void KeepDepths(std::span<const Track> tracks);
   void RestoreDepths(std::span<Track> tracks) const;
 
-  std::optional<StereoTurn> SeekTurn(Timestamp t,
-                                     const ImagePyramid& left,
-                                     std::span<const Track> tracks);
   bool IsSuspicious(Timestamp t, std::span<const Track> tracks);
   std::vector<StereoRays> MatchWidely(const ImagePyramid& left, std::span<const Track> tracks);
   DisparityShift ShiftOf(std::span<const Track> tracks);

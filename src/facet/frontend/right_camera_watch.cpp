@@ -42,10 +42,7 @@ std::optional<StereoTurn> RightCameraWatch::Add(Timestamp t,
   const StereoTurn turn = EstimateStereoTurn(rig, matches_);
   num_in_row_ = 0;
   matches_.clear();
-  if (turn.IsClear()) {
-    last_suspicious_.reset();
-    return turn;
-  }
+  if (turn.IsClear()) return turn;
   num_to_pass_ = kPassAfterVain;
   return std::nullopt;
 }

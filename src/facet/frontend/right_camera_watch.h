@@ -25,7 +25,7 @@ class RightCameraWatch {
                                 const StereoRig& rig,
                                 std::span<const StereoRays> matches);
 
-  /// Nothing was suspicious for some seconds, or since the last turn that was found.
+  /// Nothing was suspicious for some seconds.
   bool IsTrustedAt(Timestamp t) const;
 
  private:

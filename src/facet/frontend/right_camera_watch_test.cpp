@@ -49,7 +49,7 @@ TEST(RightCameraWatchTest, ATurnIsTakenFromASecondOfKeyframes) {
   const auto turn = watch.Add(t + FromSeconds(0.3), rig, matches);
   ASSERT_TRUE(turn);
   EXPECT_LT((turn->omega - omega).norm(), 1e-4);
-  EXPECT_TRUE(watch.IsTrustedAt(t + FromSeconds(0.3))) << "explained";
+  EXPECT_FALSE(watch.IsTrustedAt(t + FromSeconds(0.3))) << "it may also be off along the lines";
 }
 
 // A bump before the run: the first keyframes are as bad as all others.

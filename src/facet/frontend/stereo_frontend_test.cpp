@@ -195,8 +195,11 @@ TEST_F(FrontendTest, OnlyKeyframesBeginTracksAndHaveRightPixels) {
 TEST_F(FrontendTest, ATurnOfTheRightCameraIsNoticedAndCorrected) {
   constexpr int kFrames = 60, kKnock = 12;
   std::pmr::unordered_map<LandmarkId, double> depths;
-  for (const Vector3d& omega :
-       {Vector3d(0.01, 0, 0), Vector3d(-0.006, 0, 0.012), Vector3d(0, 0.008, 0)}) {
+  for (const Vector3d& omega : {Vector3d(0.01, 0, 0),
+                                Vector3d(-0.006, 0, 0.012),
+                                Vector3d(0, 0.008, 0),
+                                Vector3d(0, -0.021, 0)}) {
+    SCOPED_TRACE(omega.transpose());
     StereoFrontend frontend(rig_, Options());
     StageTimes times;
     const StereoRig knocked = TurnedRig(rig_, omega);
@@ -230,6 +233,39 @@ TEST_F(FrontendTest, ATurnOfTheRightCameraIsNoticedAndCorrected) {
     EXPECT_LT((turn->omega - omega).norm(), 6e-4) << turn->omega.transpose();
     EXPECT_GT(num_checked, 100);
   }
+}
+
+// One knock turns a camera about all its axes, and what is off along the lines is found before what
+// is off across them.
+TEST_F(FrontendTest, AKnockAboutAllAxesIsCorrectedStepByStep) {
+  constexpr int kFrames = 90, kKnock = 12, kCorrected = 70;
+  const Vector3d omega(0.004, 0.021, 0.002);
+  const StereoRig knocked = TurnedRig(rig_, omega);
+  std::pmr::unordered_map<LandmarkId, double> depths;
+  StereoFrontend frontend(rig_, Options());
+  StageTimes times;
+  Quaterniond turned = Quaterniond::Identity();
+  int num_checked = 0, num_wrong = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    StereoFrame frame = FrameAt(i);
+    if (i >= kKnock) frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * knocked.T_BC[1], 0.85);
+    FrontendHint hint = HintAt(i);
+    hint.inverse_distance = &depths;
+    hint.is_motion_known = true;
+    const FrontendResult result = frontend.Process(frame, hint, times);
+    depths = TrueDepths(i, result);
+    if (result.right.turn) turned = turned * ExpSO3(result.right.turn->omega);
+    if (!result.observations.is_keyframe) continue;
+    for (const FeatureObservation& f : result.observations.features) {
+      if (!f.px_right) continue;
+      const bool is_wrong = (*f.px_right - Truth(i, f.px_left, i, 1)).norm() > 1.0;
+      num_wrong += is_wrong ? 1 : 0;
+      num_checked += i >= kCorrected ? 1 : 0;
+    }
+  }
+  EXPECT_LT((LogSO3(turned) - omega).norm(), 1.5e-3) << LogSO3(turned).transpose();
+  EXPECT_GT(num_checked, 100) << "right images are used again";
+  EXPECT_LE(num_wrong, 10) << "none was used while it was wrong";
 }
 
 // A right image that belongs to another pair: it is not used, and the next one is.
