@@ -15,10 +15,14 @@ constexpr double kJumpInUsualChanges = 40;
 constexpr std::size_t kNumToConfirm = 5;
 
 // A single sample that is further off the line between its neighbours than these are from each
-// other. In clean recordings it is at most seven times the usual change.
-constexpr double kGyroSpike = 0.6;  // rad/s
-constexpr double kAccelSpike = 9;   // m/s^2
-constexpr double kSpikeInUsualChanges = 15;
+// other. In clean recordings it is at most four times the gyroscope's usual change, and six times
+// the accelerometer's only where it is less than 3.7 m/s^2 (docs/notebook/faults.md).
+constexpr double kGyroSpike = 0.3;  // rad/s
+constexpr double kAccelSpike = 4;   // m/s^2
+constexpr double kSpikeInUsualChanges = 6;
+// Before it is known what is usual.
+constexpr double kGyroSpikeAtFirst = 0.6;  // rad/s
+constexpr double kAccelSpikeAtFirst = 9;   // m/s^2
 // Propellers may shake every other sample to the other side. Such a vibration swells, so that the
 // change before the sample is nearly as large; before a glitch it is not.
 constexpr double kSpikeInLastChanges = 2;
@@ -90,6 +94,7 @@ void ImuScreen::Add(const ImuSample& sample, std::deque<ImuSample>& samples) {
   DoubtSaturated(doubted);
   DoubtRepeated(doubted);
   DoubtFrozenSensor(doubted);
+  DoubtStuckAxes(doubted);
   newest_ = sample;
   if (samples.empty() || !IsJump(samples.back(), sample, TimeToNext(samples.back(), sample))) {
     counts_.num_cut += static_cast<int>(held_back_.size());
@@ -175,6 +180,33 @@ void ImuScreen::DoubtFrozenSensor(ImuSample& sample) {
   counts_.num_repeated += gyro > 0 || accel > 0 ? 1 : 0;
 }
 
+// What is doubted already, because the axis is at the end of its range or all of the sensor stands
+// still, is not doubted once more.
+void ImuScreen::DoubtStuckAxes(ImuSample& sample) {
+  if (!newest_) return;
+  const double dt_s = ToSeconds(sample.t - newest_->t);
+  bool is_stuck = false;
+  for (std::size_t i = 0; i < stuck_.size(); ++i) {
+    const bool is_gyro = i < 3;
+    const Vector3d& now = is_gyro ? sample.gyro : sample.accel;
+    const Vector3d& before = is_gyro ? newest_->gyro : newest_->accel;
+    double& doubt =
+        (is_gyro ? sample.gyro_doubt : sample.accel_doubt)[static_cast<Eigen::Index>(i % 3)];
+    const auto repeats = [&](std::size_t k) {
+      const auto axis = static_cast<Eigen::Index>(k % 3);
+      return now[axis] == before[axis];
+    };
+    const int stay = stuck_[i].Add(dt_s, repeats(i), {repeats(i + 1), repeats(i + 2)});
+    if (stay > 0 && doubt == 0) {
+      const double sigma = is_gyro ? kGyroOfRepeated : kAccelOfRepeated;
+      doubt = GrowingSigma(sigma, stay, num_doubted_stuck_[i]);
+      is_stuck = true;
+    }
+    num_doubted_stuck_[i] = stay;
+  }
+  counts_.num_repeated += is_stuck ? 1 : 0;
+}
+
 bool ImuScreen::StandsStill(const ImuSample& believed, const ImuSample& sample) const {
   if (held_back_.empty()) return false;
   const auto stands = [](const Vector3d& from, const Vector3d& held, const Vector3d& to) {
@@ -230,8 +262,11 @@ bool ImuScreen::IsSpike(const std::deque<ImuSample>& samples, const ImuSample& a
            std::max(
                {least, kSpikeInUsualChanges * usual_change, kSpikeInLastChanges * last_change});
   };
-  return is_spike(&ImuSample::gyro, kGyroSpike, gyro_change_.value()) ||
-         is_spike(&ImuSample::accel, kAccelSpike, accel_change_.value());
+  const double gyro_change = gyro_change_.value(), accel_change = accel_change_.value();
+  return is_spike(
+             &ImuSample::gyro, gyro_change > 0 ? kGyroSpike : kGyroSpikeAtFirst, gyro_change) ||
+         is_spike(
+             &ImuSample::accel, accel_change > 0 ? kAccelSpike : kAccelSpikeAtFirst, accel_change);
 }
 
 }  // namespace facet

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "facet/imu/imu_types.h"
+#include "facet/imu/stuck_axis.h"
 
 namespace facet {
 
@@ -18,7 +19,7 @@ namespace facet {
 struct ImuScreenCounts {
   int num_cut = 0;        ///< samples that contradict the ones before and after them
   int num_saturated = 0;  ///< samples at the end of the sensor's range
-  int num_repeated = 0;   ///< samples of which both sensors, or one for long, repeat themselves
+  int num_repeated = 0;   ///< samples of which both sensors, or one or an axis for long, repeat
 };
 
 /// Median size of the last two hundred changes from sample to sample. Not thread-safe.
@@ -76,6 +77,7 @@ class ImuScreen {
   void DoubtSaturated(ImuSample& sample);
   void DoubtRepeated(ImuSample& sample);
   void DoubtFrozenSensor(ImuSample& sample);
+  void DoubtStuckAxes(ImuSample& sample);
   void Accept(const ImuSample& sample, std::deque<ImuSample>& samples);
   double TimeToNext(const ImuSample& accepted, const ImuSample& sample) const;
   bool IsGyroJump(const ImuSample& from, const ImuSample& to, double dt_s) const;
@@ -100,6 +102,8 @@ class ImuScreen {
     double duration_s = 0;
   };
   Stay gyro_stay_, accel_stay_;
+  std::array<StuckAxis, 6> stuck_;
+  std::array<int, 6> num_doubted_stuck_{};  // samples of the present stay of an axis
   std::vector<ImuSample> held_back_;
   std::size_t num_accepted_ = 0;
   ImuScreenCounts counts_;

@@ -146,6 +146,55 @@ TEST(ImuScreenTest, OneSensorThatDiesIsDoubtedAlone) {
   EXPECT_NEAR(std::sqrt(variance), 199 * kGravity, 0.01 * 199 * kGravity);
 }
 
+TEST(ImuScreenTest, AnAxisThatIsStuckIsDoubtedAlone) {
+  for (const int axis : {0, 1, 2}) {
+    std::vector<ImuSample> motion = Motion(1200);
+    for (std::size_t i = 600; i < 800; ++i)
+      motion[i].gyro[axis] = motion[599].gyro[axis];
+    const Screened screened = Screen(motion);
+    ASSERT_EQ(screened.samples.size(), motion.size());
+    EXPECT_NEAR(screened.counts.num_repeated, 188, 5);
+    Vector3d variance = Vector3d::Zero();
+    for (const ImuSample& sample : screened.samples) {
+      EXPECT_TRUE(sample.accel_doubt.isZero(0));
+      variance += sample.gyro_doubt.cwiseAbs2();
+    }
+    const Vector3d expected = 200 * 0.3 * Vector3d::Unit(axis);
+    EXPECT_LT((variance.cwiseSqrt() - expected).norm(), 0.5) << variance.transpose();
+  }
+}
+
+// One digit is twice the noise: at rest values repeat themselves for long, but not alone.
+TEST(ImuScreenTest, ACoarseSensorIsNotStuck) {
+  std::vector<ImuSample> samples = Motion(6000);
+  Rng rng(4);
+  for (std::size_t i = 3000; i < samples.size(); ++i) {
+    samples[i].gyro = 2.4e-3 * rng.Normal3();
+    samples[i].accel = Vector3d(0.3, -0.2, 9.8) + 0.028 * rng.Normal3();
+  }
+  for (ImuSample& sample : samples) {
+    sample.gyro = (sample.gyro / 4.8e-3).array().round() * 4.8e-3;
+    sample.accel = (sample.accel / 0.056).array().round() * 0.056;
+  }
+  const Screened screened = Screen(samples);
+  EXPECT_EQ(screened.counts.num_repeated, 0);
+  EXPECT_EQ(screened.counts.num_cut, 0);
+}
+
+// Below what no motion does, but far beyond what this sensor has shown.
+TEST(ImuScreenTest, SmallGlitchesOfAQuietSensorAreCutOut) {
+  std::vector<ImuSample> motion = Motion(4000);
+  int num_glitches = 0;
+  for (std::size_t i = 500; i + 50 < motion.size(); i += 50, ++num_glitches) {
+    if (num_glitches % 2 == 0) {
+      motion[i].accel.y() += 8.9;
+    } else {
+      motion[i].gyro.z() -= 0.5;
+    }
+  }
+  EXPECT_EQ(Screen(motion).counts.num_cut, num_glitches);
+}
+
 // Drivers that join a slow accelerometer with a fast gyroscope send its samples again.
 TEST(ImuScreenTest, ASlowSensorThatIsSentAgainIsNotDoubted) {
   std::vector<ImuSample> motion = Motion(1200);
