@@ -19,11 +19,18 @@ constexpr double kMinStereoShare = 0.1;
 // A good calibration is at about 1; wrong_calibration_test has those that must be beyond.
 constexpr double kMaxImuErrorSigma = 5;
 
-std::string StereoWarning(double share) {
-  return "for 3 s only " + std::to_string(std::lround(100 * share)) +
-         " % of the corners were found in the right image: are the cameras swapped (cam0 is the "
-         "left one), is a T_BS inverted (it takes points from the camera to the IMU), or is the "
-         "right camera covered or out of step?";
+// A calibration that was right does not become wrong but by a knock.
+std::string StereoWarning(double share, bool was_right) {
+  const std::string found = "for 3 s only " + std::to_string(std::lround(100 * share)) +
+                            " % of the corners were found in the right image";
+  if (was_right) {
+    return found +
+           ", where more were found before: is the right camera covered, frozen, out of "
+           "step, or was it knocked?";
+  }
+  return found +
+         ": are the cameras swapped (cam0 is the left one), is a T_BS inverted (it takes "
+         "points from the camera to the IMU), or is the right camera covered or out of step?";
 }
 
 // Nobody needs to know more than that it is far too much.
@@ -79,8 +86,10 @@ std::string CalibrationWatch::FromStretch(const CalibrationEvidence& evidence) {
   const auto sigma = imu_error_sigma_.Quantile(1 - kAgreement);
   // The images alone come first: what is wrong between them also makes them contradict the IMU.
   std::string warning;
-  if (share && *share < kMinStereoShare) {
-    warning = StereoWarning(*share);
+  const bool is_one_eyed = share && *share < kMinStereoShare;
+  if (share && !is_one_eyed) was_stereo_right_ = true;
+  if (is_one_eyed) {
+    warning = StereoWarning(*share, was_stereo_right_);
   } else if (sigma && *sigma > kMaxImuErrorSigma) {
     warning = ImuWarning(*sigma);
   }

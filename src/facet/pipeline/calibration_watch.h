@@ -52,6 +52,7 @@ class CalibrationWatch {
 
   Episodes stretches_{Duration{30'000'000'000}};
   bool has_named_ = false;
+  bool was_stereo_right_ = false;  // for a stretch
   RecentValues stereo_share_, imu_error_sigma_;
 };
 

@@ -20,6 +20,7 @@ using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -59,6 +60,16 @@ TEST(CalibrationWatchTest, WarnsOnceWhenTheRightImageNeverMatches) {
   keyframes.Add(60, kOneEye);
   EXPECT_THAT(keyframes.warnings(),
               ElementsAre(AllOf(HasSubstr("only 2 % of the corners"), HasSubstr("swapped"))));
+}
+
+TEST(CalibrationWatchTest, WhatWasRightIsNotCalledSwapped) {
+  Keyframes keyframes;
+  keyframes.Add(10, kGood);
+  keyframes.Add(10, kOneEye);
+  EXPECT_THAT(
+      keyframes.warnings(),
+      ElementsAre(AllOf(
+          HasSubstr("only 2 % of the corners"), HasSubstr("knocked"), Not(HasSubstr("swapped")))));
 }
 
 TEST(CalibrationWatchTest, WarnsOnceWhenTheImuNeverFits) {

@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 
 NumberColumns ReadNumberColumns(const std::filesystem::path& csv) {
   NumberColumns columns;
+  std::error_code error;
+  if (!fs::is_regular_file(csv, error)) return columns;  // nobody may ever write to a pipe
   std::ifstream stream(csv);
   std::string line;
   if (!std::getline(stream, line)) return columns;

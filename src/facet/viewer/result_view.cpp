@@ -27,7 +27,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kMap = 0, kHorizon = 1;  // index of kMesh
 
+/// Not a pipe, to which somebody else may never write.
+bool IsFile(const fs::path& file) {
+  std::error_code error;
+  return fs::is_regular_file(file, error);
+}
+
 std::string ReadBytes(const fs::path& file) {
+  if (fs::exists(file) && !IsFile(file)) throw InputError(file.string() + ": is no file");
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream bytes;
   bytes << stream.rdbuf();
@@ -49,8 +56,10 @@ std::vector<float> ErrorsOf(const TriangleMesh& mesh, GroundTruth& truth, const 
   return errors_m;
 }
 
-/// A run that found nothing leaves files without a vertex, which the reader refuses.
+/// A run that found nothing leaves files without a vertex, which the reader refuses, as it does
+/// what is there and no file.
 bool HasVertices(const fs::path& file) {
+  if (!IsFile(file)) return fs::exists(file);
   std::ifstream stream(file);
   std::string line;
   constexpr int kHeaderLines = 20;
@@ -62,6 +71,7 @@ bool HasVertices(const fs::path& file) {
 
 /// Whether a trajectory has more than its header.
 bool HasPose(const fs::path& file) {
+  if (!IsFile(file)) return fs::exists(file);
   std::ifstream stream(file);
   std::string line;
   while (std::getline(stream, line)) {

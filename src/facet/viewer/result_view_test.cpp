@@ -2,11 +2,13 @@
 #include "facet/viewer/result_view.h"
 
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "facet/io/errors.h"
 #include "facet/io/result_writer.h"
@@ -119,6 +121,17 @@ TEST(ResultView, ADamagedSummaryIsNamed) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("summary.json: is damaged"), std::string::npos)
         << error.what();
+  }
+}
+
+// Nobody may ever write to it: the view must not wait.
+TEST(ResultView, APipeIsRefused) {
+  for (const char* name : {"mesh.ply", "map.ply", "keyframes.tum", "summary.json"}) {
+    const TempFolder folder;
+    WriteResult(folder.path(), SmallRun());
+    std::filesystem::remove(folder.path() / name);
+    ASSERT_EQ(mkfifo((folder.path() / name).c_str(), 0600), 0);
+    EXPECT_THROW(ResultView({folder.path()}, nullptr), InputError) << name;
   }
 }
 
