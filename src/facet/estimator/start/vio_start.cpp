@@ -38,6 +38,7 @@ constexpr double kMaxTurnError = 0.01;
 constexpr double kMaxGyroBias = 0.3;
 
 constexpr const char* kDoubt = "IMU and images contradict each other";
+constexpr const char* kTooFewLandmarks = "too few stereo landmarks";
 
 bool HasSyntheticImu(const WindowFrame& frame) {
   return frame.imu_link && frame.imu_link->is_synthetic;
@@ -172,25 +173,32 @@ StartAttempt VioStart::Try(const std::optional<SE3>& predicted,
   InitializeDepths(optimizer.UpdateGeometry(window), window);
   attempt.num_constraining = static_cast<int>(
       std::count_if(window.landmarks().begin(), window.landmarks().end(), IsConstraining));
-  if (!HasEnoughFrames(window)) return attempt;
+  if (IsDark(static_cast<int>(window.frames.size()) - 1, window)) {
+    attempt.reason = kTooFewLandmarks;
+  } else if (HasEnoughFrames(window)) {
+    TryFrames(predicted, imu, optimizer, window, attempt);
+  }
+  // The oldest frames may be what spoils the start (a blackout, a jump): let them go.
+  const int num_frames = static_cast<int>(window.frames.size());
+  if (!attempt.has_started && num_frames >= 3 * options_.start.min_frames) DropFirstFrame(window);
+  return attempt;
+}
+
+void VioStart::TryFrames(const std::optional<SE3>& predicted,
+                         const ImuIntervals& imu,
+                         WindowOptimizer& optimizer,
+                         SlidingWindow& window,
+                         StartAttempt& attempt) {
   if (!first_try_) first_try_ = window.frames.back().x.t;
   attempt.reason = FindFirstValues(attempt.num_constraining, window);
   // A start has no earlier states that would say what is wrong: better one a little later.
   const double doubted_s = ToSeconds(window.frames.back().x.t - *first_try_);
   if (attempt.reason.empty() && doubted_s < kMaxDoubt_s && !DoesGyroscopeAgree(window))
     attempt.reason = kDoubt;
-  if (attempt.reason.empty()) {
-    Solve(imu, optimizer, window, attempt);
-    attempt.reason = WhyNotYet(attempt.covariance, doubted_s, window);
-    if (attempt.reason.empty()) {
-      Begin(predicted, optimizer, window, attempt);
-      return attempt;
-    }
-  }
-  // The oldest frames may be what spoils the start (a blackout, a jump): let them go.
-  if (static_cast<int>(window.frames.size()) >= 3 * options_.start.min_frames)
-    DropFirstFrame(window);
-  return attempt;
+  if (!attempt.reason.empty()) return;
+  Solve(imu, optimizer, window, attempt);
+  attempt.reason = WhyNotYet(attempt.covariance, doubted_s, window);
+  if (attempt.reason.empty()) Begin(predicted, optimizer, window, attempt);
 }
 
 // With a solution; empty if nothing speaks against it. `covariance`: of the newest frame.
@@ -219,8 +227,11 @@ void VioStart::Begin(const std::optional<SE3>& predicted,
   attempt.has_started = has_state_ = !attempt.has_failed;
 }
 
+// Dark frames, or those whose image was seen before, are none.
 bool VioStart::HasEnoughFrames(const SlidingWindow& window) const {
-  const int num_frames = static_cast<int>(window.frames.size());
+  int num_frames = 0;
+  for (int i = 0; i < static_cast<int>(window.frames.size()); ++i)
+    num_frames += IsDark(i, window) ? 0 : 1;
   return num_frames >= options_.start.min_frames ||
          (num_frames >= kFewestStartFrames && SpanOf(window) >= kEnoughSpan_s);
 }
@@ -231,7 +242,7 @@ std::string VioStart::FindFirstValues(int num_constraining, SlidingWindow& windo
       kMaxSyntheticIntervals) {
     return "too little IMU";
   }
-  if (num_constraining < options_.start.min_landmarks) return "too few stereo landmarks";
+  if (num_constraining < options_.start.min_landmarks) return kTooFewLandmarks;
   return InitializeFromStereo(rig_, options_, window).reason;
 }
 

@@ -56,6 +56,11 @@ class VioStart {
 
  private:
   bool HasEnoughFrames(const SlidingWindow& window) const;
+  void TryFrames(const std::optional<SE3>& predicted,
+                 const ImuIntervals& imu,
+                 WindowOptimizer& optimizer,
+                 SlidingWindow& window,
+                 StartAttempt& attempt);
   std::string FindFirstValues(int num_constraining, SlidingWindow& window) const;
   void Solve(const ImuIntervals& imu,
              WindowOptimizer& optimizer,

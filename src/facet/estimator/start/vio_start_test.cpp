@@ -246,6 +246,21 @@ TEST(VioStartTest, NothingBeginsWithoutImuOrInTheDark) {
   EXPECT_TRUE(run.AddGoodFrames(12).has_started);
 }
 
+// A picture that freezes at once, or a lens that is covered: what the IMU alone says of the frames
+// since then is no start.
+TEST(VioStartTest, FramesWithoutAnImageDoNotCount) {
+  Recording run(SlowMotion(4));
+  EXPECT_FALSE(run.AddGoodFrames(3).has_started);
+  for (int i = 0; i < 40; ++i) {
+    const StartAttempt attempt = run.Add({.is_dark = true});
+    EXPECT_FALSE(attempt.has_started);
+    EXPECT_EQ(attempt.reason, "too few stereo landmarks");
+  }
+  EXPECT_LE(run.window.frames.size(), 30u);
+  EXPECT_TRUE(run.AddGoodFrames(12).has_started);
+  EXPECT_LT(TiltError(run.window.frames.back().x, run.Truth()), 0.02);
+}
+
 TEST(VioStartTest, SaysWhatIsMissing) {
   EstimatorOptions options;
   options.start.min_landmarks = 81;
