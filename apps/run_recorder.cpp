@@ -41,6 +41,10 @@ void RunRecorder::Add(const VioOutput& output, const FrameCost& cost) {
   imu_gaps_.Add(output.t, output.imu_gaps);
   repeated_images_.Add(output.t, output.is_image_repeated ? 1 : 0);
   blank_images_.Add(output.t, output.is_image_blank ? 1 : 0);
+  // As the estimator says it (estimator_result.cpp).
+  const bool sees_little =
+      output.status == TrackingStatus::kDegraded && output.reason == "few landmarks";
+  few_landmarks_.Add(output.t, sees_little ? 1 : 0);
   for (const KeyframePose& k : output.finished_keyframes)
     keyframes_.push_back({k.t, k.T_WB});
   if (output.snapshot) last_snapshot_ = output.snapshot;

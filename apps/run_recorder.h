@@ -42,6 +42,8 @@ class RunRecorder {
   const Occurrences& imu_gaps() const { return imu_gaps_; }
   const Occurrences& repeated_images() const { return repeated_images_; }
   const Occurrences& blank_images() const { return blank_images_; }
+  /// Frames that were degraded because they saw little.
+  const Occurrences& few_landmarks() const { return few_landmarks_; }
   const Occurrences& resets() const { return resets_; }
 
  private:
@@ -53,7 +55,7 @@ class RunRecorder {
   std::shared_ptr<const MeshSnapshot> last_mesh_;
   std::vector<double> mesh_areas_m2_, view_areas_m2_;
   std::optional<Timestamp> last_good_;
-  Occurrences resets_, imu_gaps_, repeated_images_, blank_images_;
+  Occurrences resets_, imu_gaps_, repeated_images_, blank_images_, few_landmarks_;
 };
 
 }  // namespace facet

@@ -365,6 +365,14 @@ class SequenceRunner {
                          "(lens covered, exposure?)" +
                          when_last(blank));
     }
+    constexpr int kMostToKeep = 4;  // a moment says nothing of a recording
+    if (const Occurrences& few = recorder_.few_landmarks(); few.num > kMostToKeep) {
+      warnings.push_back(
+          std::to_string(few.num) + of_all +
+          " frames saw few landmarks, and the estimate is worse there (images out of "
+          "focus, blurred, dark, without texture?)" +
+          when_last(few));
+    }
     if (run_.record.num_dropped > 0) {
       warnings.push_back(std::to_string(run_.record.num_dropped) + " frames arrived while busy");
     }

@@ -31,6 +31,7 @@ struct FakeVio {
   std::vector<Timestamp> newest_imu;  // at each frame
   cv::Mat right;                      // of the last frame that has one
   int first_pose = 2, lost_from = 1000, reset_at = -1;
+  int num_seeing_little = 0;  // the first ones with a pose
   std::chrono::milliseconds busy{0};
   bool is_late = false;
   std::string warning;  // with every fifth frame
@@ -50,6 +51,10 @@ struct FakeVio {
                     : i < first_pose ? TrackingStatus::kInitialising
                                      : TrackingStatus::kLost;
     output.reason = output.has_pose ? "" : "too few tracks";
+    if (output.has_pose && i < first_pose + num_seeing_little) {
+      output.status = TrackingStatus::kDegraded;
+      output.reason = "few landmarks";
+    }
     output.is_keyframe = i % 4 == 0;
     output.was_reset = i == reset_at;
     if (i % 5 == 4) output.warning = warning;
@@ -315,6 +320,16 @@ TEST_F(RunSequenceTest, WarningsOfTheEstimator) {
   EXPECT_THAT(Run().record.warnings,
               testing::ElementsAre("are the cameras swapped? (2 times, the last at 0.5 s)",
                                    HasSubstr("started over 1 times, the last at 0.3 s: a new")));
+}
+
+TEST_F(RunSequenceTest, SomeFramesThatSeeLittleAreTold) {
+  Write();
+  vio_.num_seeing_little = 4;
+  EXPECT_TRUE(Run().record.warnings.empty());
+  vio_ = FakeVio();
+  vio_.num_seeing_little = 5;
+  EXPECT_THAT(Run().record.warnings,
+              testing::ElementsAre(HasSubstr("5 of 12 frames saw few landmarks")));
 }
 
 TEST_F(RunSequenceTest, StopsWhenAskedTo) {
