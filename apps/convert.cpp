@@ -2,13 +2,16 @@
 // `facet convert`: any recording as a folder in the ASL layout, or as an MCAP file.
 #include "convert.h"
 
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <system_error>
 #include <variant>
 
+#include "interrupts.h"
 #include "progress_bar.h"
+#include "run.h"
 
 #include "facet/io/errors.h"
 #include "facet/recording/asl_writer.h"
@@ -60,6 +63,13 @@ void WarnOfOffset(const ConvertArguments& arguments, const Calibration* calibrat
                offset_s);
 }
 
+void EndIfInterrupted(const ConvertArguments& arguments) {
+  if (!WasInterrupted()) return;
+  throw RunEndedError(128 + SIGINT,
+                      IsMcap(arguments.out) ? "interrupted; nothing was written"
+                                            : "interrupted; the same command goes on from here");
+}
+
 }  // namespace
 
 void ConvertCommand(const ConvertArguments& arguments) {
@@ -70,11 +80,13 @@ void ConvertCommand(const ConvertArguments& arguments) {
   options.needs_calibration = false;
   const std::unique_ptr<Recording> recording = OpenRecording(arguments.recording, options);
   const std::unique_ptr<RecordingWriter> writer = OpenWriter(arguments, recording->calibration());
+  CatchInterrupts();
   ProgressBar bar(!arguments.quiet);
   int num_frames = 0, num_expected = 0;
   std::string damage;
   try {
     while (const auto event = recording->Next()) {
+      EndIfInterrupted(arguments);
       if (const auto* sample = std::get_if<ImuSample>(&*event)) {
         writer->Add(*sample);
         continue;

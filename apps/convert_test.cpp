@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/recording/open_recording.h"
+#include "facet/testing/data_dir.h"
 #include "facet/testing/io/program_run.h"
 #include "facet/testing/recording/test_bags.h"
 
@@ -83,6 +84,25 @@ TEST_F(ConvertTest, AnInterruptedConversionGoesOn) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_THAT(again.out, HasSubstr("12 frames (23 images were there already"));
   EXPECT_EQ(RunFacet("info " + Out().string()).exit_code, 0);
+}
+
+TEST_F(ConvertTest, CtrlCSaysWhatIsThere) {
+  const auto recording = testing::DataDir("euroc_mh01_handheld");
+  if (!recording) GTEST_SKIP() << testing::MissingData("euroc_mh01_handheld");
+  // In the foreground, or it signals the program twice: the second interrupt ends it at once.
+  const auto interrupt = [&](const std::string& out) {
+    return RunShell("timeout --foreground --preserve-status -s INT 0.4 " +
+                    std::string(FACET_PROGRAM) + " convert " + recording->string() + " " +
+                    (folder_ / out).string());
+  };
+  const ProgramRun folder = interrupt("part");
+  EXPECT_EQ(folder.exit_code, 130) << folder.err;
+  EXPECT_THAT(folder.err, HasSubstr("the same command goes on from here"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "part/mav0"));
+  const ProgramRun mcap = interrupt("part.mcap");
+  EXPECT_EQ(mcap.exit_code, 130) << mcap.err;
+  EXPECT_THAT(mcap.err, HasSubstr("nothing was written"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "part.mcap"));
 }
 
 TEST_F(ConvertTest, McapHoldsWhatTheFolderHolds) {
