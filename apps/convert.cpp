@@ -79,8 +79,8 @@ void ConvertCommand(const ConvertArguments& arguments) {
   options.topics = ParseTopics(arguments.topics);
   options.needs_calibration = false;
   const std::unique_ptr<Recording> recording = OpenRecording(arguments.recording, options);
-  const std::unique_ptr<RecordingWriter> writer = OpenWriter(arguments, recording->calibration());
   CatchInterrupts();
+  const std::unique_ptr<RecordingWriter> writer = OpenWriter(arguments, recording->calibration());
   ProgressBar bar(!arguments.quiet);
   int num_frames = 0, num_expected = 0;
   std::string damage;

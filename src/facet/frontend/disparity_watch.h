@@ -14,7 +14,7 @@ namespace facet {
 /// Of the tracks whose depth was known and that have a match.
 struct DisparityShift {
   int num = 0;
-  int num_agreeing = 0;  ///< that are no more than two pixels from where their depth puts them
+  int num_agreeing = 0;  ///< that are about where their depth puts them
   double angle = 0;      ///< by which the right camera would have to be turned [rad]; median
   double spread = 0;     ///< median distance from it [rad]
 };
@@ -36,13 +36,16 @@ class DisparityWatch {
   /// points, and depths that were known before are believed rather than they.
   Verdict Add(Timestamp t, const DisparityShift& shift, bool in_doubt);
 
+  /// In doubt: half of them agree with the depths, or there are too few to say so.
+  static bool AreBelieved(const DisparityShift& shift);
+
   /// After kTurned [rad].
   double turn() const { return turn_; }
 
  private:
   double focal_px_;
   double usual_angle_ = 0;  // calibrations that are a little wrong have one
-  Timestamp begin_;         // of the contradicting ones
+  Timestamp begin_, last_;  // of the contradicting ones
   std::vector<double> contradicting_;
   double turn_ = 0;
   int num_to_pass_ = 0;  // keyframes, after contradictions that do not agree with each other

@@ -89,11 +89,22 @@ TEST(DisparityWatchTest, InDoubtFewAreEnoughAndScatteredOnesAreNotUsed) {
   EXPECT_EQ(watch.Add(Shift(3, 20, 4), kInDoubt), Verdict::kScatters);
   EXPECT_EQ(watch.Add(Shift(0.2, 20, 4), kInDoubt), Verdict::kAgrees) << "half of a covered lens";
   EXPECT_EQ(watch.Add(Shift(3, 5, 4), kInDoubt), Verdict::kScatters);
+  EXPECT_EQ(watch.Add(Shift(3, 4, 4), kInDoubt), Verdict::kAgrees) << "and many new tracks";
   for (int i = 0; i < 4; ++i)
     EXPECT_EQ(watch.Add(Shift(9.5, 12), kInDoubt), Verdict::kContradicts) << i;
   EXPECT_EQ(watch.Add(Shift(9.5, 12), kInDoubt), Verdict::kTurned);
   for (int i = 0; i < 100; ++i)
     EXPECT_NE(watch.Add(Shift(2 + 3 * (i % 3)), kInDoubt), Verdict::kAgrees) << "nor later";
+}
+
+// As right images of another moment are, now and then.
+TEST(DisparityWatchTest, ContradictionsThatAreFarApartAreNoTurn) {
+  DisparityWatch watch(kFocal_px);
+  const DisparityShift few = Shift(5, 2);
+  for (const double t : {0.0, 0.1, 60.0, 60.1, 60.2}) {
+    EXPECT_EQ(watch.Add(Timestamp{} + FromSeconds(t), Shift(5), false), Verdict::kContradicts) << t;
+    EXPECT_EQ(watch.Add(Timestamp{} + FromSeconds(t + 0.05), few, false), Verdict::kAgrees);
+  }
 }
 
 }  // namespace

@@ -47,13 +47,12 @@ RightImageFindings KeyframeStereo::MatchTracks(Timestamp t,
   const bool is_suspicious = IsSuspicious(t, tracks);
   const bool in_doubt = !watch_.IsTrustedAt(t);
   DisparityShift shift;
-  const auto judge = [&] {
-    if (!are_depths_known) return DisparityWatch::Verdict::kAgrees;
+  DisparityWatch::Verdict verdict = DisparityWatch::Verdict::kAgrees;
+  if (are_depths_known) {
     shift = ShiftOf(tracks);
-    return disparities_.Add(t, shift, in_doubt);
-  };
+    verdict = disparities_.Add(t, shift, in_doubt);
+  }
   RightImageFindings findings;
-  DisparityWatch::Verdict verdict = judge();
   // What is off along the lines is mended first: matches at other points look like other turns.
   const bool may_be_off_lines =
       verdict == DisparityWatch::Verdict::kAgrees || verdict == DisparityWatch::Verdict::kScatters;
@@ -61,27 +60,37 @@ RightImageFindings KeyframeStereo::MatchTracks(Timestamp t,
     findings.turn = watch_.Add(t, rig_, MatchWidely(left, tracks));
   if (findings.turn) {
     Turn(findings.turn->omega, left, tracks);
-    verdict = judge();
+    // The next keyframes show whether the camera is turned along the lines, too.
+    if (are_depths_known) shift = ShiftOf(tracks);
+    verdict = DisparityWatch::AreBelieved(shift) ? DisparityWatch::Verdict::kAgrees
+                                                 : DisparityWatch::Verdict::kScatters;
   }
-  const double shift_px = rig_.cameras[1].mean_focal_px() * shift.angle;
+  const double focal_px = rig_.cameras[1].mean_focal_px();
   switch (verdict) {
     case DisparityWatch::Verdict::kAgrees:
       break;
     case DisparityWatch::Verdict::kScatters:
+      Refuse(tracks);
+      findings.contradiction_px = focal_px * std::max(std::abs(shift.angle), shift.spread);
+      break;
     case DisparityWatch::Verdict::kContradicts:
-      Clear();
-      RestoreDepths(tracks);
-      findings.contradiction_px = shift_px;
+      Refuse(tracks);
+      findings.contradiction_px = focal_px * shift.angle;
       break;
     case DisparityWatch::Verdict::kTurned:
       findings.turn = StereoTurn();
       findings.turn->omega = disparities_.turn() * AxisAcross(rig_);
-      findings.turn->along_px = shift_px;
+      findings.turn->along_px = focal_px * shift.angle;
       findings.turn->num_matches = shift.num;
       Turn(findings.turn->omega, left, tracks);
       break;
   }
   return findings;
+}
+
+void KeyframeStereo::Refuse(std::span<Track> tracks) {
+  Clear();
+  RestoreDepths(tracks);
 }
 
 void KeyframeStereo::KeepDepths(std::span<const Track> tracks) {
@@ -108,7 +117,11 @@ void KeyframeStereo::Turn(const Vector3d& omega,
 // By how much a turn about AxisAcross moves a point: to first order. What is seen along the
 // baseline or the axis hardly moves.
 DisparityShift KeyframeStereo::ShiftOf(std::span<const Track> tracks) {
-  constexpr double kLeastCosine = 0.2, kAgreeing_px = 2;
+  constexpr double kLeastCosine = 0.2;
+  // Depths that were known before are known to so much, of things that are near to a share.
+  constexpr double kAgreeing_px = 2, kAgreeingShare = 0.05;
+  const double agreeing = kAgreeing_px / rig_.cameras[1].mean_focal_px();
+  int num_agreeing = 0;
   const Vector3d along = rig_.T_C1C0().p.normalized();
   const Vector3d ahead = (Vector3d::UnitZ() - along.z() * along).normalized();
   angles_.clear();
@@ -117,14 +130,15 @@ DisparityShift KeyframeStereo::ShiftOf(std::span<const Track> tracks) {
     const auto bearing = rig_.cameras[1].Unproject(matches_[i]->px);
     const double cosine = bearing ? bearing->dot(ahead) : 0;
     if (cosine < kLeastCosine) continue;
-    const double change = matches_[i]->inverse_distance - *depths_before_[i];
-    angles_.push_back(change * rig_.baseline_m() * along.cross(*bearing).squaredNorm() / cosine);
+    const double factor = rig_.baseline_m() * along.cross(*bearing).squaredNorm() / cosine;
+    const double change = factor * (matches_[i]->inverse_distance - *depths_before_[i]);
+    angles_.push_back(change);
+    const double tolerance = std::max(agreeing, kAgreeingShare * factor * *depths_before_[i]);
+    num_agreeing += std::abs(change) < tolerance ? 1 : 0;
   }
   DisparityShift shift;
   shift.num = static_cast<int>(angles_.size());
-  const double agreeing = kAgreeing_px / rig_.cameras[1].mean_focal_px();
-  shift.num_agreeing = static_cast<int>(
-      std::ranges::count_if(angles_, [&](double angle) { return std::abs(angle) < agreeing; }));
+  shift.num_agreeing = num_agreeing;
   shift.angle = Median(angles_).value_or(0);
   for (double& angle : angles_)
     angle = std::abs(angle - shift.angle);

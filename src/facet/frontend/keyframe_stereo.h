@@ -46,6 +46,8 @@ class KeyframeStereo {
   void MatchAll(const ImagePyramid& left, std::span<Track> tracks);
   /// Corrects the turn and matches again.
   void Turn(const Vector3d& omega, const ImagePyramid& left, std::span<Track> tracks);
+  /// As if there were no right image.
+  void Refuse(std::span<Track> tracks);
   void KeepDepths(std::span<const Track> tracks);
   void RestoreDepths(std::span<Track> tracks) const;
 

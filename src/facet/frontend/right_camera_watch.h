@@ -32,9 +32,9 @@ class RightCameraWatch {
   std::optional<Timestamp> last_suspicious_;
   // Of the tracks, near their epipolar lines. Good recordings have more from the first keyframe on.
   double usual_share_ = 0.4;
-  Timestamp begin_;      // of the keyframes in a row
-  int num_in_row_ = 0;   // suspicious ones
-  int num_to_pass_ = 0;  // keyframes, after a look in vain
+  Timestamp begin_, last_in_row_;  // of the keyframes in a row
+  int num_in_row_ = 0;             // suspicious ones
+  int num_to_pass_ = 0;            // keyframes, after a look in vain
   std::vector<StereoRays> matches_;
 };
 

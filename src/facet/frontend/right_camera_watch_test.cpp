@@ -61,6 +61,23 @@ TEST(RightCameraWatchTest, ABadBeginningIsSuspicious) {
   EXPECT_TRUE(watch.IsTrustedAt(Timestamp{} + FromSeconds(10)));
 }
 
+// A plain wall after a knock proves nothing.
+TEST(RightCameraWatchTest, TooFewTracksKeepTheDoubt) {
+  RightCameraWatch watch;
+  Timestamp t;
+  EXPECT_TRUE(watch.IsSuspicious(t, kNumTracks, 10));
+  for (int i = 0; i < 40; ++i) {
+    t = t + FromSeconds(0.3);
+    EXPECT_FALSE(watch.IsSuspicious(t, 30, 10));
+    EXPECT_FALSE(watch.IsTrustedAt(t)) << i;
+  }
+  for (int i = 0; i < 20; ++i) {
+    t = t + FromSeconds(0.3);
+    EXPECT_FALSE(watch.IsSuspicious(t, kNumTracks, 120));
+  }
+  EXPECT_TRUE(watch.IsTrustedAt(t));
+}
+
 // A hand in front of the right lens: nothing is found however wide the gate, and hardly looked for.
 TEST(RightCameraWatchTest, ACoveredLensIsNoTurnAndCostsLittle) {
   const StereoRig rig = EurocRig();

@@ -192,11 +192,11 @@ void ImuScreen::DoubtStuckAxes(ImuSample& sample) {
     const Vector3d& before = is_gyro ? newest_->gyro : newest_->accel;
     double& doubt =
         (is_gyro ? sample.gyro_doubt : sample.accel_doubt)[static_cast<Eigen::Index>(i % 3)];
-    const auto repeats = [&](std::size_t k) {
+    const auto change = [&](std::size_t k) {
       const auto axis = static_cast<Eigen::Index>(k % 3);
-      return now[axis] == before[axis];
+      return now[axis] - before[axis];
     };
-    const int stay = stuck_[i].Add(dt_s, repeats(i), {repeats(i + 1), repeats(i + 2)});
+    const int stay = stuck_[i].Add(dt_s, change(i), {change(i + 1), change(i + 2)});
     if (stay > 0 && doubt == 0) {
       const double sigma = is_gyro ? kGyroOfRepeated : kAccelOfRepeated;
       doubt = GrowingSigma(sigma, stay, num_doubted_stuck_[i]);
@@ -263,10 +263,13 @@ bool ImuScreen::IsSpike(const std::deque<ImuSample>& samples, const ImuSample& a
                {least, kSpikeInUsualChanges * usual_change, kSpikeInLastChanges * last_change});
   };
   const double gyro_change = gyro_change_.value(), accel_change = accel_change_.value();
-  return is_spike(
-             &ImuSample::gyro, gyro_change > 0 ? kGyroSpike : kGyroSpikeAtFirst, gyro_change) ||
-         is_spike(
-             &ImuSample::accel, accel_change > 0 ? kAccelSpike : kAccelSpikeAtFirst, accel_change);
+  // Between the samples of a slow sensor more may happen.
+  const double dt_s = 0.5 * ToSeconds(after.t - before.t);
+  const double slowness = std::max(1.0, dt_s / kShortestStep_s);
+  const double least_gyro = gyro_change > 0 ? kGyroSpike : kGyroSpikeAtFirst;
+  const double least_accel = accel_change > 0 ? kAccelSpike : kAccelSpikeAtFirst;
+  return is_spike(&ImuSample::gyro, slowness * least_gyro, gyro_change) ||
+         is_spike(&ImuSample::accel, slowness * least_accel, accel_change);
 }
 
 }  // namespace facet

@@ -8,9 +8,11 @@ namespace facet {
 
 namespace {
 
-constexpr double kChance = 1e-9;
+constexpr double kChance = 1e-15;
 // As for a whole sensor (ImuScreen).
 constexpr double kShortestStay_s = 0.05;
+// Changes of the others, on average.
+constexpr double kLeastDigits = 3;
 // Of longer stays the axis learns nothing that is usual.
 constexpr int kLongestToLearn = 20;
 constexpr int kNumRemembered = 4000;
@@ -23,16 +25,20 @@ double LargestShare(int num_of_them, int num) {
 
 }  // namespace
 
-int StuckAxis::Add(double dt_s, bool repeats, const std::array<bool, 2>& others_repeat) {
+int StuckAxis::Add(double dt_s, double change, const std::array<double, 2>& changes_of_others) {
+  const bool repeats = change == 0;
   if (!repeats) {
     stay_ = 0;
-    stay_s_ = 0;
+    stay_s_ = sum_of_others_ = 0;
     num_others_repeat_ = {};
+    digit_ = std::min(digit_, std::abs(change));
   } else {
     ++stay_;
     stay_s_ += dt_s;
-    for (std::size_t i = 0; i < others_repeat.size(); ++i)
-      num_others_repeat_[i] += others_repeat[i] ? 1 : 0;
+    for (std::size_t i = 0; i < changes_of_others.size(); ++i) {
+      num_others_repeat_[i] += changes_of_others[i] == 0 ? 1 : 0;
+      sum_of_others_ += std::abs(changes_of_others[i]);
+    }
   }
   const int num_stuck = stay_s_ >= kShortestStay_s && IsBeyondChance() ? stay_ : 0;
   if (stay_ <= kLongestToLearn) {
@@ -47,6 +53,7 @@ int StuckAxis::Add(double dt_s, bool repeats, const std::array<bool, 2>& others_
 }
 
 bool StuckAxis::IsBeyondChance() const {
+  if (!(sum_of_others_ > 2 * stay_ * kLeastDigits * digit_)) return false;
   double share = LargestShare(num_repeats_, num_samples_);
   for (const int num : num_others_repeat_)
     share = std::max(share, LargestShare(num, stay_));

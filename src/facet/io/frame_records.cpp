@@ -36,7 +36,11 @@ std::vector<std::string> Fields(const std::string& line) {
 /// A table whose first line names the columns.
 class NamedTable {
  public:
-  explicit NamedTable(const fs::path& file) : file_(file), stream_(file) {
+  explicit NamedTable(const fs::path& file) : file_(file) {
+    std::error_code error;
+    if (fs::exists(file, error) && !fs::is_regular_file(file, error))
+      throw InputError(file.string() + ": is no file");  // nobody may ever write to a pipe
+    stream_.open(file);
     std::string header;
     std::getline(stream_, header);
     const std::vector<std::string> names = Fields(header);

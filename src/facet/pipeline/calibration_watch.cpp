@@ -16,6 +16,8 @@ constexpr int kMinFeatures = 15;
 // Far below what good recordings have (frontend_report prints it), far above what wrong extrinsics
 // leave (wrong_calibration_test).
 constexpr double kMinStereoShare = 0.1;
+// No wrong pair has so many.
+constexpr double kRightStereoShare = 0.3;
 // A good calibration is at about 1; wrong_calibration_test has those that must be beyond.
 constexpr double kMaxImuErrorSigma = 5;
 
@@ -87,7 +89,7 @@ std::string CalibrationWatch::FromStretch(const CalibrationEvidence& evidence) {
   // The images alone come first: what is wrong between them also makes them contradict the IMU.
   std::string warning;
   const bool is_one_eyed = share && *share < kMinStereoShare;
-  if (share && !is_one_eyed) was_stereo_right_ = true;
+  if (share && *share > kRightStereoShare) was_stereo_right_ = true;
   if (is_one_eyed) {
     warning = StereoWarning(*share, was_stereo_right_);
   } else if (sigma && *sigma > kMaxImuErrorSigma) {

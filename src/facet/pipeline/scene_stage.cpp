@@ -84,11 +84,7 @@ void SceneStage::KeepExpiredFaces() {
     map_.Add(face);
 }
 
-std::optional<TriangleMesh> SceneStage::MeshOf(SurfaceMap map,
-                                               HorizonMesh horizon,
-                                               MapMemory& memory) const {
-  memory = map.memory();
-  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
+TriangleMesh SceneStage::MeshOf(SurfaceMap map, HorizonMesh horizon, MapMemory& memory) const {
   const SurfaceMap whole = WithHorizon(std::move(map), std::move(horizon));
   memory = whole.memory();
   TriangleMesh mesh = ExtractSurface(whole);
@@ -97,10 +93,14 @@ std::optional<TriangleMesh> SceneStage::MeshOf(SurfaceMap map,
 }
 
 std::optional<TriangleMesh> SceneStage::Map(MapMemory& memory) const {
+  memory = map_.memory();
+  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
   return MeshOf(map_, horizon_, memory);
 }
 
 std::optional<TriangleMesh> SceneStage::TakeMap(MapMemory& memory) {
+  memory = map_.memory();
+  if (!options_.enabled || !options_.map.enabled) return std::nullopt;
   return MeshOf(std::move(map_), std::move(horizon_), memory);
 }
 

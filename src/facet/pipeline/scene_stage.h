@@ -55,7 +55,7 @@ class SceneStage {
   void AddUpdate(VioOutput& out);
   void Reset();
   void KeepExpiredFaces();
-  std::optional<TriangleMesh> MeshOf(SurfaceMap map, HorizonMesh horizon, MapMemory& memory) const;
+  TriangleMesh MeshOf(SurfaceMap map, HorizonMesh horizon, MapMemory& memory) const;
 
   MeshOptions options_;
   SE3 T_BC_;

@@ -33,8 +33,13 @@ bool IsFile(const fs::path& file) {
   return fs::is_regular_file(file, error);
 }
 
+bool Exists(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(file, error);
+}
+
 std::string ReadBytes(const fs::path& file) {
-  if (fs::exists(file) && !IsFile(file)) throw InputError(file.string() + ": is no file");
+  if (Exists(file) && !IsFile(file)) throw InputError(file.string() + ": is no file");
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream bytes;
   bytes << stream.rdbuf();
@@ -59,7 +64,7 @@ std::vector<float> ErrorsOf(const TriangleMesh& mesh, GroundTruth& truth, const 
 /// A run that found nothing leaves files without a vertex, which the reader refuses, as it does
 /// what is there and no file.
 bool HasVertices(const fs::path& file) {
-  if (!IsFile(file)) return fs::exists(file);
+  if (!IsFile(file)) return Exists(file);
   std::ifstream stream(file);
   std::string line;
   constexpr int kHeaderLines = 20;
@@ -71,7 +76,7 @@ bool HasVertices(const fs::path& file) {
 
 /// Whether a trajectory has more than its header.
 bool HasPose(const fs::path& file) {
-  if (!IsFile(file)) return fs::exists(file);
+  if (!IsFile(file)) return Exists(file);
   std::ifstream stream(file);
   std::string line;
   while (std::getline(stream, line)) {

@@ -126,7 +126,8 @@ TEST(ResultView, ADamagedSummaryIsNamed) {
 
 // Nobody may ever write to it: the view must not wait.
 TEST(ResultView, APipeIsRefused) {
-  for (const char* name : {"mesh.ply", "map.ply", "keyframes.tum", "summary.json"}) {
+  for (const char* name :
+       {"mesh.ply", "map.ply", "keyframes.tum", "summary.json", "states.csv", "timing.csv"}) {
     const TempFolder folder;
     WriteResult(folder.path(), SmallRun());
     std::filesystem::remove(folder.path() / name);

@@ -38,7 +38,6 @@ constexpr double kMaxTurnError = 0.01;
 constexpr double kMaxGyroBias = 0.3;
 
 constexpr const char* kDoubt = "IMU and images contradict each other";
-constexpr const char* kTooFewLandmarks = "too few stereo landmarks";
 
 bool HasSyntheticImu(const WindowFrame& frame) {
   return frame.imu_link && frame.imu_link->is_synthetic;
@@ -173,11 +172,8 @@ StartAttempt VioStart::Try(const std::optional<SE3>& predicted,
   InitializeDepths(optimizer.UpdateGeometry(window), window);
   attempt.num_constraining = static_cast<int>(
       std::count_if(window.landmarks().begin(), window.landmarks().end(), IsConstraining));
-  if (IsDark(static_cast<int>(window.frames.size()) - 1, window)) {
-    attempt.reason = kTooFewLandmarks;
-  } else if (HasEnoughFrames(window)) {
-    TryFrames(predicted, imu, optimizer, window, attempt);
-  }
+  const bool is_dark = IsDark(static_cast<int>(window.frames.size()) - 1, window);
+  if (!is_dark && HasEnoughFrames(window)) TryFrames(predicted, imu, optimizer, window, attempt);
   // The oldest frames may be what spoils the start (a blackout, a jump): let them go.
   const int num_frames = static_cast<int>(window.frames.size());
   if (!attempt.has_started && num_frames >= 3 * options_.start.min_frames) DropFirstFrame(window);
@@ -242,7 +238,7 @@ std::string VioStart::FindFirstValues(int num_constraining, SlidingWindow& windo
       kMaxSyntheticIntervals) {
     return "too little IMU";
   }
-  if (num_constraining < options_.start.min_landmarks) return kTooFewLandmarks;
+  if (num_constraining < options_.start.min_landmarks) return "too few stereo landmarks";
   return InitializeFromStereo(rig_, options_, window).reason;
 }
 

@@ -254,7 +254,7 @@ TEST(VioStartTest, FramesWithoutAnImageDoNotCount) {
   for (int i = 0; i < 40; ++i) {
     const StartAttempt attempt = run.Add({.is_dark = true});
     EXPECT_FALSE(attempt.has_started);
-    EXPECT_EQ(attempt.reason, "too few stereo landmarks");
+    EXPECT_EQ(attempt.reason, "collecting frames");
   }
   EXPECT_LE(run.window.frames.size(), 30u);
   EXPECT_TRUE(run.AddGoodFrames(12).has_started);
