@@ -92,7 +92,7 @@ def main():
     configs = [run_all.Config(name, str(FACET), ["--pipeline", name]) for name in ("S", "SPR")]
     groups = [[run_all.Run(s, c, 0.1 * k, RUNS / s.name / c.name / f"start_{0.1 * k:.1f}")
                for k in range(arguments.starts)] for s in sequences for c in configs]
-    run_all.execute_all([run for group in groups for run in group], 1)
+    run_all.execute_all([run for group in groups for run in group], 1, parts=())
     failed = [run for group in groups for run in group if run.exit_code != 0]
     print(f"Commit {commit()}; {machine()}; {arguments.starts} starts.\n")
     for cells in (HEADER, ["---"] * len(HEADER), *(row(group) for group in groups)):

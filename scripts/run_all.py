@@ -95,7 +95,7 @@ def last_line(process):
     return lines[-1] if lines else ""
 
 
-def execute(run, core):
+def execute(run, core, parts):
     shutil.rmtree(run.folder, ignore_errors=True)
     run.folder.parent.mkdir(parents=True, exist_ok=True)
     process = subprocess.run(run_command(run, core), capture_output=True, text=True, check=False)
@@ -103,16 +103,16 @@ def execute(run, core):
     run.message = last_line(process)
     run.summary = read_json(run.folder / "summary.json")
     if trajectories.truth_file(run.sequence) and (run.folder / "trajectory.tum").exists():
-        # Surfaces of a large scene would take longer than the run.
-        command = [run.config.program, "evaluate", str(run.folder), "--truth", str(run.sequence)]
-        process = subprocess.run([*command, "--parts", "trajectory"], capture_output=True, text=True, check=False)
+        command = [run.config.program, "evaluate", str(run.folder), "--truth", str(run.sequence), *parts]
+        process = subprocess.run(command, capture_output=True, text=True, check=False)
         if process.returncode != 0:
             run.message = run.message or last_line(process)
         run.evaluation = read_json(run.folder / "evaluation.json")
 
 
-def execute_all(runs, jobs):
-    """Each job owns one core of those this process may use."""
+def execute_all(runs, jobs, parts=("--parts", "trajectory")):
+    """Each job owns one core of those this process may use. `parts`: of `facet evaluate`; the surfaces of a large scene
+    take longer than the run."""
     allowed = sorted(os.sched_getaffinity(0))
     cores = queue.Queue()
     for core in allowed[:jobs]:
@@ -121,7 +121,7 @@ def execute_all(runs, jobs):
     def work(run):
         core = cores.get()
         try:
-            execute(run, core)
+            execute(run, core, parts)
         finally:
             cores.put(core)
         ate = run.ate()
