@@ -143,6 +143,20 @@ class FrontendTest : public ::testing::Test {
     return depths;
   }
 
+  /// As the estimator would: with the motion and the depths of before, which become those of now.
+  FrontendResult ProcessKnowingDepths(int i,
+                                      const StereoFrame& frame,
+                                      StereoFrontend& frontend,
+                                      std::pmr::unordered_map<LandmarkId, double>& depths) const {
+    FrontendHint hint = HintAt(i);
+    hint.inverse_distance = &depths;
+    hint.is_motion_known = true;
+    StageTimes times;
+    FrontendResult result = frontend.Process(frame, hint, times);
+    depths = TrueDepths(i, result);
+    return result;
+  }
+
   StereoRig rig_ = MakeRig();
   Wall wall_;
 };
@@ -201,18 +215,13 @@ TEST_F(FrontendTest, ATurnOfTheRightCameraIsNoticedAndCorrected) {
                                 Vector3d(0, -0.021, 0)}) {
     SCOPED_TRACE(omega.transpose());
     StereoFrontend frontend(rig_, Options());
-    StageTimes times;
     const StereoRig knocked = TurnedRig(rig_, omega);
     std::optional<StereoTurn> turn;
     int num_checked = 0;
     for (int i = 0; i < kFrames; ++i) {
       StereoFrame frame = FrameAt(i);
       if (i >= kKnock) frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * knocked.T_BC[1], 0.85);
-      FrontendHint hint = HintAt(i);
-      hint.inverse_distance = &depths;
-      hint.is_motion_known = true;
-      const FrontendResult result = frontend.Process(frame, hint, times);
-      depths = TrueDepths(i, result);
+      const FrontendResult result = ProcessKnowingDepths(i, frame, frontend, depths);
       if (result.right.turn) {
         EXPECT_GE(i, kKnock);
         EXPECT_FALSE(turn) << "once";
@@ -243,17 +252,12 @@ TEST_F(FrontendTest, AKnockAboutAllAxesIsCorrectedStepByStep) {
   const StereoRig knocked = TurnedRig(rig_, omega);
   std::pmr::unordered_map<LandmarkId, double> depths;
   StereoFrontend frontend(rig_, Options());
-  StageTimes times;
   Quaterniond turned = Quaterniond::Identity();
   int num_checked = 0, num_wrong = 0;
   for (int i = 0; i < kFrames; ++i) {
     StereoFrame frame = FrameAt(i);
     if (i >= kKnock) frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * knocked.T_BC[1], 0.85);
-    FrontendHint hint = HintAt(i);
-    hint.inverse_distance = &depths;
-    hint.is_motion_known = true;
-    const FrontendResult result = frontend.Process(frame, hint, times);
-    depths = TrueDepths(i, result);
+    const FrontendResult result = ProcessKnowingDepths(i, frame, frontend, depths);
     if (result.right.turn) turned = turned * ExpSO3(result.right.turn->omega);
     if (!result.observations.is_keyframe) continue;
     for (const FeatureObservation& f : result.observations.features) {
@@ -272,7 +276,6 @@ TEST_F(FrontendTest, AKnockAboutAllAxesIsCorrectedStepByStep) {
 TEST_F(FrontendTest, ARightImageOfAnotherMomentIsNotUsed) {
   std::pmr::unordered_map<LandmarkId, double> depths;
   StereoFrontend frontend(rig_, Options());
-  StageTimes times;
   for (int i = 0; i < 25; ++i) {
     StereoFrame frame = FrameAt(i);
     const bool is_wrong = i == 12;
@@ -280,11 +283,7 @@ TEST_F(FrontendTest, ARightImageOfAnotherMomentIsNotUsed) {
       const SE3 turned(ExpSO3(Vector3d(0, 0.01, 0)), Vector3d::Zero());
       frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * rig_.T_BC[1] * turned, 0.85);
     }
-    FrontendHint hint = HintAt(i);
-    hint.inverse_distance = &depths;
-    hint.is_motion_known = true;
-    const FrontendResult result = frontend.Process(frame, hint, times);
-    depths = TrueDepths(i, result);
+    const FrontendResult result = ProcessKnowingDepths(i, frame, frontend, depths);
     if (!result.observations.is_keyframe) continue;
     EXPECT_EQ(result.right.contradiction_px.has_value(), is_wrong) << i;
     EXPECT_EQ(result.num_stereo > 0, !is_wrong) << i;
