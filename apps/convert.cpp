@@ -53,14 +53,22 @@ std::unique_ptr<RecordingWriter> OpenWriter(const ConvertArguments& arguments,
 }
 
 /// For what has no place in messages.
-void WarnOfOffset(const ConvertArguments& arguments, const Calibration* calibration) {
+void WarnOfWhatIsLost(const ConvertArguments& arguments, const Calibration* calibration) {
   if (!IsMcap(arguments.out) || calibration == nullptr) return;
-  const double offset_s = ToSeconds(calibration->rig.time_offset);
-  if (offset_s == 0) return;
-  std::fprintf(stderr,
-               "facet: warning: the messages of an MCAP file have no place for the offset between "
-               "camera and IMU (%+.6f s); use the calibration with --calibration\n",
-               offset_s);
+  const StereoRig& rig = calibration->rig;
+  const double offset_s = ToSeconds(rig.time_offset);
+  if (offset_s != 0) {
+    std::fprintf(stderr,
+                 "facet: warning: the messages of an MCAP file have no place for the offset "
+                 "between camera and IMU (%+.6f s); use the calibration with --calibration\n",
+                 offset_s);
+  }
+  if (rig.HasLensModes() || !rig.gyro_scale.isZero(0) || rig.covariance) {
+    std::fprintf(stderr,
+                 "facet: warning: the messages of an MCAP file have no place for what a run has "
+                 "estimated of lenses beside their models and of the gyroscope, nor for how well "
+                 "it is known; use the calibration with --calibration\n");
+  }
 }
 
 void EndIfInterrupted(const ConvertArguments& arguments) {
@@ -101,7 +109,7 @@ void ConvertCommand(const ConvertArguments& arguments) {
   }
   bar.Clear();
   writer->Commit();
-  WarnOfOffset(arguments, recording->calibration());
+  WarnOfWhatIsLost(arguments, recording->calibration());
   for (const std::string& warning : recording->Warnings())
     std::fprintf(stderr, "facet: warning: %s\n", warning.c_str());
   if (!damage.empty()) throw InputError(damage + "; what came before was converted");

@@ -126,12 +126,17 @@ TEST_F(DrawCalibrationTest, FaultsKeepTheExactCalibrationInTruth) {
   EXPECT_EQ(Fx(Exact("faulty")), Fx(Written("exact")));
 }
 
-TEST_F(DrawCalibrationTest, LensMisfitChangesTheImagesOnly) {
+TEST_F(DrawCalibrationTest, LensMisfitChangesImagesAndTruthOnly) {
   Simulate("exact", Scene());
   Simulate("misfit", Scene() + "--lens-misfit 1");
   EXPECT_EQ(ReadText(out_ / "exact" / "mav0" / "cam0" / "sensor.yaml"),
             ReadText(out_ / "misfit" / "mav0" / "cam0" / "sensor.yaml"));
   EXPECT_NE(ReadText(Image("exact")), ReadText(Image("misfit")));
+  EXPECT_TRUE(Exact("misfit").HasLensModes());
+  EXPECT_FALSE(Exact("exact").HasLensModes());
+  Simulate("drawn", "--of " + (out_ / "misfit").string() + " --draw-calibration 1");
+  EXPECT_FALSE(Written("drawn").HasLensModes());
+  EXPECT_EQ(Exact("drawn").lens_modes, Exact("misfit").lens_modes);
 }
 
 TEST_F(DrawCalibrationTest, WrongUsageSaysWhatToDo) {

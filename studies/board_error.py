@@ -4,9 +4,10 @@ Command: studies/board_error.py CORNERS CALIBRATION...
   CORNERS: a folder with board.csv, cam0_corners.csv, cam1_corners.csv (detected corners of a known board). CALIBRATION:
   Kalibr's camchain-imucam.yaml or the calibration.yaml of a run. For every stamp with at least 20 corners in both images
   the pose of the board is fitted to both images together; printed is what is left, by a calibration of pinhole cameras
-  with radial-tangential distortion.
+  with radial-tangential distortion and, if a run has written them, with what the lenses do beside that. --modes FILE
+  takes these from another calibration.yaml.
 Answer: the calibration.yaml of euroc_mh01_handheld against the given one: docs/notebook/calibration_online.md.
-Date: 2026-11-26.
+Date: 2026-11-28.
 """
 
 import argparse
@@ -34,6 +35,36 @@ def read_corners(folder):
     return [views for views in both if min(map(len, views)) >= LEAST_CORNERS]
 
 
+MONOMIALS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
+EXPLAINED = [[(0, 0, 0, 1)], [(1, 0, 0, 1)], [(0, 1, 0, 1)], [(1, 0, 1, 1)], [(0, 0, 1, -1), (1, 1, 0, 1)],
+             [(0, 2, 0, 1), (1, 1, 1, 1)], [(0, 1, 1, 1), (1, 0, 2, 1)], [(0, 2, 0, 1), (0, 0, 2, 1)],
+             [(1, 2, 0, 1), (1, 0, 2, 1)], [(0, 3, 0, 1), (0, 1, 2, 1), (1, 2, 1, 1), (1, 0, 3, 1)]]
+REST = [[(0, 0, 1, 1), (1, 1, 0, 1)],
+        *([(0, *powers, 1)] for powers in [(0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]),
+        *([(1, *powers, 1)] for powers in [(2, 0), (3, 0), (2, 1), (1, 2)])]
+
+
+class Modes:
+    """What a lens does beside its model (docs/math.md, section 10.9): coefficients of the monomials by axis."""
+
+    def __init__(self, amounts, size):
+        width, height = size
+        self.scale, aspect = np.array([2 / (width - 1), 2 / (height - 1)]), (height - 1) / (width - 1)
+        fields = np.zeros((20, 20))
+        for k, terms in enumerate(EXPLAINED + REST):
+            for axis, i, j, factor in terms:
+                fields[10 * axis + MONOMIALS.index((i, j)), k] = factor * aspect**j
+        mean = lambda n: 0 if n % 2 else 1 / (n + 1)  # noqa: E731
+        moments = np.kron(np.eye(2), [[mean(a + c) * mean(b + d) for c, d in MONOMIALS] for a, b in MONOMIALS])
+        L = np.linalg.cholesky(fields.T @ moments @ fields)
+        modes = np.sqrt(2) * np.linalg.solve(L, fields.T)[10:]
+        self.coefficients = (np.array(amounts) @ modes).reshape(2, 10).T
+
+    def at(self, px):
+        x, y = (px * self.scale - 1).T
+        return np.stack([x**i * y**j for i, j in MONOMIALS], 1) @ self.coefficients
+
+
 class Camera:
     def __init__(self, node):
         if node["camera_model"] != "pinhole" or node["distortion_model"] != "radtan":
@@ -41,6 +72,7 @@ class Camera:
         self.f, self.c = np.split(np.array(node["intrinsics"], float), 2)
         self.d = np.array(node["distortion_coeffs"], float)
         self.T_CB = np.array(node["T_cam_imu"], float)
+        self.beside_model = Modes(node.get("lens_modes", np.zeros(10)), node["resolution"])
 
     def project(self, p_C):
         x, y = p_C[:, 0] / p_C[:, 2], p_C[:, 1] / p_C[:, 2]
@@ -49,7 +81,8 @@ class Camera:
         radial = 1 + k1 * r2 + k2 * r2 * r2
         u = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
         v = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
-        return self.f * np.stack([u, v], 1) + self.c
+        px = self.f * np.stack([u, v], 1) + self.c
+        return px + self.beside_model.at(px)
 
 
 def exponential(w):
@@ -104,11 +137,16 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("corners", type=Path)
     parser.add_argument("calibrations", type=Path, nargs="+")
+    parser.add_argument("--modes", type=Path)
     args = parser.parse_args()
     stamps = read_corners(args.corners)
     print("| calibration | stamps | rms [px] | left | right | median of a corner's error [px] |\n|---|---|---|---|---|---|")
     for path in args.calibrations:
         chain = yaml.safe_load(path.read_text())
+        if args.modes:
+            other = yaml.safe_load(args.modes.read_text())
+            for name in ("cam0", "cam1"):
+                chain[name]["lens_modes"] = other[name]["lens_modes"]
         cameras = [Camera(chain["cam0"]), Camera(chain["cam1"])]
         T_RL = cameras[1].T_CB @ np.linalg.inv(cameras[0].T_CB)
         T_CL = [(np.eye(3), np.zeros(3)), (T_RL[:3, :3], T_RL[:3, 3])]
@@ -120,7 +158,8 @@ def main():
             sizes.extend(np.linalg.norm(r, axis=1))
         rms = np.sqrt(sides[:, 0] / sides[:, 1])
         both = np.sqrt(sides[:, 0].sum() / sides[:, 1].sum())
-        print(f"| {path.parent.name}/{path.name} | {len(stamps)} | {both:.3f} | {rms[0]:.3f} | {rms[1]:.3f} | "
+        name = f"{path.parent.name}/{path.name}" + (", modes of the other" if args.modes else "")
+        print(f"| {name} | {len(stamps)} | {both:.3f} | {rms[0]:.3f} | {rms[1]:.3f} | "
               f"{np.median(sizes):.3f} |", flush=True)
 
 

@@ -103,6 +103,13 @@ void BindCamera(py::module_& module) {
           [](const Camera& camera) { return ToArray(camera.coefficients); },
           &SetCoefficients,
           "Eight numbers, zero behind those that the model has.")
+      .def_property(
+          "lens_modes",
+          [](const Camera& camera) { return ToArray(camera.lens_modes); },
+          [](Camera& camera, const py::object& modes) {
+            camera.lens_modes = ToNumbers<10>(modes, "lens_modes");
+          },
+          "What the lens does beside its model, as a former run estimated it [px].")
       .def("__repr__", [](const Camera& camera) {
         return "<facet.Camera " + std::to_string(camera.width) + " x " +
                std::to_string(camera.height) + ", " +

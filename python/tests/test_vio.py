@@ -269,6 +269,9 @@ def test_calibrations_are_plain_data(sequence, calibration):
     read.left.T_BC = T_BC
     np.testing.assert_allclose(read.left.T_BC, T_BC, atol=1e-12)
     assert calibration.left.coefficients.shape == (8,)
+    assert not calibration.left.lens_modes.any() and calibration.left.lens_modes.shape == (10,)
+    read.right.lens_modes = np.arange(10) / 100
+    assert read.right.lens_modes[3] == 0.03
     with pytest.raises(ValueError, match="not a rigid motion"):
         calibration.left.T_BC = 2 * np.eye(4)
     with pytest.raises(ValueError, match="known: none, radtan"):

@@ -106,6 +106,9 @@ struct Camera {
   Distortion distortion = Distortion::kNone;
   std::array<double, 8> coefficients{{0, 0, 0, 0, 0, 0, 0, 0}};
   Pose T_BC;  ///< camera to body
+  /// What this lens does beside its model in images of this size, as a former run estimated it:
+  /// what ReadCalibration found, to be handed on as it is [px]. Zeros: not known.
+  std::array<double, 10> lens_modes{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
 };
 
 struct Calibration {

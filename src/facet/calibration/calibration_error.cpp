@@ -6,19 +6,32 @@
 #include <Eigen/Cholesky>
 
 #include "facet/base/check.h"
+#include "facet/calibration/lens_modes.h"
 
 namespace facet {
 
 namespace {
 
 // Where the right camera sees what is at infinity behind a left pixel.
-std::optional<Vector2d> RightPixel(const StereoRig& rig, const Vector2d& px) {
-  const std::optional<Vector3d> ray = rig.cameras[0].Unproject(px);
-  if (!ray) return std::nullopt;
-  return rig.cameras[1].Project(rig.T_C1C0().q * *ray);
-}
+class FarPoints {
+ public:
+  explicit FarPoints(const StereoRig& rig) : rig_(rig), beside_model_(FieldsOf(rig)) {}
+
+  std::optional<Vector2d> RightPixel(const Vector2d& px) const {
+    const std::optional<Vector3d> ray = rig_.cameras[0].Unproject(ByModel(beside_model_, 0, px));
+    if (!ray) return std::nullopt;
+    const std::optional<Vector2d> by_model = rig_.cameras[1].Project(rig_.T_C1C0().q * *ray);
+    if (!by_model) return std::nullopt;
+    return Vector2d(*by_model + beside_model_[1].At(*by_model));
+  }
+
+ private:
+  const StereoRig& rig_;
+  LensFields beside_model_;
+};
 
 void CompareDisparities(const StereoRig& estimate, const StereoRig& truth, CalibrationError& out) {
+  const FarPoints by_truth(truth), by_estimate(estimate);
   constexpr int kPlaces = 24;  // along each side of the image
   const CameraModel& left = truth.cameras[0];
   Vector2d sum = Vector2d::Zero(), squares = Vector2d::Zero();
@@ -26,7 +39,7 @@ void CompareDisparities(const StereoRig& estimate, const StereoRig& truth, Calib
   for (int i = 0; i < kPlaces; ++i) {
     for (int j = 0; j < kPlaces; ++j) {
       const Vector2d px((i + 0.5) * left.width() / kPlaces, (j + 0.5) * left.height() / kPlaces);
-      const auto is = RightPixel(truth, px), seems = RightPixel(estimate, px);
+      const auto is = by_truth.RightPixel(px), seems = by_estimate.RightPixel(px);
       if (!is || !seems || !truth.cameras[1].IsInside(*is, 0)) continue;
       const Vector2d error = *seems - *is;
       sum += error;

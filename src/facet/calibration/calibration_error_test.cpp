@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/calibration/calibration_error.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "facet/sim/euroc_rig.h"
@@ -26,6 +28,18 @@ TEST(CalibrationErrorTest, APrincipalPointMovesAllDisparities) {
   EXPECT_NEAR(e.disparity_rms_px, 0.25, 1e-9);
   EXPECT_NEAR(e.vertical_rms_px, 0.1, 1e-9);
   EXPECT_NEAR(e.error(kNumIntrinsics + 2), 0.25, 1e-12);
+}
+
+// A field that is the same in both images moves the two pixels of a far point alike; one that only
+// the right lens has moves the disparities.
+TEST(CalibrationErrorTest, WhatLensesDoBesideTheirModelsCounts) {
+  StereoRig truth = EurocRig();
+  truth.lens_modes[1].setConstant(0.05);
+  EXPECT_LT(CompareCalibrations(truth, truth).disparity_rms_px, 1e-9);
+  const CalibrationError e = CompareCalibrations(EurocRig(), truth);
+  EXPECT_EQ(LensModesOf(e.error, 1), LensModeVector::Constant(-0.05));
+  const double rms_px = std::hypot(e.disparity_rms_px, e.vertical_rms_px) / std::sqrt(2.0);
+  EXPECT_NEAR(rms_px, 0.05 * std::sqrt(kNumLensModes), 0.04);
 }
 
 TEST(CalibrationErrorTest, TheCovarianceIsInTheSameOrder) {

@@ -43,8 +43,10 @@ std::optional<StereoRig> DrawCalibration(const StereoRig& exact,
   const Rng lens_rng(rng.Next()), imu_rng(rng.Next());
   Rng time_rng(rng.Next());
   StereoRig drawn = exact;
+  // A calibration knows nothing of what lenses do beside their models.
+  drawn.lens_modes = StereoRig().lens_modes;
   if (parts.lens) {
-    const auto calibrated = DrawLens(exact, options.board, lens_rng);
+    const auto calibrated = DrawLens(drawn, options.board, lens_rng);
     if (!calibrated) return std::nullopt;
     drawn = *calibrated;
   }

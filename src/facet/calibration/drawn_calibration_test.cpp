@@ -111,6 +111,13 @@ TEST(DrawnCalibrationTest, PartsAreTheSameWithAndWithoutTheOthers) {
   EXPECT_NE(time.time_offset.ns, 0);
 }
 
+TEST(DrawnCalibrationTest, KnowsNothingOfWhatLensesDoBesideTheirModels) {
+  StereoRig exact = EurocRig();
+  exact.lens_modes[0].setConstant(0.05);
+  for (const bool lens : {true, false})
+    EXPECT_FALSE(DrawCalibration(exact, 1, {.lens = lens})->HasLensModes());
+}
+
 TEST(DrawnCalibrationTest, DiffersWithTheSeed) {
   const StereoRig exact = EurocRig();
   const double fx = DrawCalibration(exact, 1)->cameras[0].intrinsics().fx;

@@ -10,11 +10,6 @@
 
 namespace facet {
 
-inline constexpr int kNumIntrinsics = 8;  ///< of one camera
-inline constexpr int kStereoRotation = 2 * kNumIntrinsics;
-inline constexpr int kStereoTranslation = kStereoRotation + 3;
-inline constexpr int kNumRigParameters = kStereoTranslation + 3;
-
 using RigVector = Vector<kNumRigParameters>;
 using RigMatrix = Matrix<kNumRigParameters, kNumRigParameters>;
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/calibration/smooth_field.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <Eigen/Eigenvalues>
+
+#include "facet/base/check.h"
 
 namespace facet {
 namespace {
@@ -21,8 +25,16 @@ double MeanPower(int n) {
   return n % 2 == 0 ? 1.0 / (n + 1) : 0;
 }
 
-/// Means of the products of two monomials over the image.
-MomentMatrix Moments() {
+}  // namespace
+
+int MonomialIndex(int i, int j) {
+  const auto* const place = std::find_if(
+      kPowers.begin(), kPowers.end(), [&](const Powers& p) { return p.x == i && p.y == j; });
+  FACET_CHECK(place != kPowers.end()) << i << " and " << j;
+  return static_cast<int>(place - kPowers.begin());
+}
+
+MomentMatrix SmoothField::Moments() {
   MomentMatrix M;
   for (std::size_t i = 0; i < kNumMonomials; ++i) {
     for (std::size_t j = 0; j < kNumMonomials; ++j) {
@@ -33,8 +45,6 @@ MomentMatrix Moments() {
   return M;
 }
 
-}  // namespace
-
 Vector<kNumMonomials> SmoothField::Monomials(const Vector2d& px, int width, int height) {
   const double x = 2 * px.x() / (width - 1) - 1, y = 2 * px.y() / (height - 1) - 1;
   Vector<kNumMonomials> m;
@@ -43,17 +53,13 @@ Vector<kNumMonomials> SmoothField::Monomials(const Vector2d& px, int width, int 
 }
 
 SmoothField SmoothField::Draw(int width, int height, double rms_px, Rng& rng) {
-  SmoothField field;
-  field.width_ = width;
-  field.height_ = height;
+  Matrix<kNumMonomials, 2> c;
   for (int axis = 0; axis < 2; ++axis) {
     for (int i = 0; i < kNumMonomials; ++i)
-      field.coefficients_(i, axis) = rng.Normal();
+      c(i, axis) = rng.Normal();
   }
-  const auto& c = field.coefficients_;
   const double mean_square = 0.5 * (c.transpose() * Moments() * c).trace();
-  field.coefficients_ *= rms_px / std::sqrt(mean_square);
-  return field;
+  return SmoothField(width, height, rms_px / std::sqrt(mean_square) * c);
 }
 
 Matrix<kNumMonomials, kNumMonomials> SmoothField::Covariance() {
@@ -73,7 +79,8 @@ Matrix<kNumMonomials, kNumMonomials> SmoothField::Covariance() {
 }
 
 Vector2d SmoothField::At(const Vector2d& px) const {
-  return coefficients_.transpose() * Monomials(px, width_, height_);
+  const Vector<kNumMonomials> m = Monomials(px, width_, height_);
+  return {coefficients_.col(0).dot(m), coefficients_.col(1).dot(m)};
 }
 
 }  // namespace facet

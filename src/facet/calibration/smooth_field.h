@@ -11,10 +11,22 @@ namespace facet {
 /// Monomials x^i y^j with i + j <= 3.
 inline constexpr int kNumMonomials = 10;
 
+/// The place of x^i y^j among them.
+int MonomialIndex(int i, int j);
+
 class SmoothField {
  public:
+  /// None.
+  SmoothField() = default;
+  /// Columns: of the monomials in the displacement along x and along y [px].
+  SmoothField(int width, int height, const Matrix<kNumMonomials, 2>& coefficients)
+      : width_(width), height_(height), coefficients_(coefficients) {}
+
   /// The monomials at a pixel, with x and y from -1 to 1 over the image.
   static Vector<kNumMonomials> Monomials(const Vector2d& px, int width, int height);
+
+  /// Means over the image of the products of two monomials.
+  static Matrix<kNumMonomials, kNumMonomials> Moments();
 
   /// Coefficients of both axes from N(0, 1), scaled so that the root mean square over the image and
   /// both axes is `rms_px`.
@@ -29,7 +41,7 @@ class SmoothField {
 
  private:
   int width_ = 0, height_ = 0;
-  Matrix<kNumMonomials, 2> coefficients_;
+  Matrix<kNumMonomials, 2> coefficients_ = Matrix<kNumMonomials, 2>::Zero();
 };
 
 }  // namespace facet

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "facet/base/options.h"
+#include "facet/calibration/lens_modes.h"
 
 namespace facet {
 
@@ -266,6 +267,8 @@ struct CalibrationOptions {
   /// White noise of the corners with which lenses and stereo pair were calibrated; scales all their
   /// errors together.
   double board_noise_px = 0.2;
+  /// Root mean square over the image of what lenses do beside their models, 1-sigma.
+  double lens_misfit_px = kLensMisfitPrior_px;
   double mount_rotation_deg = 0.1;     ///< 1-sigma of the length
   double mount_translation_m = 0.003;  ///< 1-sigma of the length
   double time_s = 0.001;               ///< 1-sigma
@@ -288,6 +291,10 @@ struct CalibrationOptions {
             Range{1e-3, 20},
             "how well lenses and stereo pair were calibrated: noise of the board's corners [px]",
             Audience::kUsers);
+    v.Field("lens_misfit_px",
+            lens_misfit_px,
+            Range{1e-6, 20},
+            "what lenses do beside their models: root mean square over the image [px]");
     v.Field("mount_rotation_deg",
             mount_rotation_deg,
             Range{1e-4, 10},

@@ -39,13 +39,16 @@ Calibrated Fly(
     std::uint64_t seed,
     double duration_s,
     const Mistake& mistake = [](StereoRig&) {},
-    const Vector3d& gyro_scale = Vector3d::Zero()) {
+    const Vector3d& gyro_scale = Vector3d::Zero(),
+    const LensModeVector& lens_modes = LensModeVector::Zero()) {
   FeatureSimulatorOptions options;
   options.max_tracks = 70;
   options.duration_s = duration_s;
   std::vector<NavState> poses = MakeFlight(duration_s + 2, 2);
   motion(poses);
-  SimulatedRun run = SimulateFeatures(SplineTrajectory::Fit(poses), EurocRig(), options, seed);
+  StereoRig rig = EurocRig();
+  rig.lens_modes = {lens_modes, -lens_modes};
+  SimulatedRun run = SimulateFeatures(SplineTrajectory::Fit(poses), rig, options, seed);
   for (ImuSample& sample : run.imu)
     sample.gyro = sample.gyro.cwiseQuotient(Vector3d::Ones() - gyro_scale);
   run.rig.gyro_scale = gyro_scale;
@@ -103,6 +106,19 @@ TEST(SelfCalibrationTest, AtRestNothingIsLearntThatCannotBeSeen) {
     EXPECT_LT(std::abs(flown.error(0) - flown.error_before(0)), 2.5 * flown.sigma_before(0));
   }
   EXPECT_LT(nees, 1.8);
+}
+
+TEST(SelfCalibrationTest, WhatLensesDoBesideTheirModelsIsFound) {
+  LensModeVector modes;
+  modes << 0.05, -0.04, 0.06, -0.05, 0.04, -0.06, 0.05, -0.04, 0.06, -0.05;
+  const Calibrated flown = Fly(
+      AsFlown, 3, 30, [](StereoRig&) {}, Vector3d::Zero(), modes);
+  for (int c = 0; c < 2; ++c) {
+    const LensModeVector error = LensModesOf(flown.error, c);
+    const LensModeVector sigma = LensModesOf(flown.sigma, c);
+    EXPECT_LT(error.norm(), 0.3 * modes.norm()) << c;
+    EXPECT_LT(error.cwiseQuotient(sigma).squaredNorm() / kNumLensModes, 4) << c;
+  }
 }
 
 TEST(SelfCalibrationTest, AGyroscopeThatReadsTooMuchIsFound) {

@@ -61,6 +61,7 @@ VioEstimator::VioEstimator(const StereoRig& rig,
       planes_(options),
       updater_(rig, options.solver, BiasWalk(noise, options.imu)) {
   calibration_.Begin(window_);
+  if (options.calibration.IsHeld() && rig.HasLensModes()) held_fields_ = FieldsOf(rig);
 }
 
 EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
@@ -166,7 +167,10 @@ ImageMotion VioEstimator::ToImage(const PredictedFrame& frame) const {
 
 std::vector<PreparedObservation> VioEstimator::Prepare(
     const FrameObservations& observations) const {
-  return PrepareObservations(observations, rig_, options_.solver.pixel_sigma_scale);
+  return PrepareObservations(observations,
+                             rig_,
+                             options_.solver.pixel_sigma_scale,
+                             held_fields_ ? &*held_fields_ : nullptr);
 }
 
 std::vector<PreparedObservation> VioEstimator::Believable(

@@ -465,17 +465,25 @@ TEST(FacadeErrorTest, WhatAFormerRunEstimatedIsHandedOn) {
   StereoRig rig;
   rig.T_BC[1].p = Vector3d(0, -0.11, 0);
   rig.gyro_scale = Vector3d(0.003, -0.001, 0.002);
+  rig.lens_modes[1](3) = 0.07;
   CalibrationMatrix A = CalibrationMatrix::Identity();
   A(3, 1) = 0.25;
   rig.covariance = std::make_shared<const MatrixXd>(A * A.transpose());
   const api::Calibration plain = api::PlainCalibration(rig, ImuNoise());
   EXPECT_EQ(plain.gyro_scale, (api::Vec3{0.003, -0.001, 0.002}));
+  EXPECT_EQ(plain.left.lens_modes[3], 0);
+  EXPECT_EQ(plain.right.lens_modes[3], 0.07);
   ASSERT_EQ(plain.covariance.size(), static_cast<std::size_t>(rig.covariance->size()));
   EXPECT_EQ(plain.covariance[3 * kNumCalibration + 1], 0.25);
   api::Calibration usable = TestCalibration();
   usable.gyro_scale = plain.gyro_scale;
   usable.covariance = plain.covariance;
+  usable.right.lens_modes = plain.right.lens_modes;
   EXPECT_EQ(ErrorOf(usable), "no error");
+  usable.right.lens_modes[5] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(ErrorOf(usable), HasSubstr("lens_modes"));
+  usable.right.lens_modes[5] = 21;
+  EXPECT_THAT(ErrorOf(usable), HasSubstr("lens_modes"));
 }
 
 }  // namespace

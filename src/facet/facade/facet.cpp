@@ -92,15 +92,23 @@ std::shared_ptr<const MatrixXd> CovarianceOf(const std::vector<double>& rows) {
   return std::make_shared<const MatrixXd>(matrix);
 }
 
+LensModeVector ModesOf(const Camera& camera) {
+  const LensModeVector modes(camera.lens_modes.data());
+  if (!modes.allFinite() || modes.cwiseAbs().maxCoeff() > 20)
+    throw Error("lens_modes must be pixels, up to 20");
+  return modes;
+}
+
 StereoRig RigOf(const Calibration& calibration) {
   StereoRig rig;
   rig.cameras = {Internal(calibration.left, "left"), Internal(calibration.right, "right")};
+  rig.lens_modes = {ModesOf(calibration.left), ModesOf(calibration.right)};
   rig.T_BC = {Internal(calibration.left.T_BC, "T_BC"), Internal(calibration.right.T_BC, "T_BC")};
   if (!(std::abs(calibration.time_offset_s) <= 1))
     throw Error("time_offset_s must be seconds, from -1 to 1");
   rig.time_offset = FromSeconds(calibration.time_offset_s);
   rig.gyro_scale = Internal(calibration.gyro_scale);
-  if (!(rig.gyro_scale.cwiseAbs().maxCoeff() <= 0.5))
+  if (!rig.gyro_scale.allFinite() || rig.gyro_scale.cwiseAbs().maxCoeff() > 0.5)
     throw Error("gyro_scale must be a share, from -0.5 to 0.5");
   rig.covariance = CovarianceOf(calibration.covariance);
   for (const SE3& T_BC : rig.T_BC) {
@@ -284,6 +292,8 @@ Calibration PlainCalibration(const StereoRig& rig, const facet::ImuNoise& noise)
   Calibration plain;
   plain.left = Plain(rig.cameras[0], rig.T_BC[0]);
   plain.right = Plain(rig.cameras[1], rig.T_BC[1]);
+  std::copy_n(rig.lens_modes[0].data(), kNumLensModes, plain.left.lens_modes.data());
+  std::copy_n(rig.lens_modes[1].data(), kNumLensModes, plain.right.lens_modes.data());
   plain.time_offset_s = ToSeconds(rig.time_offset);
   plain.gyro_noise = noise.gyro_noise;
   plain.gyro_walk = noise.gyro_walk;

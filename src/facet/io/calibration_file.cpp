@@ -137,6 +137,7 @@ Calibration ReadEurocCalibration(const fs::path& mav0, const fs::path& imu_file)
   for (std::size_t i = 0; i < 2; ++i) {
     const YamlFile yaml(mav0 / ("cam" + std::to_string(i)) / "sensor.yaml");
     result.rig.cameras[i] = ReadCamera(yaml, yaml.root());
+    result.rig.lens_modes[i] = ReadLensModes(yaml, yaml.root());
     result.rig.T_BC[i] = T_BS_imu.Inverse() * ReadRigid(yaml, yaml.root(), "T_BS");
     if (i == 0) result.rig.time_offset = ReadTimeOffset(yaml, yaml.root());
   }
@@ -154,6 +155,7 @@ Calibration ReadKalibrCalibration(const fs::path& camchain, const fs::path& imu_
   for (std::size_t i = 0; i < 2; ++i) {
     const YAML::Node camera = yaml.Require(yaml.root(), "cam" + std::to_string(i));
     result.rig.cameras[i] = ReadCamera(yaml, camera);
+    result.rig.lens_modes[i] = ReadLensModes(yaml, camera);
     result.rig.T_BC[i] = ReadKalibrExtrinsics(yaml, camera, T_BC_before);
     T_BC_before = result.rig.T_BC[i];
     offsets[i] = ReadTimeOffset(yaml, camera);

@@ -44,6 +44,10 @@ std::string Camera(const StereoRig& rig, std::size_t c) {
   text += "  distortion_coeffs: " + List(lens.coefficients) + "\n";
   text += "  distortion_model: " + lens.distortion_model + "\n";
   text += "  intrinsics: " + List(lens.intrinsics) + "\n";
+  if (!rig.lens_modes[c].isZero(0)) {
+    text += "  # What the lens does beside its model [px]: the amounts of ten smooth fields.\n";
+    text += "  lens_modes: " + List(rig.lens_modes[c]) + "\n";
+  }
   text += "  resolution: [" + std::to_string(k.width) + ", " + std::to_string(k.height) + "]\n";
   text += "  timeshift_cam_imu: " + Number(ToSeconds(rig.time_offset)) + "\n";
   return text;
@@ -53,7 +57,7 @@ std::string Covariance(const MatrixXd& covariance) {
   std::string text =
       "# Of the deviations of the parameters; rotations in rad, about the axes of the left camera\n"
       "# (stereo) and of the IMU (mount); translations in m, time in s;\n"
-      "# scales are shares.\n"
+      "# modes of the lenses in px; scales are shares.\n"
       "covariance:\n  parameters: [";
   for (const char* name : kCalibrationNames)
     text += (name == kCalibrationNames.front() ? "" : ", ") + std::string(name);

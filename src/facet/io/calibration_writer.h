@@ -9,8 +9,9 @@
 
 namespace facet {
 
-/// Kalibr's keys, `gyro_scale` if it is not zero, and `covariance` with the names of the parameters
-/// and their matrix, if the rig has one. ReadKalibrCalibration reads it back.
+/// Kalibr's keys, `lens_modes` of a camera and `gyro_scale` if they are not zero, and `covariance`
+/// with the names of the parameters and their matrix, if the rig has one. ReadKalibrCalibration
+/// reads it back.
 std::string CalibrationYaml(const StereoRig& rig);
 
 /// Throws OutputError naming the file.

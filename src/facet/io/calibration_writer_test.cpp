@@ -22,6 +22,10 @@ StereoRig RigWithCovariance() {
   StereoRig rig = EurocRig();
   rig.time_offset = Duration{-1'234'567};
   rig.gyro_scale = Vector3d(0.003, -0.001, 0.002);
+  for (int k = 0; k < kNumLensModes; ++k) {
+    rig.lens_modes[0](k) = 0.01 * k;
+    rig.lens_modes[1](k) = 0.05 - 0.02 * k;
+  }
   MatrixXd A = MatrixXd::Identity(kNumCalibration, kNumCalibration);
   A.diagonal(-1).setConstant(0.3);
   rig.covariance = std::make_shared<const MatrixXd>(1e-6 * A * A.transpose());
@@ -67,6 +71,34 @@ TEST_F(CalibrationWriterTest, AScaleThatIsNoneIsRefused) {
   EXPECT_TRUE(ReadBack(CalibrationYaml(EurocRig())).gyro_scale.isZero(0));
 }
 
+TEST_F(CalibrationWriterTest, ModesOfALensThatAreNoneAreRefused) {
+  const std::string good = CalibrationYaml(RigWithCovariance());
+  EXPECT_THAT(ErrorOf(Replaced(good, "[0, 0.01, ", "[0, ")), HasSubstr("10 modes, here are 9"));
+  EXPECT_THAT(ErrorOf(Replaced(good, "[0, 0.01, ", "[0, 31, ")), HasSubstr("in pixels"));
+  EXPECT_TRUE(ReadBack(CalibrationYaml(EurocRig())).lens_modes[0].isZero(0));
+}
+
+// Of a version that did not estimate them.
+TEST_F(CalibrationWriterTest, ACovarianceWithoutModesSaysNothingOfThem) {
+  std::string names, rows;
+  for (int k = 0; k < kNumCalibration; ++k) {
+    if (k >= kLensModes && k < kNumLensColumns) continue;
+    names += (k == 0 ? "" : ", ") + std::string(kCalibrationNames[static_cast<std::size_t>(k)]);
+    rows += "  - [";
+    for (int j = 0; j < kNumCalibration - 2 * kNumLensModes; ++j)
+      rows += std::string(j == 0 ? "" : ", ") +
+              (j == (k < kLensModes ? k : k - 2 * kNumLensModes) ? "4e-6" : "0");
+    rows += "]\n";
+  }
+  const StereoRig read = ReadBack(CalibrationYaml(EurocRig()) + "covariance:\n  parameters: [" +
+                                  names + "]\n  matrix:\n" + rows);
+  ASSERT_TRUE(read.covariance);
+  const VectorXd variances = read.covariance->diagonal();
+  EXPECT_EQ(variances(kLensModes - 1), 4e-6);
+  EXPECT_EQ(variances(kMountRotation), 4e-6);
+  EXPECT_TRUE(SaysNothingOfLensModes(*read.covariance));
+}
+
 TEST_F(CalibrationWriterTest, WithoutACovarianceThereIsNone) {
   EXPECT_FALSE(ReadBack(CalibrationYaml(EurocRig())).covariance);
 }
@@ -79,7 +111,7 @@ TEST_F(CalibrationWriterTest, ACovarianceThatIsNoneIsRefused) {
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [-1e-06, 3e-07")),
               HasSubstr("positive"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07,", "- [1e-06,")),
-              HasSubstr("32 x 32 has 1024"));
+              HasSubstr("52 x 52 has 2704"));
   EXPECT_EQ(ErrorOf(good), "");
 }
 

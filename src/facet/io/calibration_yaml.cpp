@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -17,6 +18,7 @@ namespace {
 constexpr double kMaxRotationError = 1e-3;
 constexpr double kMaxLeverArmM = 10;
 constexpr double kMaxGyroScale = 0.2;
+constexpr double kMaxLensMode_px = 20;
 constexpr double kMaxSide_px = 65536;
 // Densities that far from those of a usual sensor are no units' mistake.
 constexpr double kMostTimesUsual = 1e7;
@@ -60,6 +62,28 @@ double ReadDensity(const YamlFile& yaml,
   return value;
 }
 
+bool IsLensMode(Eigen::Index column) {
+  return column >= kLensModes && column < kNumLensColumns;
+}
+
+/// Where parameters with these names are in CalibrationVector: all, or all but the modes of the
+/// lenses. Empty if they are others.
+std::optional<std::vector<Eigen::Index>> ColumnsOf(const YAML::Node& names) {
+  constexpr std::size_t kWithoutModes = kNumCalibration - 2 * kNumLensModes;
+  if (!names.IsSequence()) return std::nullopt;
+  const bool has_modes = names.size() == kNumCalibration;
+  if (!has_modes && names.size() != kWithoutModes) return std::nullopt;
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index i = 0; i < kNumCalibration; ++i) {
+    if (!has_modes && IsLensMode(i)) continue;
+    const YAML::Node name = names[columns.size()];
+    if (!name.IsScalar() || name.Scalar() != kCalibrationNames[static_cast<std::size_t>(i)])
+      return std::nullopt;
+    columns.push_back(i);
+  }
+  return columns;
+}
+
 }  // namespace
 
 SE3 ReadRigid(const YamlFile& yaml, const YAML::Node& parent, const std::string& key) {
@@ -96,6 +120,21 @@ CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera) {
   return ReadLens(yaml, camera, k);
 }
 
+LensModeVector ReadLensModes(const YamlFile& yaml, const YAML::Node& camera) {
+  if (!YamlFile::Has(camera, "lens_modes")) return LensModeVector::Zero();
+  const YAML::Node node = camera["lens_modes"];
+  const std::vector<double> values = yaml.Numbers(node);
+  if (values.size() != kNumLensModes) {
+    yaml.Fail(node,
+              "a lens has " + std::to_string(kNumLensModes) + " modes, here are " +
+                  std::to_string(values.size()));
+  }
+  const LensModeVector modes = Eigen::Map<const LensModeVector>(values.data());
+  if (!(modes.cwiseAbs().maxCoeff() <= kMaxLensMode_px))
+    yaml.Fail(node, "a mode of a lens is what it does beside its model, in pixels, such as 0.05");
+  return modes;
+}
+
 Vector3d ReadGyroScale(const YamlFile& yaml) {
   if (!YamlFile::Has(yaml.root(), "gyro_scale")) return Vector3d::Zero();
   const YAML::Node node = yaml.root()["gyro_scale"];
@@ -112,27 +151,29 @@ std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml) {
   if (!YamlFile::Has(yaml.root(), "covariance")) return nullptr;
   const YAML::Node node = yaml.root()["covariance"];
   const YAML::Node names = yaml.Require(node, "parameters");
-  bool are_ours = names.IsSequence() && names.size() == kCalibrationNames.size();
-  for (std::size_t i = 0; are_ours && i < kCalibrationNames.size(); ++i)
-    are_ours = names[i].IsScalar() && names[i].Scalar() == kCalibrationNames[i];
-  if (!are_ours) {
+  const std::optional<std::vector<Eigen::Index>> columns = ColumnsOf(names);
+  if (!columns) {
     yaml.Fail(names,
               std::string("the parameters must be those that 'facet run' writes: ") +
                   kCalibrationNames.front() + " ... " + kCalibrationNames.back());
   }
   const YAML::Node rows = yaml.Require(node, "matrix");
   const std::vector<double> values = yaml.Numbers(rows);
-  constexpr std::size_t kSize = kCalibrationNames.size();
-  if (values.size() != kSize * kSize) {
+  const std::size_t size = columns->size();
+  if (values.size() != size * size) {
     yaml.Fail(rows,
-              "a matrix of " + std::to_string(kSize) + " x " + std::to_string(kSize) + " has " +
-                  std::to_string(kSize * kSize) + " numbers, here are " +
+              "a matrix of " + std::to_string(size) + " x " + std::to_string(size) + " has " +
+                  std::to_string(size * size) + " numbers, here are " +
                   std::to_string(values.size()));
   }
-  const CalibrationMatrix matrix = Eigen::Map<const CalibrationMatrix>(values.data());
+  CalibrationMatrix matrix = CalibrationMatrix::Identity();
+  matrix(*columns, *columns) =
+      Eigen::Map<const MatrixXd>(values.data(), std::ssize(*columns), std::ssize(*columns));
   const std::string problem = WhatIsWrong(matrix);
   if (!problem.empty()) yaml.Fail(rows, problem);
-  return std::make_shared<const MatrixXd>(0.5 * (matrix + matrix.transpose()));
+  matrix = 0.5 * (matrix + matrix.transpose()).eval();
+  if (size < kNumCalibration) ForgetLensModes(matrix);
+  return std::make_shared<const MatrixXd>(matrix);
 }
 
 ImuNoise ReadImuNoise(const YamlFile& yaml, std::vector<std::string>& warnings) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "facet/camera/camera_model.h"
+#include "facet/camera/stereo_rig.h"
 #include "facet/imu/imu_types.h"
 #include "facet/io/yaml_file.h"
 
@@ -19,12 +19,15 @@ SE3 ReadRigid(const YamlFile& yaml, const YAML::Node& parent, const std::string&
 /// Resolution, camera_model, intrinsics and distortion (lens_yaml.h).
 CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera);
 
+/// The `lens_modes` that a run has written with a camera [px]; zero if there are none.
+LensModeVector ReadLensModes(const YamlFile& yaml, const YAML::Node& camera);
+
 /// The `gyro_scale` that a run has written with its calibration; zero if there is none.
 Vector3d ReadGyroScale(const YamlFile& yaml);
 
 /// The `covariance` that a run has written with its calibration (calibration_writer.h), in the
-/// order of CalibrationVector; null if there is none. Refuses what is no covariance of these
-/// parameters.
+/// order of CalibrationVector; null if there is none. One without the modes of the lenses says
+/// nothing of them. Refuses what is no covariance of these parameters.
 std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml);
 
 /// Noise densities at the root of the file or below `imu0`; warns of values that are off by

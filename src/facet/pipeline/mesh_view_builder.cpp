@@ -41,6 +41,7 @@ std::vector<Vector3d> PlacesOnBorder(const CameraModel& camera) {
 MeshViewBuilder::MeshViewBuilder(const StereoRig& rig, const MeshOptions& options)
     : options_(options),
       rig_(rig),
+      beside_model_(FieldsOf(rig)),
       max_support_sigma_(kMaxSupportSigma * RelativeViewAngle(rig.cameras[0])) {
   if (options.border.enabled) border_places_ = PlacesOnBorder(rig_.cameras[0]);
 }
@@ -49,7 +50,7 @@ const MeshView& MeshViewBuilder::Build(const FrontendResult& keyframe,
                                        const MapSnapshot& snapshot) {
   view_.frame = keyframe.observations.frame;
   view_.t = keyframe.observations.t;
-  now_ = snapshot.rig;
+  SetRig(snapshot.rig);
   view_.T_WC = snapshot.T_WC0;
   view_.focal_px = rig_.cameras[0].mean_focal_px();
   view_.points.clear();
@@ -57,6 +58,12 @@ const MeshView& MeshViewBuilder::Build(const FrontendResult& keyframe,
   AddSupport(keyframe.depths.support);
   AddBorder();
   return view_;
+}
+
+void MeshViewBuilder::SetRig(const std::shared_ptr<const StereoRig>& now) {
+  if (now == now_) return;
+  now_ = now;
+  beside_model_ = FieldsOf(now_ ? *now_ : rig_);
 }
 
 // Both lists are sorted by landmark.
@@ -74,7 +81,8 @@ void MeshViewBuilder::AddObservations(const FrontendResult& keyframe, const MapS
       if (options_.unknown_corners && feature.px_right) AddUnknownCorner(feature, intensity);
       continue;
     }
-    const auto bearing = (now_ ? *now_ : rig_).cameras[0].Unproject(feature.px_left);
+    const auto bearing =
+        (now_ ? *now_ : rig_).cameras[0].Unproject(ByModel(beside_model_, 0, feature.px_left));
     if (!bearing) continue;
     view_.points.push_back(
         {feature.landmark, *bearing, T_CW * known->p_W, known->sigma_depth_m, intensity});
@@ -94,8 +102,8 @@ void MeshViewBuilder::AddUnknownCorner(const FeatureObservation& feature, std::u
 std::optional<MeshViewBuilder::StereoPoint> MeshViewBuilder::Triangulate(
     const Vector2d& px, const Vector2d& px_right) const {
   const StereoRig& rig = now_ ? *now_ : rig_;
-  const auto left = rig.cameras[0].Unproject(px);
-  const auto right = rig.cameras[1].BearingOf(px_right);
+  const auto left = rig.cameras[0].Unproject(ByModel(beside_model_, 0, px));
+  const auto right = rig.cameras[1].BearingOf(ByModel(beside_model_, 1, px_right));
   if (!left || !right) return std::nullopt;
   const auto stereo = TriangulateOnRay(*left, *right, rig.T_C1C0());
   if (!stereo) return std::nullopt;

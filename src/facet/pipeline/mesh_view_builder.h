@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "facet/calibration/lens_modes.h"
 #include "facet/camera/stereo_rig.h"
 #include "facet/camera/stereo_triangulation.h"
 #include "facet/frontend/stereo_frontend.h"
@@ -33,6 +34,7 @@ class MeshViewBuilder {
     StereoDistance stereo;
   };
 
+  void SetRig(const std::shared_ptr<const StereoRig>& now);
   void AddObservations(const FrontendResult& keyframe, const MapSnapshot& snapshot);
   void AddUnknownCorner(const FeatureObservation& feature, std::uint8_t intensity);
   void AddSupport(const std::vector<SupportPoint>& support);
@@ -44,6 +46,7 @@ class MeshViewBuilder {
   MeshOptions options_;
   StereoRig rig_;                         // the calibration that was given
   std::shared_ptr<const StereoRig> now_;  // at present; null: that one
+  LensFields beside_model_;               // of the lenses at present
   double max_support_sigma_;              // of the distance, over itself
   std::vector<Vector3d> border_places_;   // bearings on the image's border; empty: not used
   BorderPoints border_;

@@ -12,6 +12,8 @@ namespace {
 constexpr int kMostLegsOfImages = 300;
 // A calibration that changes by less than this does not change the size of the world.
 constexpr double kSameSize = 0.005;
+// And by more than this it may make good a size that was wrong beyond hope.
+constexpr double kLargeChange = 0.05;
 
 // Distances are this over the disparity.
 double SizeOf(const StereoRig& rig) {
@@ -41,9 +43,13 @@ void MotionCheck::DistrustAccelerometer() {
   by_states_.DistrustAccelerometer();
 }
 
+// Images alone measure the size by the calibration that there is. What makes it wrong beyond hope
+// is not made good by what the estimator changes.
 void MotionCheck::WorldHasChanged() {
-  motion_.Break();
-  by_images_.WorldHasChanged();
+  if (!by_images_.IsHopeless()) {
+    motion_.Break();
+    by_images_.WorldHasChanged();
+  }
   by_states_.WorldHasChanged();
   has_given_rig_ = has_doubted_ = false;
 }
@@ -53,10 +59,13 @@ bool MotionCheck::SetRig(const StereoRig& rig) {
   by_images_.SetGyroScale(rig.gyro_scale);
   by_states_.SetGyroScale(rig.gyro_scale);
   const double size_px_m = SizeOf(rig);
-  if (std::abs(size_px_m / size_px_m_ - 1) <= kSameSize) return false;
+  const double change = std::abs(size_px_m / size_px_m_ - 1);
+  if (change <= kSameSize) return false;
   size_px_m_ = size_px_m;
-  motion_.Break();
-  by_images_.BeginAnew();
+  if (change > kLargeChange || !by_images_.IsHopeless()) {
+    motion_.Break();
+    by_images_.BeginAnew();
+  }
   by_states_.BeginAnew();
   has_given_rig_ = has_doubted_ = false;
   return true;

@@ -229,5 +229,33 @@ TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
   EXPECT_NEAR(check.scale()->value(), 1, 0.02);
 }
 
+// That the estimator gives parts of the calibration room, or changes it by little, does not make
+// good what is wrong beyond hope, and does not put off that it is said.
+TEST(MotionCheckTest, WhatIsHopelessIsNotMeasuredAnew) {
+  const SimulatedRun run = Fly(1, 12);
+  ImuBuffer imu;
+  for (const ImuSample& sample : run.imu)
+    imu.Add(sample);
+  MotionCheck check(WithBaseline(2));
+  bool has_changed = false, is_refused = false;
+  for (std::size_t i = 0; i < run.frames.size() && !is_refused; ++i) {
+    if (i > 0)
+      check.AddImu(
+          imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
+    check.LoseState();
+    if (check.scale() && !has_changed) {
+      has_changed = true;
+      check.WorldHasChanged();
+      EXPECT_TRUE(check.SetRig(WithBaseline(2.02)));
+      EXPECT_TRUE(check.scale());
+    }
+    if (i % kFramesPerKeyframe != 0) continue;
+    const auto finding = check.AddKeyframe(run.frames[i], i == 0 ? run.truth.data() : nullptr);
+    is_refused = finding == ScaleCheck::Finding::kRefusal;
+  }
+  EXPECT_TRUE(has_changed);
+  EXPECT_TRUE(is_refused);
+}
+
 }  // namespace
 }  // namespace facet

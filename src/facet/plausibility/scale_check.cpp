@@ -83,6 +83,10 @@ void ScaleCheck::WorldHasChanged() {
   is_accel_trusted_ = true;
 }
 
+bool ScaleCheck::IsHopeless() const {
+  return scale_ && scale_->IsOff(kLeastRefusal, kSureSigmas);
+}
+
 // From one leg to the next the mean velocity changes by s (g (T1 + T2) / 2 + a), where a is what
 // the accelerometer says without gravity and bias, and s the scale: the velocity at the keyframe
 // between them drops out.

@@ -62,6 +62,9 @@ class ScaleCheck {
   /// Nothing more is to be learnt.
   bool IsDone() const;
 
+  /// Certainly off by more than any calibration that is worth a run.
+  bool IsHopeless() const;
+
   /// As far as it is known; empty before there was enough motion to say anything.
   const std::optional<Scale>& scale() const { return scale_; }
 

@@ -28,6 +28,7 @@ constexpr double kLeastAgreement = 0.5, kAgreementSigmas = 4;
 
 void StereoMotion::SetRig(const StereoRig& rig) {
   rig_ = rig;
+  beside_model_ = FieldsOf(rig);
   T_C1C0_ = rig.T_C1C0();
   T_CB_ = rig.T_BC[0].Inverse();
   bearing_sigma_ = kSigma_px / rig.cameras[0].mean_focal_px();
@@ -75,8 +76,8 @@ std::vector<StereoMotion::SeenPoint> StereoMotion::PointsOf(
   std::vector<SeenPoint> points;
   for (const FeatureObservation& feature : keyframe.features) {
     if (!feature.px_right) continue;
-    const auto left = rig_.cameras[0].Unproject(feature.px_left);
-    const auto right = rig_.cameras[1].BearingOf(*feature.px_right);
+    const auto left = rig_.cameras[0].Unproject(ByModel(beside_model_, 0, feature.px_left));
+    const auto right = rig_.cameras[1].BearingOf(ByModel(beside_model_, 1, *feature.px_right));
     const auto stereo = left && right ? TriangulateOnRay(*left, *right, T_C1C0_) : std::nullopt;
     if (!stereo) continue;
     const double disparity_px = stereo->inverse_distance * stereo->px_per_inverse_distance;
@@ -97,7 +98,7 @@ std::vector<StereoMotion::Pair> StereoMotion::PairsWith(const FrameObservations&
           return p.landmark < id;
         });
     if (point == before_.end() || point->landmark != feature.landmark) continue;
-    if (const auto bearing = rig_.cameras[0].Unproject(feature.px_left))
+    if (const auto bearing = rig_.cameras[0].Unproject(ByModel(beside_model_, 0, feature.px_left)))
       pairs.push_back({point->p_C, *bearing, TangentBasis(*bearing).transpose()});
   }
   return pairs;

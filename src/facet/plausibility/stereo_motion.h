@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "facet/calibration/lens_modes.h"
 #include "facet/camera/stereo_rig.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/map/observation.h"
@@ -61,6 +62,7 @@ class StereoMotion {
   std::optional<Motion> Fit(const std::vector<Pair>& pairs, Motion motion) const;
 
   StereoRig rig_;
+  LensFields beside_model_;
   SE3 T_C1C0_, T_CB_;
   double bearing_sigma_ = 0;
   std::vector<SeenPoint> before_;  // by landmark

@@ -54,6 +54,12 @@ std::string FormatTimeOffset(Duration time_offset) {
   return "timeshift_cam_imu: " + Digits(ToSeconds(time_offset)) + " # t_imu = t_cam + shift [s]\n";
 }
 
+/// Only where a lens does anything beside its model.
+std::string FormatLensModes(const LensModeVector& modes) {
+  if (modes.isZero(0)) return "";
+  return "lens_modes: [" + Join({modes.begin(), modes.end()}) + "] # beside the model [px]\n";
+}
+
 std::string FormatCamera(const StereoRig& rig, std::size_t camera, double rate_hz) {
   const CameraIntrinsics& k = rig.cameras[camera].intrinsics();
   const LensInFile lens = LensForFile(k);
@@ -65,7 +71,7 @@ std::string FormatCamera(const StereoRig& rig, std::size_t camera, double rate_h
          "] #" + (lens.camera_model == "pinhole" ? "fu, fv, cu, cv" : "as Kalibr has them") +
          "\ndistortion_model: " + (is_radtan ? "radial-tangential" : lens.distortion_model) +
          "\ndistortion_coefficients: [" + Join(lens.coefficients) + "]\n" +
-         FormatTimeOffset(rig.time_offset);
+         FormatLensModes(rig.lens_modes[camera]) + FormatTimeOffset(rig.time_offset);
 }
 
 std::string FormatImu(const ImuNoise& noise) {

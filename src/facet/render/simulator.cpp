@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 
+#include "facet/calibration/lens_modes.h"
 #include "facet/io/calibration_file.h"
 #include "facet/io/errors.h"
 #include "facet/io/png_writer.h"
@@ -148,15 +149,33 @@ void WriteNoisyImages(const cv::Mat1f& radiance,
   }
 }
 
-/// The rays of both cameras, each with a lens misfit of its own if one is asked for.
-std::array<CameraRays, 2> MakeRays(const SimulationRequest& request, const StereoRig& rig) {
+/// What both lenses do beside their models; empty if they follow them.
+std::optional<std::array<LensMisfit, 2>> DrawMisfits(const SimulationRequest& request,
+                                                     const StereoRig& rig) {
+  if (!request.lens_misfit) return std::nullopt;
   const auto& [left, right] = rig.cameras;
-  if (!request.lens_misfit) return {CameraRays(left), CameraRays(right)};
   Rng rng(*request.lens_misfit);
   const std::uint64_t left_seed = rng.Next(), right_seed = rng.Next();
   const double rms_px = request.options.image.lens_misfit_px;
-  return {CameraRays(left, LensMisfit::Draw(left, rms_px, left_seed)),
-          CameraRays(right, LensMisfit::Draw(right, rms_px, right_seed))};
+  return std::array{LensMisfit::Draw(left, rms_px, left_seed),
+                    LensMisfit::Draw(right, rms_px, right_seed)};
+}
+
+std::array<CameraRays, 2> MakeRays(const SimulationRequest& request, const StereoRig& rig) {
+  const auto& [left, right] = rig.cameras;
+  const auto misfits = DrawMisfits(request, rig);
+  if (!misfits) return {CameraRays(left), CameraRays(right)};
+  return {CameraRays(left, misfits->front()), CameraRays(right, misfits->back())};
+}
+
+/// The rig with what its lenses do beside their models.
+StereoRig ExactRig(const SimulationRequest& request, StereoRig rig) {
+  const auto misfits = DrawMisfits(request, rig);
+  for (std::size_t c = 0; misfits && c < 2; ++c) {
+    const LensModes modes(rig.cameras[c]);
+    rig.lens_modes[c] = modes.Nearest([&](const Vector2d& px) { return (*misfits)[c].At(px); });
+  }
+  return rig;
 }
 
 /// Renders and writes all stereo pairs; false if the observer stopped it.
@@ -270,9 +289,9 @@ SimulationReport Simulate(const SimulationRequest& request,
                                               request.num_threads);
   const StereoRig measured = WrittenCalibration(
       sensors.rig, {request.drawn_calibration, request.drawn_parts, request.options.calibration});
+  const StereoRig exact = ExactRig(request, sensors.rig);
   for (std::size_t i = 0; i < folders.size(); ++i) {
-    WriteCalibration(
-        folders[i], measured, sensors.rig, sensors.noise, request.options.image.rate_hz);
+    WriteCalibration(folders[i], measured, exact, sensors.noise, request.options.image.rate_hz);
     const std::uint64_t imu_seed = seeds.WithNoise(static_cast<int>(i)).imu;
     WriteInertialData(request, motion, sensors.noise, imu_seed, folders[i]);
     WriteSurfaces(folders[i], scene.mesh, truth);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "facet/base/check.h"
+#include "facet/calibration/lens_modes.h"
 
 namespace facet {
 
@@ -64,6 +65,7 @@ class TrackSimulator {
                  const FeatureSimulatorOptions& options,
                  Rng& rng)
       : rig_(rig),
+        beside_model_(FieldsOf(rig)),
         scene_(scene),
         options_(options),
         rng_(rng),
@@ -103,7 +105,8 @@ class TrackSimulator {
     const SE3 T_WC = T_WB * rig_.T_BC[c];
     const Vector3d p_C = T_WC.Inverse() * p_W;
     if (p_C.norm() < kNearest_m) return std::nullopt;
-    const auto px = rig_.cameras[c].Project(p_C);
+    auto px = rig_.cameras[c].Project(p_C);
+    if (px) *px += beside_model_[static_cast<std::size_t>(c)].At(*px);
     if (!px || !rig_.cameras[c].IsInside(*px, options_.border_px)) return std::nullopt;
     if (!scene_.IsVisible(T_WC.p, p_W)) return std::nullopt;
     return px;
@@ -197,6 +200,7 @@ class TrackSimulator {
   }
 
   const StereoRig& rig_;
+  LensFields beside_model_;
   const RoomScene& scene_;
   const FeatureSimulatorOptions& options_;
   Rng& rng_;

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "facet/calibration/rig_parameters.h"
+#include "facet/calibration/calibration_vector.h"
 #include "facet/estimator/window/window_plane.h"
 
 namespace facet {
@@ -33,10 +33,10 @@ struct LandmarkBlock {
     double residual = 0;
     Vector3d z;  ///< L^-1 J_landmark, filled by Eliminate
   };
-  /// Products with the 22 columns of lenses and stereo pair; only if the calibration is a variable.
+  /// Products with the 42 columns of lenses and stereo pair; only if the calibration is a variable.
   struct LensColumns {
-    Matrix<kNumRigParameters, 3> W;  ///< calibration-landmark
-    Matrix<kNumRigParameters, 3> Y;  ///< W L^-T, filled by Eliminate
+    Matrix<kNumLensColumns, 3> W;  ///< calibration-landmark
+    Matrix<kNumLensColumns, 3> Y;  ///< W L^-T, filled by Eliminate
   };
   int index = -1;  ///< of the landmark in the window
   std::vector<View> views;
@@ -63,14 +63,14 @@ struct LandmarkBlock {
 
 /// What all landmarks say of lenses and stereo pair, before their elimination.
 struct LensSums {
-  Matrix<kNumRigParameters, kNumRigParameters> H;   ///< lower triangle
-  Vector<kNumRigParameters> b;                      ///< gradient
-  std::vector<Matrix<kNumRigParameters, 6>> poses;  ///< calibration-pose, by frame
+  Matrix<kNumLensColumns, kNumLensColumns> H;     ///< lower triangle
+  Vector<kNumLensColumns> b;                      ///< gradient
+  std::vector<Matrix<kNumLensColumns, 6>> poses;  ///< calibration-pose, by frame
 
   void Clear(std::size_t num_frames) {
     H.setZero();
     b.setZero();
-    poses.assign(num_frames, Matrix<kNumRigParameters, 6>::Zero());
+    poses.assign(num_frames, Matrix<kNumLensColumns, 6>::Zero());
   }
 };
 

@@ -3,62 +3,68 @@
 // calibration.
 #pragma once
 
-#include <cstring>
-
-#include "facet/calibration/rig_parameters.h"
+#include "facet/camera/rig_columns.h"
 #include "facet/estimator/factors/row_kernel.h"
 
 namespace facet {
 
 /// The columns of lenses and stereo pair that belong to a VisionRow.
 struct alignas(16) LensRow {
-  double k[kNumRigParameters];
+  double k[kNumLensColumns];
 };
 
-/// Where the products of rows are added up; all column-major, with kNumRigParameters rows.
+/// Where the products of rows are added up; all column-major, with kNumLensColumns rows.
 struct LensProducts {
-  double* H;     ///< calibration-calibration, kNumRigParameters columns: only the lower triangle
-                 ///< is complete
-  double* pose;  ///< calibration-pose, 6 columns
+  double* H;         ///< calibration-calibration, kNumLensColumns columns: only the lower triangle
+                     ///< is complete
+  double* pose;      ///< calibration-pose, 6 columns
   double* landmark;  ///< calibration-landmark, 3 columns
   double* b;         ///< gradient
 };
 
-/// Adds sum of lens^T (lens, row) over the rows of one camera. Only the first kColumns of the rows'
-/// calibration are not zero. Fixed order of summation, as in SquareRows.
-template <int kRows, int kColumns>
-void AddLensProducts(const LensRow* lens, const VisionRow* rows, const LensProducts& to) {
-  using Pair = double __attribute__((vector_size(16)));
-  static_assert(kColumns % 2 == 0 && kNumRigParameters % 2 == 0);
-  constexpr int kPairs = kColumns / 2;
-  Pair pairs[kRows][kPairs];
-  for (int r = 0; r < kRows; ++r)
-    std::memcpy(pairs[r], lens[r].k, sizeof(pairs[r]));
-  const auto add = [&](const double(&factors)[kRows], int first_pair, double* column) {
-    Pair both[kRows];
+/// column += sum over the rows of the columns kFirst to kEnd of its calibration times its factor,
+/// from row `first` of the column on.
+template <int kLanes, int kRows, int kFirst, int kEnd>
+inline void AddLensColumns(const LensRow* lens,
+                           const double (&factors)[kRows],
+                           int first,
+                           double* column) {
+  OverLanes<kLanes, kEnd - kFirst>(first > kFirst ? first - kFirst : 0, [&]<int kNum>(int i) {
+    Lanes<kNum> sum = Load<kNum>(column + kFirst + i);
     for (int r = 0; r < kRows; ++r)
-      both[r] = Pair{factors[r], factors[r]};
-    for (int p = first_pair; p < kPairs; ++p) {
-      Pair sum;
-      std::memcpy(&sum, column + 2 * p, sizeof(sum));
-      for (int r = 0; r < kRows; ++r)
-        sum += pairs[r][p] * both[r];
-      std::memcpy(column + 2 * p, &sum, sizeof(sum));
-    }
-  };
-  const auto add_column = [&](auto value_of_row, int first_pair, double* column) {
+      sum += Load<kNum>(lens[r].k + kFirst + i) * AllOf<kNum>(factors[r]);
+    Store<kNum>(sum, column + kFirst + i);
+  });
+}
+
+/// Adds sum of lens^T (lens, row) over the rows of one camera. Of the rows' calibration only the
+/// first kParameters parameters and the first kModes modes are not zero.
+template <int kLanes, int kRows, int kParameters, int kModes>
+void AddLensProducts(const LensRow* lens, const VisionRow* rows, const LensProducts& to) {
+  constexpr int kEnd = kLensModes + kModes;
+  const auto add = [&](auto value_of_row, int first, double* column) {
     double factors[kRows];
     for (int r = 0; r < kRows; ++r)
       factors[r] = value_of_row(r);
-    add(factors, first_pair, column);
+    if constexpr (kParameters == kLensModes) {
+      AddLensColumns<kLanes, kRows, 0, kEnd>(lens, factors, first, column);
+    } else {
+      AddLensColumns<kLanes, kRows, 0, kParameters>(lens, factors, first, column);
+      AddLensColumns<kLanes, kRows, kLensModes, kEnd>(lens, factors, first, column);
+    }
   };
-  for (int c = 0; c < kColumns; ++c)
-    add_column([&](int r) { return lens[r].k[c]; }, c / 2, to.H + c * kNumRigParameters);
+  const auto add_calibration = [&](int c) {
+    add([&](int r) { return lens[r].k[c]; }, c, to.H + c * kNumLensColumns);
+  };
+  for (int c = 0; c < kParameters; ++c)
+    add_calibration(c);
+  for (int c = kLensModes; c < kEnd; ++c)
+    add_calibration(c);
   for (int c = 0; c < 6; ++c)
-    add_column([&](int r) { return rows[r].pose[c]; }, 0, to.pose + c * kNumRigParameters);
+    add([&](int r) { return rows[r].pose[c]; }, 0, to.pose + c * kNumLensColumns);
   for (int c = 0; c < 3; ++c)
-    add_column([&](int r) { return rows[r].landmark[c]; }, 0, to.landmark + c * kNumRigParameters);
-  add_column([&](int r) { return rows[r].residual; }, 0, to.b);
+    add([&](int r) { return rows[r].landmark[c]; }, 0, to.landmark + c * kNumLensColumns);
+  add([&](int r) { return rows[r].residual; }, 0, to.b);
 }
 
 }  // namespace facet

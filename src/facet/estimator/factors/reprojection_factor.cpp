@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "facet/estimator/factors/lens_kernel.h"
 #include "facet/estimator/factors/robust_loss.h"
-#include "facet/estimator/factors/row_kernel.h"
+#include "facet/estimator/factors/vision_kernels.h"
 #include "facet/geometry/so3.h"
 
 namespace facet {
@@ -109,9 +108,9 @@ void MakeRows(const LinearizedPoint& point,
 void AddView(const WindowObservation& obs, const VisionRow* rows, LandmarkBlock& block) {
   SquaredRows G;
   if (obs.has_right) {
-    SquareRows<4>(rows, G);
+    BestKernels().square_four_rows(rows, G);
   } else {
-    SquareRows<2>(rows, G);
+    BestKernels().square_two_rows(rows, G);
   }
   LandmarkBlock::View& view = block.views[block.num_views++];
   view.frame = obs.frame;
@@ -124,20 +123,30 @@ void AddView(const WindowObservation& obs, const VisionRow* rows, LandmarkBlock&
 }
 
 using LensValues = Eigen::Map<Vector<kNumIntrinsics>>;
+using ModeValues = Eigen::Map<LensModeVector>;
+using LensColumns = Eigen::Map<Vector<kNumLensColumns>>;
 
 LensValues LensOf(LensRow& row, int camera) {
   return LensValues(row.k + camera * kNumIntrinsics);
 }
 
+ModeValues ModesOf(LensRow& row, int camera) {
+  return ModeValues(row.k + kLensModes + camera * kNumLensModes);
+}
+
 // Equations (10.2) and (10.3): the columns of lenses and stereo pair of one camera's two rows.
-// `by_h`, `by_lens`: the whitened and weighted error's. A left row has those of the left lens only.
+// `by_h`, `by_lens`, `by_modes`: the whitened and weighted error's. A left row has those of the
+// left lens only.
 void MakeLensRows(const LinearizedPoint& point,
                   const CameraView& view,
                   const Matrix<2, 3>& by_h,
                   const Matrix<2, kNumIntrinsics>& by_lens,
+                  const Matrix<2, kNumLensModes>& by_modes,
                   LensRow* rows) {
-  for (int k = 0; k < 2; ++k)
+  for (int k = 0; k < 2; ++k) {
     LensOf(rows[k], view.camera) = by_lens.row(k);
+    ModesOf(rows[k], view.camera) = by_modes.row(k);
+  }
   if (view.camera == 0) return;
   const Vector3d y_C0 = view.pose.R_CW[0] * point.frozen.SeenFrom(view.pose.p_WC[0]);
   const Matrix3d R_C0C1 = view.pose.R_CW[0] * view.pose.R_CW[1].transpose();
@@ -146,6 +155,7 @@ void MakeLensRows(const LinearizedPoint& point,
     Eigen::Map<Vector3d>(rows[k].k + kStereoRotation) = y_C0.cross(R_C0C1 * s);
     Eigen::Map<Vector3d>(rows[k].k + kStereoTranslation) = point.frozen.rho * s;
     LensOf(rows[k], 0).setZero();
+    ModesOf(rows[k], 0).setZero();
   }
 }
 
@@ -159,8 +169,8 @@ void AddLens(const VisionRow* rows,
                         sums.poses[static_cast<std::size_t>(obs.frame)].data(),
                         block.lens.front().W.data(),
                         sums.b.data()};
-  AddLensProducts<2, kNumIntrinsics>(lens, rows, to);
-  if (obs.has_right) AddLensProducts<2, kNumRigParameters>(lens + 2, rows + 2, to);
+  BestKernels().add_left_lens(lens, rows, to);
+  if (obs.has_right) BestKernels().add_right_lens(lens + 2, rows + 2, to);
 }
 
 using RowValues = Eigen::Map<Vector<10>>;
@@ -177,8 +187,9 @@ void SubtractLeft(const WindowObservation& o, VisionRow* rows, LensRow* lens) {
   for (int k = 0; k < 2; ++k) {
     ValuesOf(rows[2 + k]) = of_right * ValuesOf(rows[2 + k]) - of_left * ValuesOf(rows[k]);
     if (lens == nullptr) continue;
-    Eigen::Map<RigVector>(lens[2 + k].k) *= of_right;
+    LensColumns(lens[2 + k].k) *= of_right;
     LensOf(lens[2 + k], 0) = -of_left * LensOf(lens[k], 0);
+    ModesOf(lens[2 + k], 0) = -of_left * ModesOf(lens[k], 0);
   }
 }
 
@@ -188,8 +199,9 @@ void Weigh(double root_weight, int camera, VisionRow* rows, LensRow* lens) {
     if (lens == nullptr) continue;
     if (camera == 0) {
       LensOf(lens[k], 0) *= root_weight;
+      ModesOf(lens[k], 0) *= root_weight;
     } else {
-      Eigen::Map<RigVector>(lens[k].k) *= root_weight;
+      LensColumns(lens[k].k) *= root_weight;
     }
   }
 }
@@ -255,7 +267,10 @@ bool ReprojectionFactor::MakeCameraRows(const LinearizedPoint& point,
   const double scale = weight / observation_.sigma_px[camera];
   const Matrix<2, 3> by_h = scale * seen->J_px_p;
   MakeRows(point, geometry_, view, by_h, weight * *error, rows);
-  if (lens != nullptr) MakeLensRows(point, view, by_h, scale * seen->J_px_k, lens);
+  if (lens != nullptr) {
+    const Matrix<2, kNumLensModes> by_modes = scale * geometry_.ModesAt(camera, seen->px);
+    MakeLensRows(point, view, by_h, scale * seen->J_px_k, by_modes, lens);
+  }
   return true;
 }
 

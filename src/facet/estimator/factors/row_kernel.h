@@ -2,7 +2,7 @@
 // Squares the rows of one observation: the other inner loop of the back end.
 #pragma once
 
-#include <cstring>
+#include "facet/estimator/factors/lanes.h"
 
 namespace facet {
 
@@ -22,37 +22,27 @@ struct alignas(16) SquaredRows {
       V[12];  ///< landmark-landmark in rows 0-2 of its 3 columns, gradient of the landmark in row 3
 };
 
-/// G = sum of row^T row. Every target with 16-byte vectors does two columns at a time; fixed order
-/// of summation, so the same bits on every instruction set.
-template <int kRows>
+/// G = sum of row^T row.
+template <int kLanes, int kRows>
 void SquareRows(const VisionRow* rows, SquaredRows& G) {
-  using Pair = double __attribute__((vector_size(16)));
-  constexpr int kPairs = 5, kPosePairs = 3;
-  Pair pairs[kRows][kPairs];
-  std::memcpy(pairs, rows, sizeof(pairs));
-  const auto column = [&](int c, int first_pair, int last_pair, double* to) {
-    Pair sum[kPairs] = {};
-    for (int k = 0; k < kRows; ++k) {
-      const double value = pairs[k][c / 2][c % 2];
-      const Pair both = {value, value};
-      for (int p = first_pair; p < last_pair; ++p)
-        sum[p] += pairs[k][p] * both;
-    }
-    std::memcpy(
-        to, sum + first_pair, sizeof(Pair) * static_cast<std::size_t>(last_pair - first_pair));
+  static_assert(sizeof(VisionRow) == 10 * sizeof(double));
+  const auto values = [&](int r) { return reinterpret_cast<const double*>(rows + r); };
+  // The products of column c with kSize columns from `first` on.
+  const auto column = [&]<int kSize>(int c, int first, double* to) {
+    OverLanes<kLanes, kSize>(0, [&]<int kNum>(int i) {
+      Lanes<kNum> sum = {};
+      for (int r = 0; r < kRows; ++r)
+        sum += Load<kNum>(values(r) + first + i) * AllOf<kNum>(values(r)[c]);
+      Store<kNum>(sum, to + i);
+    });
   };
-  // The lower triangle and, in pairs, a little of the upper.
   for (int c = 0; c < 6; ++c)
-    column(c, c / 2, kPosePairs, G.H + 6 * c + 2 * (c / 2));
-  for (int c = 1; c < 6; ++c) {
-    for (int r = 0; r < c; ++r)
-      G.H[6 * c + r] = G.H[6 * r + c];
-  }
+    column.template operator()<6>(c, 0, G.H + 6 * c);
   for (int c = 0; c < 3; ++c) {
-    column(6 + c, 0, kPosePairs, G.W + 6 * c);
-    column(6 + c, kPosePairs, kPairs, G.V + 4 * c);
+    column.template operator()<6>(6 + c, 0, G.W + 6 * c);
+    column.template operator()<4>(6 + c, 6, G.V + 4 * c);
   }
-  column(9, 0, kPosePairs, G.b);
+  column.template operator()<6>(9, 0, G.b);
 }
 
 }  // namespace facet

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <span>
 
-#include "facet/estimator/solver/schur_kernel.h"
+#include "facet/estimator/factors/vision_kernels.h"
 
 namespace facet {
 
@@ -76,14 +76,14 @@ void SubtractLens(const LandmarkBlock& block,
                   MatrixXd& H,
                   VectorXd& b) {
   const int column = layout.calibration_column;
-  b.segment<kNumRigParameters>(column) -= lens.Y.lazyProduct(block.y);
-  SubtractSquare<kNumRigParameters>(lens.Y.data(), &H(column, column), H.outerStride());
+  b.segment<kNumLensColumns>(column) -= lens.Y.lazyProduct(block.y);
+  BestKernels().subtract_lens(lens.Y.data(), &H(column, column), H.outerStride());
   for (const LandmarkBlock::View& view : ViewsOf(block)) {
-    SubtractOuterProduct<kNumRigParameters>(
+    BestKernels().subtract_pose_lens(
         view.Y.data(), lens.Y.data(), &H(layout.pose_column[view.frame], column), H.outerStride());
   }
   for (const LandmarkBlock::PlaneView& plane : PlaneViewsOf(block)) {
-    H.block<kNumRigParameters, 3>(column, layout.plane_column[plane.plane]).noalias() -=
+    H.block<kNumLensColumns, 3>(column, layout.plane_column[plane.plane]).noalias() -=
         (lens.Y * plane.z) * plane.J_plane.transpose();
   }
 }
@@ -130,10 +130,10 @@ void SubtractSchur(const LandmarkBlock& block,
     b.segment<6>(row).noalias() -= view_i.Y * block.y;
     for (int j = 0; j <= i; ++j) {
       const LandmarkBlock::View& view_j = block.views[j];
-      SubtractOuterProduct<6>(view_i.Y.data(),
-                              view_j.Y.data(),
-                              &H(row, layout.pose_column[view_j.frame]),
-                              H.outerStride());
+      BestKernels().subtract_poses(view_i.Y.data(),
+                                   view_j.Y.data(),
+                                   &H(row, layout.pose_column[view_j.frame]),
+                                   H.outerStride());
     }
   }
   for (const LandmarkBlock::PlaneView& plane : PlaneViewsOf(block))
@@ -149,7 +149,7 @@ Vector3d BackSubstitute(const LandmarkBlock& block,
   for (const LandmarkBlock::View& view : ViewsOf(block))
     rhs += view.Y.transpose() * step.segment<6>(layout.pose_column[view.frame]);
   for (const LandmarkBlock::LensColumns& lens : block.lens)
-    rhs += lens.Y.transpose() * step.segment<kNumRigParameters>(layout.calibration_column);
+    rhs += lens.Y.transpose() * step.segment<kNumLensColumns>(layout.calibration_column);
   for (const LandmarkBlock::PlaneView& view : PlaneViewsOf(block))
     rhs += view.z * view.J_plane.dot(step.segment<3>(layout.plane_column[view.plane]));
   return -block.L.transpose().triangularView<Eigen::Upper>().solve(rhs);

@@ -13,10 +13,10 @@ MountJacobians MountJacobiansOf(const SlidingWindow& window, const FrameGeometry
 
 void AddLensSums(const LensSums& sums, const StateLayout& layout, MatrixXd& H, VectorXd& b) {
   const int lens = layout.calibration_column;
-  H.block<kNumRigParameters, kNumRigParameters>(lens, lens) += sums.H;
-  b.segment<kNumRigParameters>(lens) += sums.b;
+  H.block<kNumLensColumns, kNumLensColumns>(lens, lens) += sums.H;
+  b.segment<kNumLensColumns>(lens) += sums.b;
   for (std::size_t i = 0; i < sums.poses.size(); ++i)
-    H.block<6, kNumRigParameters>(layout.pose_column[i], lens) += sums.poses[i].transpose();
+    H.block<6, kNumLensColumns>(layout.pose_column[i], lens) += sums.poses[i].transpose();
 }
 
 // Equation (10.5): with A_i of each frame the columns are sums of A_i^T times the rows of its pose.
@@ -24,7 +24,7 @@ void FillMountColumns(const MountJacobians& mounts,
                       const StateLayout& layout,
                       MatrixXd& H,
                       VectorXd& b) {
-  const int lens = layout.calibration_column, mount = lens + kNumRigParameters;
+  const int lens = layout.calibration_column, mount = lens + kNumLensColumns;
   const int first_pose = layout.pose_column.front();
   const int num_poses = 6 * static_cast<int>(mounts.size());
   Eigen::Matrix<double, Eigen::Dynamic, kNumMount> A(num_poses, kNumMount);
@@ -35,7 +35,7 @@ void FillMountColumns(const MountJacobians& mounts,
   H.block(first_pose, mount, num_poses, kNumMount) += HA;
   H.block<kNumMount, kNumMount>(mount, mount).noalias() += A.transpose() * HA;
   // Planes and lenses have smaller columns than the mount: these are rows of it.
-  const int before = lens + kNumRigParameters;
+  const int before = lens + kNumLensColumns;
   H.block(mount, 0, kNumMount, before).noalias() +=
       A.transpose() * H.block(first_pose, 0, num_poses, before);
   b.segment<kNumMount>(mount).noalias() += A.transpose() * b.segment(first_pose, num_poses);
@@ -46,7 +46,7 @@ VectorXd WithMountAsPoses(const MountJacobians& mounts,
                           const VectorXd& step) {
   VectorXd moved = step;
   const Vector<kNumMount> mount =
-      step.segment<kNumMount>(layout.calibration_column + kNumRigParameters);
+      step.segment<kNumMount>(layout.calibration_column + kNumLensColumns);
   for (std::size_t i = 0; i < mounts.size(); ++i)
     moved.segment<6>(layout.pose_column[i]) += mounts[i] * mount;
   return moved;

@@ -27,6 +27,8 @@ CalibrationMatrix OfACarefulCalibration(const StereoRig& rig, const CalibrationO
     covariance.diagonal().segment(first, count).setConstant(sigma * sigma);
   };
   const double per_axis = 1 / std::sqrt(3.0);
+  const double per_mode = 1 / std::sqrt(static_cast<double>(kNumLensModes));
+  set(kLensModes, 2 * kNumLensModes, per_mode * options.lens_misfit_px);
   set(kMountRotation, 3, per_axis * options.mount_rotation_deg * kDegree);
   set(kMountTranslation, 3, per_axis * options.mount_translation_m);
   set(kTimeOffset, 1, options.time_s);
@@ -34,16 +36,26 @@ CalibrationMatrix OfACarefulCalibration(const StereoRig& rig, const CalibrationO
   return covariance;
 }
 
+CalibrationMatrix WithFormerRun(const CalibrationMatrix& careful, const CalibrationMatrix& former) {
+  CalibrationMatrix covariance = kOtherDay * kOtherDay * careful + former;
+  constexpr int kNumModes = 2 * kNumLensModes;
+  if (SaysNothingOfLensModes(former)) {
+    covariance.block<kNumModes, kNumModes>(kLensModes, kLensModes) =
+        careful.block<kNumModes, kNumModes>(kLensModes, kLensModes);
+  }
+  return covariance;
+}
+
 }  // namespace
 
 CalibrationMatrix StartCovariance(const StereoRig& rig, const CalibrationOptions& options) {
   CalibrationMatrix covariance = OfACarefulCalibration(rig, options);
-  if (rig.covariance) covariance = kOtherDay * kOtherDay * covariance + *rig.covariance;
+  if (rig.covariance) covariance = WithFormerRun(covariance, *rig.covariance);
   const auto hold = [&](int first, int count) {
     covariance.middleRows(first, count).setZero();
     covariance.middleCols(first, count).setZero();
   };
-  if (!options.lens) hold(0, kNumRigParameters);
+  if (!options.lens) hold(0, kNumLensColumns);
   if (!options.mount) hold(kMountRotation, 6);
   if (!options.time) hold(kTimeOffset, 1);
   if (!options.gyro) hold(kGyroScale, 3);

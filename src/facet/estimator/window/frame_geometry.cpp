@@ -56,6 +56,9 @@ void FrameGeometry::Update(const SlidingWindow& window) {
   Mount nominal;
   nominal_ = calibration.nominal();
   delta_ = calibration.delta();
+  modes_ = calibration.modes();
+  for (std::size_t c = 0; c < 2; ++c)
+    beside_model_[c] = (*modes_)[c].Sum(calibration.LensModesAtPresent(static_cast<int>(c)));
   for (int c = 0; c < 2; ++c) {
     nominal.R_CB[c] = nominal_.T_BC[static_cast<std::size_t>(c)].R().transpose();
     nominal.p_BC[c] = nominal_.T_BC[static_cast<std::size_t>(c)].p;
@@ -82,16 +85,17 @@ std::optional<Vector2d> FrameGeometry::PresentProjection(int camera, const Vecto
   const CameraModel& lens = nominal_.cameras[static_cast<std::size_t>(camera)];
   const std::optional<Vector2d> px = lens.Project(h);
   if (!px) return std::nullopt;
-  return Vector2d(*px + ShiftByIntrinsics(lens.intrinsics(), h, *px, Deviation(camera)));
+  return Vector2d(*px + ShiftByIntrinsics(lens.intrinsics(), h, *px, Deviation(camera)) +
+                  BesideModel(camera, *px));
 }
 
 Vector2d FrameGeometry::LensShift_px(const WindowObservation& observation, int camera) const {
   if (!has_calibration_) return Vector2d::Zero();
   const CameraModel& lens = nominal_.cameras[static_cast<std::size_t>(camera)];
-  return ShiftByIntrinsics(lens.intrinsics(),
-                           observation.rays[camera].bearing,
-                           observation.px[camera],
-                           Deviation(camera));
+  const Vector2d& px = observation.px[camera];
+  return ShiftByIntrinsics(
+             lens.intrinsics(), observation.rays[camera].bearing, px, Deviation(camera)) +
+         BesideModel(camera, px);
 }
 
 Vector3d FrameGeometry::MeasuredBearing(const WindowObservation& observation, int camera) const {

@@ -3,10 +3,13 @@
 // landmarks needs it.
 #pragma once
 
+#include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "facet/calibration/intrinsics_jacobian.h"
+#include "facet/calibration/lens_modes.h"
 #include "facet/camera/stereo_rig.h"
 #include "facet/estimator/window/sliding_window.h"
 
@@ -53,7 +56,12 @@ class FrameGeometry {
   /// Where the present lens sees it, to first order in its deviation. Empty as above.
   std::optional<Vector2d> PresentProjection(int camera, const Vector3d& h) const;
 
-  /// By how much the present lens moves the measured point's pixel against the nominal one, to
+  /// d pixel / d modes of the lens at a pixel; only with a calibration.
+  Matrix<2, kNumLensModes> ModesAt(int camera, const Vector2d& px) const {
+    return (*modes_)[static_cast<std::size_t>(camera)].At(px);
+  }
+
+  /// By how much the present lens moves the measured point's pixel against the nominal model, to
   /// first order [px].
   Vector2d LensShift_px(const WindowObservation& observation, int camera) const;
 
@@ -65,11 +73,16 @@ class FrameGeometry {
   Vector3d p_BC[2];
 
  private:
+  Vector2d BesideModel(int camera, const Vector2d& px) const {
+    return beside_model_[static_cast<std::size_t>(camera)].At(px);
+  }
   IntrinsicsVector Deviation(int camera) const {
     return delta_.segment<kNumIntrinsics>(camera * kNumIntrinsics);
   }
 
   StereoRig nominal_;
+  std::shared_ptr<const std::array<LensModes, 2>> modes_;
+  LensFields beside_model_;  // at present
   bool has_calibration_ = false;
   CalibrationVector delta_ = CalibrationVector::Zero();
   std::vector<Pose> current_;

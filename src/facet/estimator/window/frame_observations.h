@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "facet/calibration/lens_modes.h"
 #include "facet/camera/stereo_rig.h"
 #include "facet/estimator/window/sliding_window.h"
 #include "facet/map/observation.h"
@@ -17,10 +18,12 @@ struct PreparedObservation {
 };
 
 /// Takes the pixels to rays and whitens them by their sigmas times `pixel_sigma_scale`. Pixels that
-/// have no ray, and what has no positive sigma, are passed over.
+/// have no ray, and what has no positive sigma, are passed over. `beside_model`: what the lenses do
+/// there is taken from the pixels; null: nothing, or it is a variable of the window.
 std::vector<PreparedObservation> PrepareObservations(const FrameObservations& observations,
                                                      const StereoRig& rig,
-                                                     double pixel_sigma_scale);
+                                                     double pixel_sigma_scale,
+                                                     const LensFields* beside_model = nullptr);
 
 /// Adds what the newest frame sees; landmarks that are not in the window come into it. Of several
 /// observations of one landmark the first one counts.

@@ -49,6 +49,27 @@ TEST(FrameObservationsTest, PixelsBecomeWhitenedRays) {
   }
 }
 
+TEST(FrameObservationsTest, WhatHeldLensesDoBesideTheirModelsIsTakenFromThePixels) {
+  StereoRig rig = testing::MakeTestRig();
+  rig.lens_modes[0].setConstant(0.1);
+  rig.lens_modes[1].setConstant(-0.05);
+  FeatureObservation feature = Feature(1, 400, 200);
+  feature.px_right = Vector2d(380, 201);
+  FrameObservations frame;
+  frame.features = {feature};
+  const LensFields fields = FieldsOf(rig);
+  const auto prepared = PrepareObservations(frame, rig, 1.0, &fields);
+  ASSERT_EQ(prepared.size(), 1u);
+  const WindowObservation& o = prepared[0].observation;
+  for (int c = 0; c < 2; ++c) {
+    const std::size_t i = static_cast<std::size_t>(c);
+    const Vector2d& px = c == 0 ? feature.px_left : *feature.px_right;
+    EXPECT_GT(fields[i].At(px).norm(), 0.01);
+    EXPECT_EQ(o.px[c], px - fields[i].At(px));
+    EXPECT_EQ(o.rays[c].bearing, rig.cameras[i].Unproject(o.px[c]).value());
+  }
+}
+
 TEST(FrameObservationsTest, WhatHasNoUsablePixelOrSigmaIsPassedOver) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   FeatureObservation no_sigma = Feature(1, 400, 200), not_a_sigma = no_sigma;

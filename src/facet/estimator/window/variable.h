@@ -2,6 +2,8 @@
 // Names for the variables of the window.
 #pragma once
 
+#include "facet/camera/rig_columns.h"
+
 namespace facet {
 
 /// A variable as a block of columns of the normal equations: a plane (two tangent directions of its
@@ -27,7 +29,7 @@ constexpr int SizeOf(Variable::Kind kind) {
     case Variable::Kind::kPlane:
       return 3;
     case Variable::Kind::kCalibration:
-      return 32;
+      return kNumCalibration;
     case Variable::Kind::kPose:
       return 6;
     case Variable::Kind::kMotion:

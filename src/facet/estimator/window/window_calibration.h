@@ -5,9 +5,11 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include "facet/calibration/calibration_vector.h"
+#include "facet/calibration/lens_modes.h"
 #include "facet/estimator/window/variable.h"
 
 namespace facet {
@@ -23,12 +25,6 @@ struct BodyRates {
 /// d (theta p) / d (mount rotation, mount translation, time offset) of a frame.
 Matrix<6, kNumMount> MountJacobian(const Matrix3d& R_WB, const BodyRates& rates);
 
-/// d X_B / d calibration of a point of the body that a keyframe has triangulated; rates as of its
-/// frame. Empty where TriangulationJacobian is.
-std::optional<Matrix<3, kNumCalibration>> PointJacobian(const StereoRig& rig,
-                                                        const Vector3d& X_B,
-                                                        const BodyRates& rates);
-
 /// All measurements are linear in the deviation, at the nominal calibration: it is the point of
 /// first estimates, as for the frames that the prior touches.
 class WindowCalibration {
@@ -39,6 +35,8 @@ class WindowCalibration {
   void Restart(const CalibrationMatrix& covariance);
 
   const StereoRig& nominal() const { return nominal_; }
+  /// Of both cameras.
+  const std::shared_ptr<const std::array<LensModes, 2>>& modes() const { return modes_; }
   const CalibrationVector& delta() const { return delta_; }
   void ApplyStep(const CalibrationVector& step) { SetDelta(delta_ + step); }
   void SetDelta(const CalibrationVector& delta);
@@ -46,11 +44,21 @@ class WindowCalibration {
   /// The calibration at present; the nominal one where a parameter has left what a camera can be.
   StereoRig Refined() const;
 
+  /// What a lens does beside its model at present.
+  LensModeVector LensModesAtPresent(int camera) const {
+    return nominal_.lens_modes[static_cast<std::size_t>(camera)] + LensModesOf(delta_, camera);
+  }
+
   /// Camera to body at present.
   const SE3& T_BC(int camera) const { return T_BC_[static_cast<std::size_t>(camera)]; }
 
   /// By what share the gyroscope reads too much at present.
   Vector3d gyro_scale() const;
+
+  /// d X_B / d calibration of a point of the body that a keyframe has triangulated; rates as of its
+  /// frame. Empty where TriangulationJacobian is.
+  std::optional<Matrix<3, kNumCalibration>> PointJacobian(const Vector3d& X_B,
+                                                          const BodyRates& rates) const;
 
   /// Where the body is when the image is taken, if it is at T_WB at the nominal stamp.
   SE3 AtImage(const SE3& T_WB, const BodyRates& rates) const;
@@ -62,6 +70,7 @@ class WindowCalibration {
 
  private:
   StereoRig nominal_;
+  std::shared_ptr<const std::array<LensModes, 2>> modes_;
   CalibrationVector delta_ = CalibrationVector::Zero();
   CalibrationVector start_mean_ = CalibrationVector::Zero();
   std::array<SE3, 2> T_BC_;

@@ -17,7 +17,7 @@ void SetCalibrationColumns(const WindowCalibration& calibration,
                            const Vector3d& n_B,
                            WindowMeasurement& measurement) {
   const auto across = [&](const Vector3d& X_B) -> std::optional<Eigen::RowVectorXd> {
-    const auto J = PointJacobian(calibration.nominal(), X_B, rates);
+    const auto J = calibration.PointJacobian(X_B, rates);
     if (!J) return std::nullopt;
     return Eigen::RowVectorXd(n_B.transpose() * *J);
   };

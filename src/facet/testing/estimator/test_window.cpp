@@ -14,12 +14,13 @@ namespace facet::testing {
 
 namespace {
 
-// 1-sigma of a calibration: intrinsics, stereo pair, mount, clock.
+// 1-sigma of a calibration: intrinsics, stereo pair, modes of the lenses, mount, clock.
 const CalibrationVector kCalibrationSigmas = [] {
   CalibrationVector sigmas;
   const Vector<kNumIntrinsics> lens{0.5, 0.5, 0.4, 0.4, 2e-3, 2e-3, 2e-4, 2e-4};
   sigmas << lens, lens, Vector3d::Constant(3e-4), Vector3d::Constant(2e-4),
-      Vector3d::Constant(1e-3), Vector3d::Constant(2e-3), 1e-3, Vector3d::Constant(3e-3);
+      LensModeVector::Constant(0.05), LensModeVector::Constant(0.05), Vector3d::Constant(1e-3),
+      Vector3d::Constant(2e-3), 1e-3, Vector3d::Constant(3e-3);
   return sigmas;
 }();
 
