@@ -11,7 +11,8 @@
 namespace facet {
 
 /// What is assumed of the root mean square over the image, 1-sigma. Real lenses have two to three
-/// times as much, which is found as well; to allow it costs more where there is nothing to find.
+/// times as much, which is found as well; a prior as wide as that gains nothing
+/// (docs/notebook/calibration_online.md).
 inline constexpr double kLensMisfitPrior_px = 0.05;
 
 /// Displacements of pixels by polynomials of third order, without those that focal lengths,

@@ -61,7 +61,7 @@ VioEstimator::VioEstimator(const StereoRig& rig,
       planes_(options),
       updater_(rig, options.solver, BiasWalk(noise, options.imu)) {
   calibration_.Begin(window_);
-  if (options.calibration.IsHeld() && rig.HasLensModes()) held_fields_ = FieldsOf(rig);
+  if (options.calibration.IsHeld()) held_fields_ = FieldsOf(rig);
 }
 
 EstimatorResult VioEstimator::AddFrame(const FrameObservations& observations,
@@ -167,10 +167,7 @@ ImageMotion VioEstimator::ToImage(const PredictedFrame& frame) const {
 
 std::vector<PreparedObservation> VioEstimator::Prepare(
     const FrameObservations& observations) const {
-  return PrepareObservations(observations,
-                             rig_,
-                             options_.solver.pixel_sigma_scale,
-                             held_fields_ ? &*held_fields_ : nullptr);
+  return PrepareObservations(observations, rig_, options_.solver.pixel_sigma_scale, held_fields_);
 }
 
 std::vector<PreparedObservation> VioEstimator::Believable(

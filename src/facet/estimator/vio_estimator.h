@@ -99,7 +99,7 @@ class VioEstimator {
   CausalState AtImu(const EstimatorResult& result) const;
 
   StereoRig rig_;
-  std::optional<LensFields> held_fields_;  // of lenses that are not estimated
+  LensFields held_fields_;  // beside their models, of lenses that are not estimated
   EstimatorOptions options_;
   SlidingWindow window_;
   /// The newest frame when it is not a keyframe; its link leads to the newest keyframe.

@@ -24,6 +24,20 @@ SimulatedRun Fly(std::uint64_t seed, double duration_s) {
       SplineTrajectory::Fit(MakeFlight(duration_s, seed)), EurocRig(), options, seed);
 }
 
+/// Hands the IMU of a flight to the check, and calls visit(i) at each frame.
+template <class Visit>
+void VisitFrames(const SimulatedRun& run, MotionCheck& check, const Visit& visit) {
+  ImuBuffer imu;
+  for (const ImuSample& sample : run.imu)
+    imu.Add(sample);
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    if (i > 0)
+      check.AddImu(
+          imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
+    visit(i);
+  }
+}
+
 struct Judgement {
   bool is_doubted = false, is_refused = false, are_turns_doubted = false;
   std::string negated_axes;
@@ -179,19 +193,13 @@ TEST(MotionCheckTest, ImagesThatDoNotMoveAreNoWrongSize) {
 // The estimator has believed the accelerometer, the images have not.
 TEST(MotionCheckTest, WhereStatesContradictTheImagesTheImagesCount) {
   const SimulatedRun run = Fly(1, 30);
-  ImuBuffer imu;
-  for (const ImuSample& sample : run.imu)
-    imu.Add(sample);
   MotionCheck check(WithBaseline(1.05));
   int num_doubts = 0;
-  for (std::size_t i = 0; i < run.frames.size(); ++i) {
-    if (i > 0)
-      check.AddImu(
-          imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
-    if (i % kFramesPerKeyframe != 0) continue;
+  VisitFrames(run, check, [&](std::size_t i) {
+    if (i % kFramesPerKeyframe != 0) return;
     const auto finding = check.AddKeyframe(run.frames[i], &run.truth[i]);
     num_doubts += finding == ScaleCheck::Finding::kDoubt ? 1 : 0;
-  }
+  });
   EXPECT_EQ(num_doubts, 1);
   ASSERT_TRUE(check.scale());
   EXPECT_NEAR(check.scale()->value(), 1.05, 0.02);
@@ -205,15 +213,9 @@ TEST(MotionCheckTest, WhereStatesContradictTheImagesTheImagesCount) {
 // The estimator finds the baseline; what was measured with the wrong one counts no more.
 TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
   const SimulatedRun run = Fly(1, 30);
-  ImuBuffer imu;
-  for (const ImuSample& sample : run.imu)
-    imu.Add(sample);
   MotionCheck check(WithBaseline(1.05));
   std::optional<double> before;
-  for (std::size_t i = 0; i < run.frames.size(); ++i) {
-    if (i > 0)
-      check.AddImu(
-          imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
+  VisitFrames(run, check, [&](std::size_t i) {
     check.LoseState();
     if (i == run.frames.size() / 2) {
       ASSERT_TRUE(check.scale());
@@ -223,7 +225,8 @@ TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
     }
     if (i % kFramesPerKeyframe == 0)
       check.AddKeyframe(run.frames[i], i == 0 ? run.truth.data() : nullptr);
-  }
+  });
+  ASSERT_TRUE(before);
   EXPECT_NEAR(*before, 1.05, 0.02);
   ASSERT_TRUE(check.scale());
   EXPECT_NEAR(check.scale()->value(), 1, 0.02);
@@ -233,15 +236,10 @@ TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
 // good what is wrong beyond hope, and does not put off that it is said.
 TEST(MotionCheckTest, WhatIsHopelessIsNotMeasuredAnew) {
   const SimulatedRun run = Fly(1, 12);
-  ImuBuffer imu;
-  for (const ImuSample& sample : run.imu)
-    imu.Add(sample);
   MotionCheck check(WithBaseline(2));
   bool has_changed = false, is_refused = false;
-  for (std::size_t i = 0; i < run.frames.size() && !is_refused; ++i) {
-    if (i > 0)
-      check.AddImu(
-          imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}));
+  VisitFrames(run, check, [&](std::size_t i) {
+    if (is_refused) return;
     check.LoseState();
     if (check.scale() && !has_changed) {
       has_changed = true;
@@ -249,10 +247,10 @@ TEST(MotionCheckTest, WhatIsHopelessIsNotMeasuredAnew) {
       EXPECT_TRUE(check.SetRig(WithBaseline(2.02)));
       EXPECT_TRUE(check.scale());
     }
-    if (i % kFramesPerKeyframe != 0) continue;
+    if (i % kFramesPerKeyframe != 0) return;
     const auto finding = check.AddKeyframe(run.frames[i], i == 0 ? run.truth.data() : nullptr);
     is_refused = finding == ScaleCheck::Finding::kRefusal;
-  }
+  });
   EXPECT_TRUE(has_changed);
   EXPECT_TRUE(is_refused);
 }

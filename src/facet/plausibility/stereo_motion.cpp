@@ -27,8 +27,8 @@ constexpr double kLeastAgreement = 0.5, kAgreementSigmas = 4;
 }  // namespace
 
 void StereoMotion::SetRig(const StereoRig& rig) {
+  if (rig.lens_modes != rig_.lens_modes) beside_model_ = FieldsOf(rig);
   rig_ = rig;
-  beside_model_ = FieldsOf(rig);
   T_C1C0_ = rig.T_C1C0();
   T_CB_ = rig.T_BC[0].Inverse();
   bearing_sigma_ = kSigma_px / rig.cameras[0].mean_focal_px();

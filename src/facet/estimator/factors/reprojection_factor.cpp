@@ -124,7 +124,7 @@ void AddView(const WindowObservation& obs, const VisionRow* rows, LandmarkBlock&
 
 using LensValues = Eigen::Map<Vector<kNumIntrinsics>>;
 using ModeValues = Eigen::Map<LensModeVector>;
-using LensColumns = Eigen::Map<Vector<kNumLensColumns>>;
+using AllLensValues = Eigen::Map<Vector<kNumLensColumns>>;
 
 LensValues LensOf(LensRow& row, int camera) {
   return LensValues(row.k + camera * kNumIntrinsics);
@@ -187,7 +187,7 @@ void SubtractLeft(const WindowObservation& o, VisionRow* rows, LensRow* lens) {
   for (int k = 0; k < 2; ++k) {
     ValuesOf(rows[2 + k]) = of_right * ValuesOf(rows[2 + k]) - of_left * ValuesOf(rows[k]);
     if (lens == nullptr) continue;
-    LensColumns(lens[2 + k].k) *= of_right;
+    AllLensValues(lens[2 + k].k) *= of_right;
     LensOf(lens[2 + k], 0) = -of_left * LensOf(lens[k], 0);
     ModesOf(lens[2 + k], 0) = -of_left * ModesOf(lens[k], 0);
   }
@@ -201,7 +201,7 @@ void Weigh(double root_weight, int camera, VisionRow* rows, LensRow* lens) {
       LensOf(lens[k], 0) *= root_weight;
       ModesOf(lens[k], 0) *= root_weight;
     } else {
-      LensColumns(lens[k].k) *= root_weight;
+      AllLensValues(lens[k].k) *= root_weight;
     }
   }
 }

@@ -23,27 +23,22 @@ void SetCamera(int camera,
   observation.rays[camera] = {ray.bearing, ray.J_px_bearing / sigma_px};
 }
 
-// Held lenses with what they do beside their models; null: nothing to be taken from the pixels.
-Vector2d AsModelled(const Vector2d& px, int camera, const LensFields* beside_model) {
-  return beside_model == nullptr ? px : ByModel(*beside_model, camera, px);
-}
-
 }  // namespace
 
 std::vector<PreparedObservation> PrepareObservations(const FrameObservations& observations,
                                                      const StereoRig& rig,
                                                      double pixel_sigma_scale,
-                                                     const LensFields* beside_model) {
+                                                     const LensFields& beside_model) {
   std::vector<PreparedObservation> prepared;
   prepared.reserve(observations.features.size());
   for (const FeatureObservation& feature : observations.features) {
-    const Vector2d px_left = AsModelled(feature.px_left, 0, beside_model);
+    const Vector2d px_left = ByModel(beside_model, 0, feature.px_left);
     const std::optional<PixelBearing> left = rig.cameras[0].BearingOf(px_left);
     if (!left || !IsUsable(feature.sigma_left_px)) continue;
     WindowObservation observation;
     SetCamera(0, px_left, *left, pixel_sigma_scale * feature.sigma_left_px, observation);
     if (feature.px_right && IsUsable(feature.sigma_right_px)) {
-      const Vector2d px_right = AsModelled(*feature.px_right, 1, beside_model);
+      const Vector2d px_right = ByModel(beside_model, 1, *feature.px_right);
       if (const auto right = rig.cameras[1].BearingOf(px_right)) {
         observation.has_right = true;
         SetCamera(1, px_right, *right, pixel_sigma_scale * feature.sigma_right_px, observation);

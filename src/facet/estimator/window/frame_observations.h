@@ -19,11 +19,11 @@ struct PreparedObservation {
 
 /// Takes the pixels to rays and whitens them by their sigmas times `pixel_sigma_scale`. Pixels that
 /// have no ray, and what has no positive sigma, are passed over. `beside_model`: what the lenses do
-/// there is taken from the pixels; null: nothing, or it is a variable of the window.
+/// there is taken from the pixels; nothing where it is a variable of the window.
 std::vector<PreparedObservation> PrepareObservations(const FrameObservations& observations,
                                                      const StereoRig& rig,
                                                      double pixel_sigma_scale,
-                                                     const LensFields* beside_model = nullptr);
+                                                     const LensFields& beside_model = {});
 
 /// Adds what the newest frame sees; landmarks that are not in the window come into it. Of several
 /// observations of one landmark the first one counts.

@@ -58,7 +58,7 @@ TEST(FrameObservationsTest, WhatHeldLensesDoBesideTheirModelsIsTakenFromThePixel
   FrameObservations frame;
   frame.features = {feature};
   const LensFields fields = FieldsOf(rig);
-  const auto prepared = PrepareObservations(frame, rig, 1.0, &fields);
+  const auto prepared = PrepareObservations(frame, rig, 1.0, fields);
   ASSERT_EQ(prepared.size(), 1u);
   const WindowObservation& o = prepared[0].observation;
   for (int c = 0; c < 2; ++c) {
