@@ -137,14 +137,18 @@ SelfCalibration::SelfCalibration(const StereoRig& rig, const CalibrationOptions&
   if (options.IsHeld()) return;
   start_covariance_ = StartCovariance(rig, options);
   possible_ = *start_covariance_;
+  // A former run's covariance has what other groups have in common, and was measured.
+  if (!rig.covariance) care_.emplace(*start_covariance_, options);
 }
 
-void SelfCalibration::Begin(SlidingWindow& window) const {
+void SelfCalibration::Begin(SlidingWindow& window) {
   if (!start_covariance_) return;
   window.calibration.emplace(rig_, *start_covariance_);
   if (!kept_) return;
   window.calibration->SetDelta(kept_->delta);
   window.calibration->Restart(kept_->covariance);
+  possible_ = kept_->possible;
+  if (care_) care_ = kept_->care;
 }
 
 void SelfCalibration::TakeClock(const SlidingWindow& window, const WindowSolver& solver) {
@@ -159,6 +163,7 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
                window.calibration->delta(),
                possible_,
                solver.CalibrationCovariance(),
+               care_,
                window.calibration->Refined()};
   surprise_ = CalibrationSurprise(kept_->delta, possible_, kept_->covariance);
   if (freed_at_ && now - *freed_at_ < kSettles) return;
@@ -194,22 +199,40 @@ void SelfCalibration::Walk(SlidingWindow& window) {
   const Timestamp now = window.frames.back().x.t;
   const bool is_settled = !freed_at_ || now - *freed_at_ >= kSettles;
   if (const auto step = is_settled ? LargeStep() : std::nullopt) {
+    GiveUpCare(window);
     TakeStep(*step, window);
     if (!freed_at_) gross_deviations_.clear();
     freed_at_ = now;
   }
   if (doubted_share_ != 0 && options_.lens) {
+    GiveUpCare(window);
     TakeStep(BaselineCovariance(rig_, doubted_share_), window);
     doubted_share_ = 0;
   }
+  JudgeCare(window);
   if (!last_step_) last_step_ = now;
   if (now - *last_step_ < kStepEvery) return;
   last_step_ = now;
-  TakeStep(kStepShare * kStepShare * *start_covariance_, window);
+  constexpr double kShare = kStepShare * kStepShare;
+  if (TakeStep(kShare * *start_covariance_, window) && care_) care_->AddStep(kShare);
 }
 
-void SelfCalibration::TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window) {
-  if (TakeRandomStep(covariance, window.prior)) possible_ += covariance;
+void SelfCalibration::GiveUpCare(SlidingWindow& window) {
+  if (care_) care_->GiveUp(window.prior, possible_);
+  care_.reset();
+}
+
+// Each time something new was kept.
+void SelfCalibration::JudgeCare(SlidingWindow& window) {
+  if (!care_ || !kept_ || care_judged_ == kept_->t) return;
+  care_judged_ = kept_->t;
+  care_->Judge(kept_->delta, kept_->covariance, window.prior, possible_);
+}
+
+bool SelfCalibration::TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window) {
+  if (!TakeRandomStep(covariance, window.prior)) return false;
+  possible_ += covariance;
+  return true;
 }
 
 void SelfCalibration::MoveToImage(const SlidingWindow& window,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "facet/calibration/calibration_deviation.h"
+#include "facet/estimator/calibration_care.h"
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/estimator_result.h"
 #include "facet/estimator/solver/window_solver.h"
@@ -38,7 +39,7 @@ class SelfCalibration {
 
   /// Makes the calibration a variable of an empty window: as it was given, or, after a loss, as it
   /// was last kept.
-  void Begin(SlidingWindow& window) const;
+  void Begin(SlidingWindow& window);
 
   /// After a keyframe's solve.
   void TakeClock(const SlidingWindow& window, const WindowSolver& solver);
@@ -46,7 +47,8 @@ class SelfCalibration {
   void Keep(const SlidingWindow& window, const WindowSolver& solver);
 
   /// After marginalisation: from time to time it takes a random step. A part of it that has turned
-  /// out to be wrong by more than was believed possible takes a large one, up to three times.
+  /// out to be wrong by more than was believed possible takes a large one, up to three times; until
+  /// then parts that turn out to be better than was believed are believed more.
   void Walk(SlidingWindow& window);
 
   /// The distance between the cameras may be wrong by this share of it. Counts with the next Walk,
@@ -93,10 +95,14 @@ class SelfCalibration {
     Timestamp t;
     CalibrationVector delta;
     CalibrationMatrix possible, covariance;  // before and after what was learnt
+    std::optional<CalibrationCare> care;     // as it was with that covariance
     StereoRig rig;
   };
 
-  void TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window);
+  /// False if the prior does not know the calibration.
+  bool TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window);
+  void JudgeCare(SlidingWindow& window);
+  void GiveUpCare(SlidingWindow& window);
   /// Of the large step that is due now; empty if none is.
   std::optional<CalibrationMatrix> LargeStep();
   int& NumLargeSteps(CalibrationPart part) {
@@ -106,7 +112,10 @@ class SelfCalibration {
   StereoRig rig_;
   CalibrationOptions options_;
   std::optional<CalibrationMatrix> start_covariance_;
-  CalibrationMatrix possible_ = CalibrationMatrix::Zero();  // that, and all random steps so far
+  CalibrationMatrix possible_ =
+      CalibrationMatrix::Zero();          // that, as it is believed now, with all steps
+  std::optional<CalibrationCare> care_;   // until a part was given much room
+  std::optional<Timestamp> care_judged_;  // by what was kept then
   double surprise_ = 0;
   ClockCovariance clock_;
   std::optional<Kept> kept_;

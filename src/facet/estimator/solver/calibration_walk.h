@@ -13,4 +13,7 @@ namespace facet {
 /// false, if the prior does not know the calibration.
 bool TakeRandomStep(const CalibrationMatrix& covariance, MarginalPrior& prior);
 
+/// The calibration is with this information as it was given. Nothing, and false, as above.
+bool AddInformation(const CalibrationMatrix& information, MarginalPrior& prior);
+
 }  // namespace facet

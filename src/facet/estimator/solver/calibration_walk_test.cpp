@@ -47,12 +47,28 @@ TEST(CalibrationWalkTest, AddsTheStepsCovarianceAndMovesNoMean) {
   EXPECT_LT((MeanOf(after) - MeanOf(before)).norm(), 1e-9);
 }
 
+TEST(CalibrationWalkTest, InformationDrawsTheCalibrationToWhatWasGiven) {
+  const MarginalPrior before = MakePrior();
+  CalibrationMatrix information = CalibrationMatrix::Zero();
+  for (int i = 0; i < kNumCalibration; ++i)
+    information(i, i) = i % 3 == 0 ? 0 : 10.0 * i;
+  MarginalPrior after = before;
+  ASSERT_TRUE(AddInformation(information, after));
+  // Kalman's update with a measurement of zero, of those parameters that it is about.
+  MatrixXd H = before.H;
+  H.bottomRightCorner<kNumCalibration, kNumCalibration>() += information;
+  EXPECT_LT((after.H - H).norm(), 1e-9 * H.norm());
+  const VectorXd expected = H.ldlt().solve(before.H * MeanOf(before));
+  EXPECT_LT((MeanOf(after) - expected).norm(), 1e-9);
+}
+
 TEST(CalibrationWalkTest, APriorThatDoesNotKnowTheCalibrationStays) {
   MarginalPrior prior;
   prior.blocks = {MarginalPrior::Block::OfPose(FrameId{1}, 0)};
   prior.H = MatrixXd::Identity(kPose, kPose);
   prior.b = VectorXd::Ones(kPose);
-  TakeRandomStep(CalibrationMatrix::Identity(), prior);
+  EXPECT_FALSE(TakeRandomStep(CalibrationMatrix::Identity(), prior));
+  EXPECT_FALSE(AddInformation(CalibrationMatrix::Identity(), prior));
   EXPECT_EQ(prior.H, MatrixXd(MatrixXd::Identity(kPose, kPose)));
   EXPECT_EQ(prior.b, VectorXd(VectorXd::Ones(kPose)));
 }

@@ -1,24 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/estimator/window/window_calibration.h"
 
-#include <Eigen/Cholesky>
-
 #include "facet/calibration/triangulation_jacobian.h"
+#include "facet/estimator/window/calibration_information.h"
 #include "facet/geometry/so3.h"
 
 namespace facet {
-
-namespace {
-
-// Inverse of a covariance whose variances span many orders of magnitude.
-CalibrationMatrix InformationOf(const CalibrationMatrix& covariance) {
-  const CalibrationVector scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  const CalibrationMatrix correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
-  const CalibrationMatrix inverse = correlation.llt().solve(CalibrationMatrix::Identity());
-  return scale.asDiagonal() * (0.5 * (inverse + inverse.transpose())) * scale.asDiagonal();
-}
-
-}  // namespace
 
 Matrix<6, kNumMount> MountJacobian(const Matrix3d& R_WB, const BodyRates& rates) {
   Matrix<6, kNumMount> A = Matrix<6, kNumMount>::Zero();
