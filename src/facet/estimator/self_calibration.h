@@ -66,8 +66,8 @@ class SelfCalibration {
     return freed_at_ ? gross_deviations_ : std::vector<CalibrationDeviation>();
   }
 
-  /// Of the calibration as last kept, against the given one: about 1 for a careful one, less for an
-  /// exact one, 0 if held.
+  /// Of the calibration as last kept, against the given one: about 1 for a careful one, no more
+  /// for an exact one, 0 if held.
   double Surprise() const { return surprise_; }
 
   /// When a part took a large step last.
