@@ -7,8 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "facet/calibration/relative_covariance.h"
 
 namespace facet {
 namespace {
@@ -27,26 +26,12 @@ struct Direction {
 /// Directions that are independent, before the measurements and after them.
 std::optional<std::vector<Direction>> MeasuredDirections(const MatrixXd& first,
                                                          const GroupEstimate& estimate) {
-  // Parameters have different units.
-  const VectorXd inverse_sigma = first.diagonal().cwiseSqrt().cwiseInverse();
-  const auto scaled = [&](const MatrixXd& covariance) {
-    return MatrixXd(inverse_sigma.asDiagonal() * covariance * inverse_sigma.asDiagonal());
-  };
-  const Eigen::LLT<MatrixXd> root(scaled(first));
-  if (root.info() != Eigen::Success) return std::nullopt;
-  MatrixXd whitened = scaled(estimate.covariance);
-  root.matrixL().solveInPlace(whitened);
-  whitened.transposeInPlace();
-  root.matrixL().solveInPlace(whitened);
-  VectorXd mean = inverse_sigma.cwiseProduct(estimate.mean);
-  root.matrixL().solveInPlace(mean);
-  if (!whitened.allFinite() || !mean.allFinite()) return std::nullopt;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(whitened);
-  if (axes.info() != Eigen::Success || !(axes.eigenvalues()(0) > 0)) return std::nullopt;
-  const VectorXd along = axes.eigenvectors().transpose() * mean;
+  const auto relative = RelativeCovariance<MatrixXd>::Of(first, estimate.covariance);
+  if (!relative || !(relative->shares()(0) > 0) || !estimate.mean.allFinite()) return std::nullopt;
+  const VectorXd along = relative->Along(estimate.mean);
   std::vector<Direction> directions;
   for (int i = 0; i < along.size(); ++i) {
-    const double variance = std::max(axes.eigenvalues()(i), kLeastVariance);
+    const double variance = std::max(relative->shares()(i), kLeastVariance);
     directions.push_back({std::max(1 / variance - 1 / estimate.share, 0.0), along(i) / variance});
   }
   return directions;

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
+#include "facet/calibration/relative_covariance.h"
 #include "facet/estimator/solver/calibration_walk.h"
 #include "facet/estimator/start/start_calibration.h"
 #include "facet/geometry/angles.h"
@@ -111,25 +111,13 @@ double CalibrationSurprise(const CalibrationVector& delta,
 CalibrationMatrix LeftWithNoise(double factor,
                                 const CalibrationMatrix& possible,
                                 const CalibrationMatrix& left) {
-  // Parameters have different units, and those that are held nearly no variance.
-  const CalibrationVector sigma = possible.diagonal().cwiseSqrt();
-  const CalibrationVector inverse = sigma.cwiseInverse();
-  const CalibrationMatrix before = inverse.asDiagonal() * possible * inverse.asDiagonal();
-  const CalibrationMatrix after = inverse.asDiagonal() * left * inverse.asDiagonal();
-  const Eigen::LLT<CalibrationMatrix> root(before);
-  if (root.info() != Eigen::Success) return left;
-  CalibrationMatrix whitened = after;
-  root.matrixL().solveInPlace(whitened);
-  whitened.transposeInPlace();
-  root.matrixL().solveInPlace(whitened);
-  const Eigen::SelfAdjointEigenSolver<CalibrationMatrix> solver(whitened);
-  if (solver.info() != Eigen::Success) return left;
+  const auto relative = RelativeCovariance<CalibrationMatrix>::Of(possible, left);
+  if (!relative) return left;
   // In each direction `share` of the variance is left, so that 1 / share - 1 is what was learnt.
-  CalibrationVector share = solver.eigenvalues().cwiseMax(kLeastShare);
+  CalibrationVector share = relative->shares().cwiseMax(kLeastShare);
   for (double& s : share)
     s = s < 1 ? factor * s / (factor * s + 1 - s) : s;
-  const CalibrationMatrix axes = sigma.asDiagonal() * (root.matrixL() * solver.eigenvectors());
-  return axes * share.asDiagonal() * axes.transpose();
+  return relative->WithShares(share);
 }
 
 SelfCalibration::SelfCalibration(const StereoRig& rig, const CalibrationOptions& options)
