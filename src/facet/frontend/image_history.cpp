@@ -13,6 +13,12 @@ namespace {
 constexpr std::uint64_t kFactor = 0x9E3779B97F4A7C15;  // odd, its bits without a pattern
 constexpr std::size_t kWord = sizeof(std::uint64_t);
 
+std::uint64_t WordAt(const std::uint8_t* bytes) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, bytes, kWord);
+  return word;
+}
+
 // A word moves all bits above its lowest one; the turn brings these down for the next.
 std::uint64_t Mix(std::uint64_t sum, std::uint64_t word) {
   return std::rotl((sum ^ word) * kFactor, 31);
@@ -27,11 +33,12 @@ std::uint64_t Fingerprint(const cv::Mat& image) {
   for (int row = 0; row < image.rows; ++row) {
     const std::uint8_t* bytes = image.ptr(row);
     std::size_t i = 0, lane = 0;
-    for (; i + kWord <= row_bytes; i += kWord, lane = (lane + 1) % sums.size()) {
-      std::uint64_t word = 0;
-      std::memcpy(&word, bytes + i, kWord);
-      sums[lane] = Mix(sums[lane], word);
+    for (; i + sums.size() * kWord <= row_bytes; i += sums.size() * kWord) {
+      for (std::size_t k = 0; k < sums.size(); ++k)
+        sums[k] = Mix(sums[k], WordAt(bytes + i + k * kWord));
     }
+    for (; i + kWord <= row_bytes; i += kWord, ++lane)
+      sums[lane] = Mix(sums[lane], WordAt(bytes + i));
     std::uint64_t rest = 0;
     std::memcpy(&rest, bytes + i, row_bytes - i);
     sums[lane] = Mix(sums[lane], rest);
