@@ -100,7 +100,31 @@ std::optional<Vector2d> UndistortRadially(const CameraIntrinsics& k,
   return Vector2d(xy_d * (*r / r_d));
 }
 
-/// The same as a unit vector, for lenses that are described by directions.
+/// A point of the plane z = 1 and how its image moves with it.
+struct PlanePoint {
+  Vector2d xy;
+  Matrix2d J;  // d distorted / d xy
+};
+
+/// The point that is seen at xy_d, by Newton's method from `start`; empty if that leaves the image
+/// or takes more steps. The last step is so small that the next one would be rounding.
+std::optional<PlanePoint> Undistort(const CameraIntrinsics& k,
+                                    const Vector2d& xy_d,
+                                    const Vector2d& start,
+                                    int max_steps) {
+  constexpr double kLastStep = 1e-10;  // its square is what is left
+  PlanePoint point{start, {}};
+  for (int i = 0; i < max_steps; ++i) {
+    const Vector2d error = Distort(k, point.xy, &point.J) - xy_d;
+    if (!(point.J.determinant() > 0)) return std::nullopt;
+    const Vector2d step = point.J.inverse() * error;
+    point.xy -= step;
+    if (step.norm() < kLastStep * (1 + point.xy.norm())) return point;
+  }
+  return std::nullopt;
+}
+
+/// UndistortRadially as a unit vector, for lenses that are described by directions.
 std::optional<Vector3d> BearingRadially(const CameraIntrinsics& k,
                                         const Vector2d& xy_d,
                                         double max_angle) {
@@ -208,6 +232,7 @@ CameraModel::CameraModel(const CameraIntrinsics& k) : k_(k) {
   const double max_argument = FindMaxArgument(k);
   const bool is_wide = IsWideLens(k.distortion);
   max_radius_ = is_wide ? 0 : max_argument;
+  max_seen_radius_ = RadialDistortion(k, max_argument).value;
   max_angle_ = is_wide ? max_argument : std::atan(max_argument);
   min_cosine_ = std::cos(max_angle_);
   mean_focal_px_ = 0.5 * (k.fx + k.fy) * RadialDistortion(k, 0).slope;
@@ -257,31 +282,24 @@ std::optional<PixelBearing> CameraModel::WideBearingOf(const Vector2d& xy_d) con
   return std::nullopt;
 }
 
+// From where the pixel is seen Newton's method needs three or four steps, unless the lens bends so
+// much that it must start where the radial part alone would have the point.
 std::optional<PixelBearing> CameraModel::BearingOf(const Vector2d& px) const {
   const Vector2d xy_d((px.x() - k_.cx) / k_.fx, (px.y() - k_.cy) / k_.fy);
   if (!xy_d.allFinite()) return std::nullopt;
   if (IsWideLens(k_.distortion)) return WideBearingOf(xy_d);
-  const std::optional<Vector2d> start = UndistortRadially(k_, xy_d, max_radius_);
-  if (!start) return std::nullopt;
-
-  // Newton's method takes the tangential part in; without one it starts at the solution.
-  Vector2d xy = *start;
-  Matrix2d J;
-  bool converged = false;
-  for (int i = 0; i < kMaxIterations && !converged; ++i) {
-    const Vector2d error = Distort(k_, xy, &J) - xy_d;
-    if (!(J.determinant() > 0)) return std::nullopt;
-    const Vector2d step = J.inverse() * error;
-    xy -= step;
-    converged = step.norm() < kConverged * (1 + xy.norm());
+  if (!(xy_d.squaredNorm() <= max_seen_radius_ * max_seen_radius_)) return std::nullopt;
+  constexpr int kFewSteps = 6;
+  std::optional<PlanePoint> point = Undistort(k_, xy_d, xy_d, kFewSteps);
+  if (!point) {
+    const std::optional<Vector2d> start = UndistortRadially(k_, xy_d, max_radius_);
+    if (start) point = Undistort(k_, xy_d, *start, kMaxIterations);
   }
-  if (!converged || !(xy.norm() <= max_radius_)) return std::nullopt;
-  if ((Distort(k_, xy, &J) - xy_d).norm() > kMaxError || !(J.determinant() > 0))
-    return std::nullopt;
+  if (!point || !(point->xy.norm() <= max_radius_)) return std::nullopt;
   PixelBearing ray;
-  ray.bearing = xy.homogeneous().normalized();
-  ray.J_px_bearing.leftCols<2>() = Vector2d(k_.fx, k_.fy).asDiagonal() * J / ray.bearing.z();
-  ray.J_px_bearing.col(2) = -ray.J_px_bearing.leftCols<2>() * xy;
+  ray.bearing = point->xy.homogeneous().normalized();
+  ray.J_px_bearing.leftCols<2>() = Vector2d(k_.fx, k_.fy).asDiagonal() * point->J / ray.bearing.z();
+  ray.J_px_bearing.col(2) = -ray.J_px_bearing.leftCols<2>() * point->xy;
   return ray;
 }
 

@@ -74,8 +74,9 @@ class CameraModel {
   CameraIntrinsics k_;
   double mean_focal_px_ = 0;
   double max_angle_ = 0;
-  double max_radius_ = 0;  // the same on the plane z = 1; only where the lens moves its points
-  double min_cosine_ = 0;  // of max_angle_
+  double max_radius_ = 0;       // the same on the plane z = 1; only where the lens moves its points
+  double max_seen_radius_ = 0;  // where its image is
+  double min_cosine_ = 0;       // of max_angle_
 };
 
 }  // namespace facet

@@ -23,6 +23,8 @@ class ImagePyramid {
 
   bool empty() const { return levels_.empty(); }
   int num_levels() const { return static_cast<int>(levels_.size()); }
+  /// The same pixels twice: as an image, and as the kernels read it.
+  const cv::Mat& image(int l) const { return images_[static_cast<std::size_t>(l)]; }
   const ImageLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
 
  private:

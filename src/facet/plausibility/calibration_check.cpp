@@ -57,6 +57,7 @@ std::string CalibrationCheck::FromImages(const cv::Mat& left, const ImuInterval&
     return {};
   }
   std::string text;
+  const bool was_following = is_following_;
   if (is_following_) {
     const double share = images_->Follow(left);
     ++num_followed_;
@@ -67,7 +68,7 @@ std::string CalibrationCheck::FromImages(const cv::Mat& left, const ImuInterval&
     if (share > kUselessShare) text = EndTurn();
   }
   if (text.empty() && gyroscope_.IsOfUse(moved.angle / moved.duration_s)) {
-    images_->Begin(left);
+    if (!was_following || !images_->BeginAgain()) images_->Begin(left);
     is_following_ = true;
     turn_ = SharedTurn();
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/plausibility/image_rotation.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace facet {
@@ -9,34 +10,57 @@ namespace {
 // Enough for a rotation to a milliradian, few enough to cost little.
 constexpr int kNumTracks = 60;
 constexpr double kSigma_px = 0.7;
+// To go on with: detecting corners costs as much as following them for some images.
+constexpr int kEnoughLeft = 45;
+// Where corners are detected: in a quarter of the pixels, of which few are needed.
+constexpr int kDetectionLevel = 1;
+
+DetectorOptions AtDetectionLevel(DetectorOptions options) {
+  // Cells that are as large as half their share of the image leave a choice of corners.
+  options.cell_px = options.cell_px * 3 / 4;
+  options.min_distance_px /= 1 << kDetectionLevel;
+  return options;
+}
 
 }  // namespace
 
 ImageRotation::ImageRotation(const CameraModel& left)
     : camera_(left),
       tracker_(left, options_),
-      detector_(options_.detector, options_.klt),
+      detector_(AtDetectionLevel(options_.detector), options_.klt),
       tracks_(kNumTracks),
       first_(kNumTracks) {}
 
 void ImageRotation::Begin(const cv::Mat& left) {
   now_.Build(left, options_.klt.num_levels);
-  num_begun_ = 0;
+  num_begun_ = num_followed_ = 0;
   for (Track& track : tracks_)
     track.id = LandmarkId{};
-  for (const Vector2d& px : detector_.Detect(left, now_.level(0), {}, kNumTracks)) {
+  const int level = std::min(kDetectionLevel, now_.num_levels() - 1);
+  for (const Vector2d& px :
+       detector_.Detect(now_.image(level), now_.level(level), {}, kNumTracks)) {
     const auto slot = static_cast<std::size_t>(num_begun_);
-    if (!tracker_.Begin(now_, px, tracks_[slot])) continue;
+    if (!tracker_.Begin(now_, (1 << level) * px, tracks_[slot])) continue;
     tracks_[slot].id = LandmarkId{num_begun_++};
     first_[slot] = tracks_[slot].Bearing();
   }
+}
+
+bool ImageRotation::BeginAgain() {
+  if (num_followed_ < kEnoughLeft) return false;
+  for (std::size_t slot = 0; slot < tracks_.size(); ++slot) {
+    if (tracks_[slot].id.IsValid()) first_[slot] = tracks_[slot].Bearing();
+  }
+  num_begun_ = num_followed_;
+  return true;
 }
 
 double ImageRotation::Follow(const cv::Mat& left) {
   std::swap(previous_, now_);
   now_.Build(left, options_.klt.num_levels);
   const TrackingSummary summary = tracker_.Advance(previous_, now_, SE3(), tracks_);
-  return num_begun_ == 0 ? 0 : static_cast<double>(summary.num_tracked) / num_begun_;
+  num_followed_ = summary.num_tracked;
+  return num_begun_ == 0 ? 0 : static_cast<double>(num_followed_) / num_begun_;
 }
 
 std::optional<TwoViewRotation> ImageRotation::Estimate() const {

@@ -23,6 +23,9 @@ class ImageRotation {
 
   /// Detects corners in the image that an interval begins with.
   void Begin(const cv::Mat& left);
+  /// The newest image begins an interval, with the corners that were followed to it; false if too
+  /// few of them are left.
+  bool BeginAgain();
   /// Follows them to the next image. Returns which share is left.
   double Follow(const cv::Mat& left);
   /// From the first image of the interval to the newest one; empty if too few corners are left.
@@ -37,6 +40,7 @@ class ImageRotation {
   std::vector<Track> tracks_;
   std::vector<Vector3d> first_;  // bearings where the tracks began
   int num_begun_ = 0;
+  int num_followed_ = 0;  // to the newest image
 };
 
 }  // namespace facet

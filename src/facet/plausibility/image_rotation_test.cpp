@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A camera that turns before a texture at infinity.
+#include "facet/plausibility/image_rotation.h"
+
+#include <gtest/gtest.h>
+
+#include "facet/geometry/so3.h"
+#include "facet/sim/euroc_rig.h"
+#include "facet/testing/frontend/synthetic_image.h"
+
+namespace facet {
+namespace {
+
+class ImageRotationTest : public ::testing::Test {
+ protected:
+  /// What the camera sees at an angle about its vertical axis.
+  cv::Mat ImageAt(double angle) const {
+    const Matrix3d R_WC = ExpSO3({0, angle, 0}).toRotationMatrix();
+    return testing::Render(
+        texture_, camera_.width(), camera_.height(), [&](double x, double y) -> Vector2d {
+          const auto bearing_C = camera_.Unproject({x, y});
+          const Vector3d bearing = R_WC * bearing_C.value_or(Vector3d::UnitZ());
+          return 400 * bearing.head<2>() / bearing.z();
+        });
+  }
+
+  /// Of the newest image against the first one of its interval, about the vertical axis.
+  double Turned() const {
+    const auto rotation = images_.Estimate();
+    return rotation ? rotation->theta.y() : 0;
+  }
+
+  static constexpr double kTurn = 0.02, kTolerance = 0.002;  // rad
+  const CameraModel camera_ = EurocRig().cameras[0];
+  const testing::WaveTexture texture_{1};
+  ImageRotation images_{camera_};
+};
+
+TEST_F(ImageRotationTest, MeasuresATurnFromWhereItBegan) {
+  images_.Begin(ImageAt(0));
+  EXPECT_GT(images_.Follow(ImageAt(kTurn)), 0.7);
+  EXPECT_NEAR(std::abs(Turned()), kTurn, kTolerance);
+  EXPECT_GT(images_.Follow(ImageAt(2 * kTurn)), 0.6);
+  EXPECT_NEAR(std::abs(Turned()), 2 * kTurn, kTolerance);
+}
+
+TEST_F(ImageRotationTest, BeginsAgainWithTheCornersThatItHas) {
+  EXPECT_FALSE(images_.BeginAgain()) << "there are none";
+  images_.Begin(ImageAt(0));
+  EXPECT_FALSE(images_.BeginAgain()) << "none was followed";
+  images_.Follow(ImageAt(kTurn));
+  ASSERT_TRUE(images_.BeginAgain());
+  EXPECT_GT(images_.Follow(ImageAt(2 * kTurn)), 0.7);
+  EXPECT_NEAR(std::abs(Turned()), kTurn, kTolerance) << "from the second image on";
+}
+
+TEST_F(ImageRotationTest, DoesNotBeginAgainWithTooFewCorners) {
+  images_.Begin(ImageAt(0));
+  EXPECT_LT(images_.Follow(ImageAt(1)), 0.3) << "of another part of the world";
+  EXPECT_FALSE(images_.BeginAgain());
+}
+
+}  // namespace
+}  // namespace facet
