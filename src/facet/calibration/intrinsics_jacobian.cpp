@@ -24,17 +24,24 @@ Vector2d ShiftByIntrinsics(const CameraIntrinsics& k,
           (px.y() - k.cy) / k.fy * change(1) + change(3) + k.fy * moved.y()};
 }
 
+Matrix<2, kNumIntrinsics> IntrinsicsJacobian(const CameraIntrinsics& k,
+                                             const Vector3d& h,
+                                             const Vector2d& px) {
+  const Vector2d focal(k.fx, k.fy);
+  const Vector2d xy_d = (px - Vector2d(k.cx, k.cy)).cwiseQuotient(focal);
+  Matrix<2, kNumIntrinsics> J;
+  J << Matrix2d(xy_d.asDiagonal()), Matrix2d::Identity(),
+      focal.asDiagonal() * CoefficientJacobian(k, h);
+  return J;
+}
+
 std::optional<ProjectionDerivatives> ProjectWithDerivatives(const CameraModel& camera,
                                                             const Vector3d& p_C) {
   ProjectionDerivatives d;
   const std::optional<Vector2d> px = camera.Project(p_C, &d.J_px_p);
   if (!px) return std::nullopt;
   d.px = *px;
-  const CameraIntrinsics& k = camera.intrinsics();
-  const Vector2d focal(k.fx, k.fy);
-  const Vector2d xy_d = (*px - Vector2d(k.cx, k.cy)).cwiseQuotient(focal);
-  d.J_px_k << Matrix2d(xy_d.asDiagonal()), Matrix2d::Identity(),
-      focal.asDiagonal() * CoefficientJacobian(k, p_C);
+  d.J_px_k = IntrinsicsJacobian(camera.intrinsics(), p_C, *px);
   return d;
 }
 

@@ -78,9 +78,4 @@ Matrix<kNumMonomials, kNumMonomials> SmoothField::Covariance() {
   return solver.eigenvectors() * variance.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-Vector2d SmoothField::At(const Vector2d& px) const {
-  const Vector<kNumMonomials> m = Monomials(px, width_, height_);
-  return {coefficients_.col(0).dot(m), coefficients_.col(1).dot(m)};
-}
-
 }  // namespace facet

@@ -13,6 +13,8 @@ namespace {
 
 // The prior is left alone for less than this share of a share.
 constexpr double kWorthAChange = 0.1;
+// Modes with less than this share are a hundredth of a pixel.
+constexpr double kSmallShare = 0.05;
 
 struct Columns {
   int first, count;
@@ -57,6 +59,13 @@ void CalibrationCare::GiveUp(MarginalPrior& prior, CalibrationMatrix& possible) 
     SetShare(group, std::max(shares_[group], 1.0), prior, possible);
 }
 
+void CalibrationCare::LookAtModes(const CalibrationVector& delta,
+                                  const CalibrationMatrix& covariance) {
+  modes_share_ = Believed(kModesOfLenses, delta, covariance);
+  num_small_looks_ = modes_share_ <= kSmallShare ? num_small_looks_ + 1 : 0;
+  steps_when_settled_ = steps_;
+}
+
 // Where a lens does much beside its model, its parameters were fitted to that, too: they are not
 // better than what it does.
 void CalibrationCare::Judge(const CalibrationVector& delta,
@@ -65,11 +74,13 @@ void CalibrationCare::Judge(const CalibrationVector& delta,
                             CalibrationMatrix& possible) {
   const auto believe = [&](Group group, double share) {
     SetShare(group, share + steps_, prior, possible);
-    return share;
   };
   if (options_.lens) {
-    const double modes = believe(kModesOfLenses, Believed(kModesOfLenses, delta, covariance));
-    believe(kLensesAndPair, std::max(modes, Believed(kLensesAndPair, delta, covariance)));
+    if (!AreModesSettled()) {
+      LookAtModes(delta, covariance);
+      believe(kModesOfLenses, modes_share_);
+    }
+    believe(kLensesAndPair, std::max(modes_share_, Believed(kLensesAndPair, delta, covariance)));
   }
   if (options_.mount) believe(kMount, Believed(kMount, delta, covariance));
 }

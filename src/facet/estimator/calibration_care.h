@@ -30,11 +30,16 @@ class CalibrationCare {
              MarginalPrior& prior,
              CalibrationMatrix& possible);
 
+  /// For some seconds what the lenses do beside their models has been nearly nothing: it needs no
+  /// measurements until random steps have added up to something.
+  bool AreModesSettled() const { return num_small_looks_ >= kLooksToSettle; }
+
   /// The prior has taken a random step with this share of the first covariance. That stays.
   void AddStep(double share) {
     steps_ += share;
     for (double& s : shares_)
       s += share;
+    if (AreModesSettled() && steps_ - steps_when_settled_ > kWorthALook) num_small_looks_ = 0;
   }
 
   /// The calibration has turned out to be worse than a careful one: nothing is believed more than
@@ -42,6 +47,10 @@ class CalibrationCare {
   void GiveUp(MarginalPrior& prior, CalibrationMatrix& possible);
 
  private:
+  static constexpr int kLooksToSettle = 5;
+  static constexpr double kWorthALook = 0.05;  // share of the first variance
+
+  void LookAtModes(const CalibrationVector& delta, const CalibrationMatrix& covariance);
   double Believed(Group group,
                   const CalibrationVector& delta,
                   const CalibrationMatrix& covariance) const;
@@ -51,6 +60,10 @@ class CalibrationCare {
   CalibrationOptions options_;
   double steps_ = 0;                                   // the sum of all random steps
   std::array<double, kNumGroups> shares_ = {1, 1, 1};  // of the first variances, in the prior now
+
+  double modes_share_ = 1;   // as it was believed last
+  int num_small_looks_ = 0;  // at the modes, in turn
+  double steps_when_settled_ = 0;
 };
 
 }  // namespace facet

@@ -56,6 +56,12 @@ class CalibrationCareTest : public ::testing::Test {
     care_.Judge(-covariance * prior_.b.tail<kNumCalibration>(), covariance, prior_, possible_);
   }
 
+  void TakeStep(double share) {
+    ASSERT_TRUE(TakeRandomStep(share * first_, prior_));
+    care_.AddStep(share);
+    possible_ += share * first_;
+  }
+
   /// Variance of a parameter before any measurement, over the first one.
   double ShareOf(int parameter) const {
     return possible_(parameter, parameter) / first_(parameter, parameter);
@@ -123,13 +129,42 @@ TEST_F(CalibrationCareTest, WhatRandomStepsHaveAddedStays) {
   JudgeBy(CalibrationVector::Zero());
   const double before = ShareOf(kLensModes);
   constexpr double kStep = 0.001;
-  ASSERT_TRUE(TakeRandomStep(kStep * first_, prior_));
-  care_.AddStep(kStep);
-  possible_ += kStep * first_;
+  TakeStep(kStep);
   const CalibrationMatrix stepped = Covariance();
   care_.Judge(CalibrationVector::Zero(), stepped, prior_, possible_);
   EXPECT_NEAR(ShareOf(kLensModes), before + kStep, 0.1 * (before + kStep));
   EXPECT_GT(Covariance()(kLensModes, kLensModes), 0.9 * stepped(kLensModes, kLensModes));
+}
+
+TEST_F(CalibrationCareTest, ModesSettleWhenTheyHaveBeenSmallForSomeLooks) {
+  for (int look = 0; look < 4; ++look) {
+    JudgeBy(CalibrationVector::Zero());
+    EXPECT_FALSE(care_.AreModesSettled());
+  }
+  JudgeBy(Draw());
+  JudgeBy(CalibrationVector::Zero());
+  EXPECT_FALSE(care_.AreModesSettled()) << "these four do not count any more";
+  for (int look = 0; look < 4; ++look)
+    JudgeBy(CalibrationVector::Zero());
+  EXPECT_TRUE(care_.AreModesSettled());
+}
+
+TEST_F(CalibrationCareTest, SettledModesKeepTheirShareUntilRandomStepsHaveAddedUp) {
+  for (int look = 0; look < 5; ++look)
+    JudgeBy(CalibrationVector::Zero());
+  ASSERT_TRUE(care_.AreModesSettled());
+  const double share = ShareOf(kLensModes);
+  JudgeBy(Draw());
+  EXPECT_EQ(ShareOf(kLensModes), share) << "nothing measures them";
+  EXPECT_GT(ShareOf(0), 0.9);
+  int num_steps = 0;
+  for (; care_.AreModesSettled() && num_steps < 1000; ++num_steps)
+    TakeStep(0.001);
+  EXPECT_NEAR(num_steps, 50, 1);
+  const CalibrationVector drawn = Draw();
+  for (int look = 0; look < 5; ++look)
+    JudgeBy(drawn);
+  EXPECT_GT(ShareOf(kLensModes), 0.9);
 }
 
 TEST_F(CalibrationCareTest, GivenUpAllIsAsItWas) {

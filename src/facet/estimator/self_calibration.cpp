@@ -208,6 +208,7 @@ void SelfCalibration::Walk(SlidingWindow& window) {
 void SelfCalibration::GiveUpCare(SlidingWindow& window) {
   if (care_) care_->GiveUp(window.prior, possible_);
   care_.reset();
+  window.calibration->SettleModes(false);
 }
 
 // Each time something new was kept.
@@ -215,6 +216,7 @@ void SelfCalibration::JudgeCare(SlidingWindow& window) {
   if (!care_ || !kept_ || care_judged_ == kept_->t) return;
   care_judged_ = kept_->t;
   care_->Judge(kept_->delta, kept_->covariance, window.prior, possible_);
+  window.calibration->SettleModes(care_->AreModesSettled());
 }
 
 bool SelfCalibration::TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window) {

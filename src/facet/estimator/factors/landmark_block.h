@@ -37,6 +37,7 @@ struct LandmarkBlock {
   struct LensColumns {
     Matrix<kNumLensColumns, 3> W;  ///< calibration-landmark
     Matrix<kNumLensColumns, 3> Y;  ///< W L^-T, filled by Eliminate
+    bool has_modes = true;         ///< otherwise the rows of the lenses' modes are zero
   };
   int index = -1;  ///< of the landmark in the window
   std::vector<View> views;

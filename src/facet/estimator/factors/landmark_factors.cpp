@@ -14,7 +14,11 @@ void LinearizeLandmark(const FrameGeometry& geometry,
                        LensSums* lens) {
   const LinearizedPoint point(landmark, geometry);
   block.Clear(landmark.observations.size());
-  if (lens != nullptr) block.lens.resize(1, {Matrix<kNumLensColumns, 3>::Zero(), {}});
+  if (lens != nullptr) {
+    block.lens.resize(1);
+    block.lens.front().W.setZero();
+    block.lens.front().has_modes = geometry.estimates_modes();
+  }
   for (const WindowObservation& observation : landmark.observations)
     ReprojectionFactor(geometry, landmark, observation, noise).AddTo(point, block, lens);
   if (!landmark.IsOnPlanes()) return;

@@ -46,7 +46,7 @@ struct CameraView {
 std::optional<Vector2d> WhitenedPixelError(const Vector3d& h,
                                            const FrameGeometry& geometry,
                                            const CameraView& view) {
-  const std::optional<Vector2d> px = geometry.PresentProjection(view.camera, h);
+  const std::optional<Vector2d> px = geometry.present_lens(view.camera).Project(h);
   if (!px) return std::nullopt;
   return Vector2d((*px - view.observation.px[view.camera]) /
                   view.observation.sigma_px[view.camera]);
@@ -169,8 +169,9 @@ void AddLens(const VisionRow* rows,
                         sums.poses[static_cast<std::size_t>(obs.frame)].data(),
                         block.lens.front().W.data(),
                         sums.b.data()};
-  BestKernels().add_left_lens(lens, rows, to);
-  if (obs.has_right) BestKernels().add_right_lens(lens + 2, rows + 2, to);
+  const LensKernels& kernels = BestKernels().lens(block.lens.front().has_modes);
+  kernels.add_left(lens, rows, to);
+  if (obs.has_right) kernels.add_right(lens + 2, rows + 2, to);
 }
 
 using RowValues = Eigen::Map<Vector<10>>;
@@ -259,17 +260,22 @@ bool ReprojectionFactor::MakeCameraRows(const LinearizedPoint& point,
     MakeRows(point, geometry_, view, weight * ray.ErrorByDirection(h), weight * *error, rows);
     return true;
   }
-  const auto seen = is_near ? geometry_.NominalProjection(camera, h) : std::nullopt;
-  if (!seen) {
+  const CameraModel& nominal = geometry_.nominal_camera(camera);
+  Matrix<2, 3> J_px_h;
+  const auto px = is_near ? nominal.Project(h, &J_px_h) : std::nullopt;
+  if (!px) {
     if (lens != nullptr) std::fill_n(lens, 2, LensRow{});
     return false;
   }
   const double scale = weight / observation_.sigma_px[camera];
-  const Matrix<2, 3> by_h = scale * seen->J_px_p;
+  const Matrix<2, 3> by_h = scale * J_px_h;
   MakeRows(point, geometry_, view, by_h, weight * *error, rows);
   if (lens != nullptr) {
-    const Matrix<2, kNumLensModes> by_modes = scale * geometry_.ModesAt(camera, seen->px);
-    MakeLensRows(point, view, by_h, scale * seen->J_px_k, by_modes, lens);
+    const Matrix<2, kNumIntrinsics> by_lens =
+        scale * IntrinsicsJacobian(nominal.intrinsics(), h, *px);
+    Matrix<2, kNumLensModes> by_modes = Matrix<2, kNumLensModes>::Zero();
+    if (geometry_.estimates_modes()) by_modes = scale * geometry_.ModesAt(camera, *px);
+    MakeLensRows(point, view, by_h, by_lens, by_modes, lens);
   }
   return true;
 }

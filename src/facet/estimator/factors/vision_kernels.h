@@ -8,28 +8,43 @@
 
 namespace facet {
 
+/// Of the columns of lenses and stereo pair, with those of the lenses' modes or without.
+struct LensKernels {
+  /// AddLensProducts of a camera's two rows.
+  void (*add_left)(const LensRow*, const VisionRow*, const LensProducts&);
+  void (*add_right)(const LensRow*, const VisionRow*, const LensProducts&);
+  /// SubtractOuterProduct of a pose with them, and SubtractSquare.
+  void (*subtract_pose)(const double* A, const double* B, double* h, long column_stride);
+  void (*subtract_square)(const double* A, double* h, long column_stride);
+};
+
+template <int kLanes, int kModes>
+constexpr LensKernels MakeLensKernels() {
+  constexpr int kColumns = kLensModes + 2 * kModes;
+  return {AddLensProducts<kLanes, 2, kNumIntrinsics, kModes>,
+          AddLensProducts<kLanes, 2, kNumRigParameters, 2 * kModes>,
+          SubtractOuterProduct<kLanes, kColumns, kNumLensColumns>,
+          SubtractSquare<kLanes, kColumns, kNumLensColumns>};
+}
+
 /// Each with the same results on every processor, bit by bit.
 struct VisionKernels {
   void (*square_two_rows)(const VisionRow*, SquaredRows&);  ///< SquareRows
   void (*square_four_rows)(const VisionRow*, SquaredRows&);
-  /// AddLensProducts of a camera's two rows.
-  void (*add_left_lens)(const LensRow*, const VisionRow*, const LensProducts&);
-  void (*add_right_lens)(const LensRow*, const VisionRow*, const LensProducts&);
-  /// SubtractOuterProduct of a pose with a pose and with the calibration, and SubtractSquare.
+  /// SubtractOuterProduct of two poses.
   void (*subtract_poses)(const double* A, const double* B, double* h, long column_stride);
-  void (*subtract_pose_lens)(const double* A, const double* B, double* h, long column_stride);
-  void (*subtract_lens)(const double* A, double* h, long column_stride);
+  LensKernels with_modes, without_modes;
+
+  const LensKernels& lens(bool has_modes) const { return has_modes ? with_modes : without_modes; }
 };
 
 template <int kLanes>
 constexpr VisionKernels MakeVisionKernels() {
   return {SquareRows<kLanes, 2>,
           SquareRows<kLanes, 4>,
-          AddLensProducts<kLanes, 2, kNumIntrinsics, kNumLensModes>,
-          AddLensProducts<kLanes, 2, kNumRigParameters, 2 * kNumLensModes>,
           SubtractOuterProduct<kLanes, 6>,
-          SubtractOuterProduct<kLanes, kNumLensColumns>,
-          SubtractSquare<kLanes, kNumLensColumns>};
+          MakeLensKernels<kLanes, kNumLensModes>(),
+          MakeLensKernels<kLanes, 0>()};
 }
 
 /// Two numbers at a time: on every processor.

@@ -90,8 +90,10 @@ TEST_P(VisionKernelsTest, ProductsOfRowsAreThoseOfMatrices) {
     sums << pose, landmark, b;
     return LowerError(H, expected_H) + (sums - expected).norm();
   };
-  EXPECT_LT(error(kNumRigParameters, 2 * kNumLensModes, kernels_.add_right_lens), 1e-12);
-  EXPECT_LT(error(kNumIntrinsics, kNumLensModes, kernels_.add_left_lens), 1e-12);
+  EXPECT_LT(error(kNumRigParameters, 2 * kNumLensModes, kernels_.with_modes.add_right), 1e-12);
+  EXPECT_LT(error(kNumIntrinsics, kNumLensModes, kernels_.with_modes.add_left), 1e-12);
+  EXPECT_LT(error(kNumRigParameters, 0, kernels_.without_modes.add_right), 1e-12);
+  EXPECT_LT(error(kNumIntrinsics, 0, kernels_.without_modes.add_left), 1e-12);
 }
 
 TEST_P(VisionKernelsTest, OuterProductsAreSubtractedInABlockOfAMatrix) {
@@ -105,12 +107,17 @@ TEST_P(VisionKernelsTest, OuterProductsAreSubtractedInABlockOfAMatrix) {
   Fill(H, rng);
   MatrixXd expected = H;
   expected.block<6, kNumLensColumns>(50, 3) -= A * B.transpose();
-  kernels_.subtract_pose_lens(A.data(), B.data(), &H(50, 3), H.outerStride());
+  kernels_.with_modes.subtract_pose(A.data(), B.data(), &H(50, 3), H.outerStride());
+  expected.block<6, kLensModes>(44, 3) -= A * B.topRows<kLensModes>().transpose();
+  kernels_.without_modes.subtract_pose(A.data(), B.data(), &H(44, 3), H.outerStride());
   expected.block<6, 6>(1, 48) -= A * C.transpose();
   kernels_.subtract_poses(A.data(), C.data(), &H(1, 48), H.outerStride());
   EXPECT_LT((H - expected).norm(), 1e-12);
   expected.block<kNumLensColumns, kNumLensColumns>(5, 5) -= B * B.transpose();
-  kernels_.subtract_lens(B.data(), &H(5, 5), H.outerStride());
+  kernels_.with_modes.subtract_square(B.data(), &H(5, 5), H.outerStride());
+  expected.block<kLensModes, kLensModes>(2, 2) -=
+      B.topRows<kLensModes>() * B.topRows<kLensModes>().transpose();
+  kernels_.without_modes.subtract_square(B.data(), &H(2, 2), H.outerStride());
   EXPECT_LT(LowerError(H, expected), 1e-12);
 }
 
@@ -135,9 +142,11 @@ TEST(VisionKernelsBitsTest, FourAtATimeGiveTheBitsOfTwo) {
     LensMatrix H = LensMatrix::Ones();
     Matrix<kNumLensColumns, 10> sums = Matrix<kNumLensColumns, 10>::Ones();
     const LensProducts to{H.data(), sums.data(), &sums(0, 6), &sums(0, 9)};
-    kernels.add_left_lens(lens, rows, to);
-    kernels.add_right_lens(lens, rows, to);
-    kernels.subtract_lens(B.data(), H.data(), H.outerStride());
+    for (const bool has_modes : {true, false}) {
+      kernels.lens(has_modes).add_left(lens, rows, to);
+      kernels.lens(has_modes).add_right(lens, rows, to);
+      kernels.lens(has_modes).subtract_square(B.data(), H.data(), H.outerStride());
+    }
     H.triangularView<Eigen::StrictlyUpper>().setZero();
     VectorXd bits(72 + H.size() + sums.size());
     bits << Eigen::Map<Vector<36>>(G.H), Eigen::Map<Vector<18>>(G.W), Eigen::Map<Vector<6>>(G.b),

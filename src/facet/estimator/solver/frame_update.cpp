@@ -68,6 +68,15 @@ NavState Moved(const NavState& x, const Vector<15>& step) {
 
 }  // namespace
 
+// Landmarks that no solve has seen, or that have another host since, are linearised.
+Matrix3d FrameUpdater::InformationOn(const WindowLandmark& landmark,
+                                     const SlidingWindow& window,
+                                     const FactorNoise& noise) {
+  if (!landmark.information.isZero(0)) return landmark.information;
+  LinearizeLandmark(geometry_, window.planes, landmark, noise, block_);
+  return block_.V;
+}
+
 void FrameUpdater::SetReference(const SlidingWindow& window,
                                 const Matrix<15, 15>& covariance,
                                 const FactorNoise& noise) {
@@ -79,7 +88,6 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
   landmarks_.clear();
   for (const WindowLandmark& landmark : window.landmarks()) {
     if (!landmark.has_depth) continue;
-    LinearizeLandmark(geometry_, window.planes, landmark, noise, block_);
     HeldLandmark held;
     const FrameGeometry::Pose& host = geometry_.current(landmark.host);
     held.d_W = host.R_WC0 * landmark.bearing_H;
@@ -90,7 +98,9 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
     held.is_witness = landmark.IsWitness();
     held.is_seen = landmark.observations.back().frame == window.newest_frame();
     // The ridge stands for a distance known to 1/m at best.
-    held.covariance = (block_.V + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal())).inverse();
+    held.covariance =
+        (InformationOn(landmark, window, noise) + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal()))
+            .inverse();
     landmarks_.emplace(landmark.id, held);
   }
 }

@@ -77,9 +77,10 @@ void SubtractLens(const LandmarkBlock& block,
                   VectorXd& b) {
   const int column = layout.calibration_column;
   b.segment<kNumLensColumns>(column) -= lens.Y.lazyProduct(block.y);
-  BestKernels().subtract_lens(lens.Y.data(), &H(column, column), H.outerStride());
+  const LensKernels& kernels = BestKernels().lens(lens.has_modes);
+  kernels.subtract_square(lens.Y.data(), &H(column, column), H.outerStride());
   for (const LandmarkBlock::View& view : ViewsOf(block)) {
-    BestKernels().subtract_pose_lens(
+    kernels.subtract_pose(
         view.Y.data(), lens.Y.data(), &H(layout.pose_column[view.frame], column), H.outerStride());
   }
   for (const LandmarkBlock::PlaneView& plane : PlaneViewsOf(block)) {

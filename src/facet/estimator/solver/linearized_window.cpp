@@ -54,8 +54,8 @@ void AddLandmarks(const SlidingWindow& window,
   MatrixXd& H = is_apart ? linear.vision_H : linear.equations.H;
   VectorXd& b = is_apart ? linear.vision_b : linear.equations.b;
   if (is_apart) {
-    H.setZero(layout.dim, layout.dim);
-    b.setZero(layout.dim);
+    H.setZero(layout.dense_dim, layout.dense_dim);
+    b.setZero(layout.dense_dim);
     linear.lens_sums.Clear(window.frames.size());
     linear.mounts = MountJacobiansOf(window, geometry);
   }

@@ -21,8 +21,8 @@ struct LinearizedWindow {
   std::vector<LandmarkBlock> landmarks;
   int num_landmarks = 0;
   /// What the landmarks add to frames, planes, lenses and stereo pair before their elimination
-  /// (lower triangle), and the frames' mount Jacobians: only if the calibration is a variable.
-  /// Otherwise it is part of `equations`.
+  /// (lower triangle of the dense columns), and the frames' mount Jacobians: only if the
+  /// calibration is a variable. Otherwise it is part of `equations`.
   MatrixXd vision_H;
   VectorXd vision_b;
   MountJacobians mounts;

@@ -64,5 +64,33 @@ TEST(LinearizedWindowTest, MotionsAreCoupledByTheFactorsOnThem) {
   EXPECT_EQ(CoupledWith(0, test), (std::vector{V::Plane(0), V::Pose(0), V::Motion(0), V::Pose(3)}));
 }
 
+// What is settled has no columns; all others are as they were, with the same errors.
+TEST(LinearizedWindowTest, SettledModesHaveNoColumns) {
+  Rng rng(54);
+  TestWindow test = testing::MakeTestWindow({}, rng);
+  testing::AddCalibration(test, rng);
+  LinearizedWindow with_modes, settled;
+  testing::Linearize(test, kNoise, with_modes);
+  test.window.calibration->SettleModes(true);
+  testing::Linearize(test, kNoise, settled);
+  const StateLayout& layout = settled.layout();
+  ASSERT_EQ(layout.dim, with_modes.layout().dim);
+  EXPECT_EQ(settled.cost, with_modes.cost);
+  const int modes = layout.calibration_column + kLensModes;
+  MatrixXd expected_H = with_modes.vision_H.selfadjointView<Eigen::Lower>();
+  EXPECT_GT(expected_H.middleCols<2 * kNumLensModes>(modes).norm(), 1);
+  expected_H.middleCols<2 * kNumLensModes>(modes).setZero();
+  expected_H.middleRows<2 * kNumLensModes>(modes).setZero();
+  VectorXd expected_b = with_modes.vision_b;
+  expected_b.segment<2 * kNumLensModes>(modes).setZero();
+  EXPECT_EQ(MatrixXd(settled.vision_H.selfadjointView<Eigen::Lower>()), expected_H);
+  EXPECT_EQ(settled.vision_b, expected_b);
+  for (int k = 0; k < settled.num_landmarks; ++k) {
+    auto expected_W = with_modes.landmarks[static_cast<std::size_t>(k)].lens.front().W;
+    expected_W.middleRows<2 * kNumLensModes>(kLensModes).setZero();
+    EXPECT_EQ(settled.landmarks[static_cast<std::size_t>(k)].lens.front().W, expected_W);
+  }
+}
+
 }  // namespace
 }  // namespace facet

@@ -9,11 +9,18 @@ namespace {
 
 constexpr int kMotion = SizeOf(Variable::Kind::kMotion);
 
+// IMU factors know the last parameters of the calibration only, the gyroscope's scale. What the
+// prior knows of a motion touches all.
+bool TouchesGyroScaleOnly(const MatrixXd& H, int motion_column, int calibration_column) {
+  return H.block<kMotion, kGyroScale>(motion_column, calibration_column).isZero(0);
+}
+
 }  // namespace
 
-// Planes, calibration, poses, the newest motion, then later motions: ascending columns.
+// Planes, calibration, poses, the newest motion, then earlier motions: ascending columns.
 void MotionElimination::FindNeighbours(int frame,
                                        const StateLayout& layout,
+                                       const MatrixXd& H,
                                        Eliminated& motion) const {
   const VariableSet& coupled = coupled_[frame];
   const int num_frames = static_cast<int>(layout.pose_column.size());
@@ -25,18 +32,21 @@ void MotionElimination::FindNeighbours(int frame,
   };
   for (int k = 0; k < num_planes; ++k)
     add_if_coupled(Variable::Plane(k));
-  if (layout.calibration_column >= 0) add_if_coupled(Variable::Calibration());
+  const int calibration = layout.calibration_column;
+  if (calibration >= 0 && coupled.Contains(Variable::Calibration())) {
+    const int first = TouchesGyroScaleOnly(H, motion.column, calibration) ? kGyroScale : 0;
+    motion.neighbours.push_back({calibration + first, kNumCalibration - first});
+  }
   for (int i = 0; i < num_frames; ++i)
     add_if_coupled(Variable::Pose(i));
   add_if_coupled(Variable::Motion(num_frames - 1));
-  for (int i = frame + 1; i + 1 < num_frames; ++i)
+  for (int i = 0; i < frame; ++i)
     add_if_coupled(Variable::Motion(i));
 }
 
 // The neighbours are coupled with each other from here on.
 void MotionElimination::CoupleNeighbours(int frame) {
-  const int num_frames = static_cast<int>(coupled_.size());
-  for (int i = frame + 1; i < num_frames; ++i) {
+  for (int i = 0; i < frame; ++i) {
     if (coupled_[frame].Contains(Variable::Motion(i))) coupled_[i].Insert(coupled_[frame]);
   }
 }
@@ -89,12 +99,12 @@ bool MotionElimination::Eliminate(const StateLayout& layout,
   coupled_ = coupled;
   num_eliminated_ = 0;
   if (eliminated_.size() < coupled.size()) eliminated_.resize(coupled.size());
-  for (int k = 0; k + 1 < num_frames; ++k) {
+  for (int k = num_frames - 2; k >= 0; --k) {
     const int column = layout.motion_column[k];
     if (column < 0) continue;
     Eliminated& motion = eliminated_[num_eliminated_++];
     motion.column = column;
-    FindNeighbours(k, layout, motion);
+    FindNeighbours(k, layout, H, motion);
     int size = 0;
     for (const Block& block : motion.neighbours)
       size += block.size;

@@ -13,7 +13,8 @@ namespace facet {
 /// Reuse one object: it keeps its storage. Not thread-safe.
 class MotionElimination {
  public:
-  /// Eliminates every motion but the newest from (H, b); H holds its lower triangle. `coupled`: for
+  /// Eliminates every motion but the newest from (H, b), later ones first: the prior, which touches
+  /// most variables, is on the earliest. H holds its lower triangle. `coupled`: for
   /// each frame with a motion, which variables that motion is in a factor with. The first
   /// layout.dense_dim rows and columns then are the Schur complement. False if not positive
   /// definite.
@@ -39,7 +40,10 @@ class MotionElimination {
     Vector<9> y;                                 // L^-1 b(motion)
   };
 
-  void FindNeighbours(int frame, const StateLayout& layout, Eliminated& motion) const;
+  void FindNeighbours(int frame,
+                      const StateLayout& layout,
+                      const MatrixXd& H,
+                      Eliminated& motion) const;
   void SubtractSchur(const Eliminated& motion, MatrixXd& H, VectorXd& b);
   void CoupleNeighbours(int frame);
 

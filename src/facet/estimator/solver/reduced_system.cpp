@@ -24,18 +24,22 @@ void ReducedSystem::EliminateLandmarks(double lambda, LinearizedWindow& linear) 
 // made of it.
 void ReducedSystem::EliminateWithCalibration(double lambda, LinearizedWindow& linear) {
   const StateLayout& layout = linear.layout();
-  H_ = linear.vision_H;
-  b_ = linear.vision_b;
+  vision_H_ = linear.vision_H;
+  vision_b_ = linear.vision_b;
   for (int k = 0; k < linear.num_landmarks; ++k) {
     Eliminate(lambda, linear.landmarks[k]);
-    SubtractSchur(linear.landmarks[k], layout, H_, b_);
+    SubtractSchur(linear.landmarks[k], layout, vision_H_, vision_b_);
   }
-  FillMountColumns(linear.mounts, layout, H_, b_);
+  FillMountColumns(linear.mounts, layout, vision_H_, vision_b_);
   const MatrixXd& H = linear.equations.H;
-  H_.diagonal().array() +=
-      lambda * (H.diagonal().array() + linear.vision_H.diagonal().array() + 1.0);
-  H_.triangularView<Eigen::Lower>() += H;
-  b_ += linear.equations.b;
+  H_.resize(H.rows(), H.cols());
+  H_.triangularView<Eigen::Lower>() = H;
+  b_ = linear.equations.b;
+  H_.diagonal().array() += lambda * (H.diagonal().array() + 1.0);
+  auto dense = H_.topLeftCorner(layout.dense_dim, layout.dense_dim);
+  dense.diagonal() += lambda * linear.vision_H.diagonal();
+  dense.triangularView<Eigen::Lower>() += vision_H_;
+  b_.head(layout.dense_dim) += vision_b_;
 }
 
 bool ReducedSystem::Solve(double lambda, LinearizedWindow& linear) {

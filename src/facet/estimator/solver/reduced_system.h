@@ -28,6 +28,8 @@ class ReducedSystem {
 
   MatrixXd H_;  // lower triangle
   VectorXd b_;
+  MatrixXd vision_H_;  // what the landmarks add to it
+  VectorXd vision_b_;
   int dense_dim_ = 0;
   MotionElimination motions_;
   VectorXd step_;

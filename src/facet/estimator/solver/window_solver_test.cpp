@@ -52,6 +52,30 @@ TEST(WindowSolverTest, CovarianceIsFreeOfDamping) {
   EXPECT_LT((scale.asDiagonal() * error * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-3);
 }
 
+// The directions across the bearing turn with it, so traces and what is on the distance compare.
+TEST(WindowSolverTest, LandmarksKeepWhatIsKnownOfThem) {
+  Rng rng(54);
+  TestWindow test = testing::MakeOptimumWindow(54, 0);
+  testing::AddBalancedPrior(test, rng, kNoise);
+  testing::Disturb(test.window, {1e-4, 1e-3, 1e-3, 1e-4, 1e-4}, rng);
+  WindowSolver solver(test.rig, SolverOptions{});
+  solver.Solve(test.window, kNoise, 5);
+  FrameGeometry geometry(test.rig);
+  geometry.Update(test.window);
+  int num_known = 0;
+  for (const WindowLandmark& landmark : test.window.landmarks()) {
+    if (!IsConstraining(landmark)) continue;
+    LandmarkBlock block;
+    LinearizeLandmark(geometry, test.window.planes, landmark, kNoise, block);
+    EXPECT_LT((landmark.information - block.V).norm(), 0.02 * block.V.norm());
+    ++num_known;
+  }
+  EXPECT_GT(num_known, 20);
+  WindowLandmark landmark = test.window.landmarks().front();
+  test.window.Rehost(landmark, landmark.observations.back().frame);
+  EXPECT_TRUE(landmark.information.isZero(0)) << "of directions in another frame";
+}
+
 TEST(WindowSolverTest, NeverRaisesTheCost) {
   for (std::uint64_t seed = 60; seed < 70; ++seed) {
     TestWindow test = testing::MakeOptimumWindow(seed, 0);

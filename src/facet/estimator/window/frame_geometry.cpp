@@ -57,9 +57,12 @@ void FrameGeometry::Update(const SlidingWindow& window) {
   nominal_ = calibration.nominal();
   delta_ = calibration.delta();
   modes_ = calibration.modes();
-  for (std::size_t c = 0; c < 2; ++c)
-    beside_model_[c] = (*modes_)[c].Sum(calibration.LensModesAtPresent(static_cast<int>(c)));
+  estimates_modes_ = !calibration.are_modes_settled();
   for (int c = 0; c < 2; ++c) {
+    const std::size_t i = static_cast<std::size_t>(c);
+    present_lenses_[i] = PresentLens(nominal_.cameras[i],
+                                     delta_.segment<kNumIntrinsics>(c * kNumIntrinsics),
+                                     (*modes_)[i].Sum(calibration.LensModesAtPresent(c)));
     nominal.R_CB[c] = nominal_.T_BC[static_cast<std::size_t>(c)].R().transpose();
     nominal.p_BC[c] = nominal_.T_BC[static_cast<std::size_t>(c)].p;
     R_CB[c] = calibration.T_BC(c).R().transpose();
@@ -81,21 +84,9 @@ SE3 FrameGeometry::AtImage(const SE3& T_WB, const BodyRates& rates) const {
   return {(T_WB.q * ExpSO3(dt * rates.w_B)).normalized(), T_WB.p + T_WB.q * (dt * rates.v_B)};
 }
 
-std::optional<Vector2d> FrameGeometry::PresentProjection(int camera, const Vector3d& h) const {
-  const CameraModel& lens = nominal_.cameras[static_cast<std::size_t>(camera)];
-  const std::optional<Vector2d> px = lens.Project(h);
-  if (!px) return std::nullopt;
-  return Vector2d(*px + ShiftByIntrinsics(lens.intrinsics(), h, *px, Deviation(camera)) +
-                  BesideModel(camera, *px));
-}
-
 Vector2d FrameGeometry::LensShift_px(const WindowObservation& observation, int camera) const {
   if (!has_calibration_) return Vector2d::Zero();
-  const CameraModel& lens = nominal_.cameras[static_cast<std::size_t>(camera)];
-  const Vector2d& px = observation.px[camera];
-  return ShiftByIntrinsics(
-             lens.intrinsics(), observation.rays[camera].bearing, px, Deviation(camera)) +
-         BesideModel(camera, px);
+  return present_lens(camera).Shift(observation.rays[camera].bearing, observation.px[camera]);
 }
 
 Vector3d FrameGeometry::MeasuredBearing(const WindowObservation& observation, int camera) const {

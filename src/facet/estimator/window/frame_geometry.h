@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "facet/calibration/intrinsics_jacobian.h"
 #include "facet/calibration/lens_modes.h"
+#include "facet/calibration/present_lens.h"
 #include "facet/camera/stereo_rig.h"
 #include "facet/estimator/window/sliding_window.h"
 
@@ -42,19 +42,23 @@ class FrameGeometry {
   /// By the last update: whether the calibration is a variable.
   bool has_calibration() const { return has_calibration_; }
 
+  /// And whether measurements say anything of the lenses' modes (WindowCalibration).
+  bool estimates_modes() const { return estimates_modes_; }
+
   /// How much later images are taken than their nominal stamps say [s].
   double time_offset() const { return has_calibration_ ? delta_(kTimeOffset) : 0.0; }
 
   /// Where the body is when the image of a frame at T_WB is taken.
   SE3 AtImage(const SE3& T_WB, const BodyRates& rates) const;
 
-  /// Where the point h of the camera is seen by the nominal lens, with its derivatives. Empty
-  /// outside of the field of view.
-  std::optional<ProjectionDerivatives> NominalProjection(int camera, const Vector3d& h) const {
-    return ProjectWithDerivatives(nominal_.cameras[static_cast<std::size_t>(camera)], h);
+  const CameraModel& nominal_camera(int camera) const {
+    return nominal_.cameras[static_cast<std::size_t>(camera)];
   }
-  /// Where the present lens sees it, to first order in its deviation. Empty as above.
-  std::optional<Vector2d> PresentProjection(int camera, const Vector3d& h) const;
+  /// The lens as it is believed to be at present, with all of its deviation to first order; only
+  /// with a calibration.
+  const PresentLens& present_lens(int camera) const {
+    return present_lenses_[static_cast<std::size_t>(camera)];
+  }
 
   /// d pixel / d modes of the lens at a pixel; only with a calibration.
   Matrix<2, kNumLensModes> ModesAt(int camera, const Vector2d& px) const {
@@ -73,17 +77,11 @@ class FrameGeometry {
   Vector3d p_BC[2];
 
  private:
-  Vector2d BesideModel(int camera, const Vector2d& px) const {
-    return beside_model_[static_cast<std::size_t>(camera)].At(px);
-  }
-  IntrinsicsVector Deviation(int camera) const {
-    return delta_.segment<kNumIntrinsics>(camera * kNumIntrinsics);
-  }
-
   StereoRig nominal_;
   std::shared_ptr<const std::array<LensModes, 2>> modes_;
-  LensFields beside_model_;  // at present
+  std::array<PresentLens, 2> present_lenses_;
   bool has_calibration_ = false;
+  bool estimates_modes_ = false;
   CalibrationVector delta_ = CalibrationVector::Zero();
   std::vector<Pose> current_;
   std::vector<Pose> frozen_;

@@ -61,7 +61,8 @@ std::optional<Matrix<3, kNumCalibration>> WindowCalibration::PointJacobian(
   const Matrix3d R_BC0 = nominal_.T_BC[0].R();
   Matrix<3, kNumCalibration> J;
   J.leftCols<kNumRigParameters>() = R_BC0 * *of_lens;
-  for (int c = 0; c < 2; ++c) {
+  J.middleCols<2 * kNumLensModes>(kLensModes).setZero();
+  for (int c = 0; c < 2 && !are_modes_settled_; ++c) {
     const std::size_t i = static_cast<std::size_t>(c);
     const auto px = nominal_.cameras[i].Project(p_C[i]);
     if (!px) return std::nullopt;

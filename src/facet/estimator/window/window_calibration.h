@@ -44,6 +44,11 @@ class WindowCalibration {
   /// The calibration at present; the nominal one where a parameter has left what a camera can be.
   StereoRig Refined() const;
 
+  /// Whether what the lenses do beside their models is known so well that measurements of points
+  /// need no columns for it: they say nothing of it then.
+  bool are_modes_settled() const { return are_modes_settled_; }
+  void SettleModes(bool are_settled) { are_modes_settled_ = are_settled; }
+
   /// What a lens does beside its model at present.
   LensModeVector LensModesAtPresent(int camera) const {
     return nominal_.lens_modes[static_cast<std::size_t>(camera)] + LensModesOf(delta_, camera);
@@ -56,7 +61,7 @@ class WindowCalibration {
   Vector3d gyro_scale() const;
 
   /// d X_B / d calibration of a point of the body that a keyframe has triangulated; rates as of its
-  /// frame. Empty where TriangulationJacobian is.
+  /// frame. Settled modes have zero. Empty where TriangulationJacobian is.
   std::optional<Matrix<3, kNumCalibration>> PointJacobian(const Vector3d& X_B,
                                                           const BodyRates& rates) const;
 
@@ -72,6 +77,7 @@ class WindowCalibration {
   StereoRig nominal_;
   std::shared_ptr<const std::array<LensModes, 2>> modes_;
   CalibrationVector delta_ = CalibrationVector::Zero();
+  bool are_modes_settled_ = false;
   CalibrationVector start_mean_ = CalibrationVector::Zero();
   std::array<SE3, 2> T_BC_;
 };

@@ -38,9 +38,9 @@ TEST(WindowCalibrationTest, GivenAndEstimatedModesOfALensAddUp) {
   of_given.Update(given);
   const Vector3d h(0.3, -0.2, 1);
   for (int c = 0; c < 2; ++c) {
-    const Vector2d seen_px = *of_both.PresentProjection(c, h);
+    const Vector2d seen_px = *of_both.present_lens(c).Project(h);
     const Vector2d by_model_px = *EurocRig().cameras[static_cast<std::size_t>(c)].Project(h);
-    EXPECT_LT((seen_px - *of_given.PresentProjection(c, h)).norm(), 1e-12);
+    EXPECT_LT((seen_px - *of_given.present_lens(c).Project(h)).norm(), 1e-12);
     EXPECT_GT((seen_px - by_model_px).norm(), 0.1);
     const LensModeVector refined =
         both.calibration->Refined().lens_modes[static_cast<std::size_t>(c)];

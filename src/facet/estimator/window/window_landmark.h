@@ -30,6 +30,9 @@ struct WindowLandmark {
   double inverse_distance = 0;                  ///< 1/m, >= 0
   std::vector<WindowObservation> observations;  ///< in order of time; at most one per frame
   PlaneLinks planes;
+  /// What the last solve has found known of two directions across the bearing (TangentBasis) and of
+  /// the inverse distance, with the frames held; zero before.
+  Matrix3d information = Matrix3d::Zero();
   /// Keyframes at which it was where the motion by the IMU puts it; below 0 it has moved.
   int num_confirmed = 0;
   bool is_projection = false;  ///< pipeline SP: the paper's projection noise and loss
