@@ -14,7 +14,8 @@ namespace facet {
 class PresentLens {
  public:
   PresentLens() = default;
-  /// `change`: of the parameters; counts to first order.
+  /// `change`: of the parameters; counts to first order. What the lens does beside the model is
+  /// taken where either the model or the changed model has the point, which differ to second order.
   PresentLens(const CameraModel& nominal,
               const IntrinsicsVector& change,
               const SmoothField& beside_model);

@@ -38,7 +38,9 @@ class PresentLensTest : public ::testing::TestWithParam<DistortionModel> {
 
 INSTANTIATE_TEST_SUITE_P(Lenses,
                          PresentLensTest,
-                         ::testing::Values(DistortionModel::kRadialTangential,
+                         ::testing::Values(DistortionModel::kNone,
+                                           DistortionModel::kRadialTangential,
+                                           DistortionModel::kRational,
                                            DistortionModel::kEquidistant));
 
 TEST_P(PresentLensTest, AddsFirstOrderChangesToTheModel) {

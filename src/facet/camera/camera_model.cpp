@@ -291,11 +291,14 @@ std::optional<PixelBearing> CameraModel::BearingOf(const Vector2d& px) const {
   if (!(xy_d.squaredNorm() <= max_seen_radius_ * max_seen_radius_)) return std::nullopt;
   constexpr int kFewSteps = 6;
   std::optional<PlanePoint> point = Undistort(k_, xy_d, xy_d, kFewSteps);
-  if (!point) {
+  const auto is_in_view = [this](const std::optional<PlanePoint>& p) {
+    return p && p->xy.norm() <= max_radius_;
+  };
+  if (!is_in_view(point)) {
     const std::optional<Vector2d> start = UndistortRadially(k_, xy_d, max_radius_);
     if (start) point = Undistort(k_, xy_d, *start, kMaxIterations);
   }
-  if (!point || !(point->xy.norm() <= max_radius_)) return std::nullopt;
+  if (!is_in_view(point)) return std::nullopt;
   PixelBearing ray;
   ray.bearing = point->xy.homogeneous().normalized();
   ray.J_px_bearing.leftCols<2>() = Vector2d(k_.fx, k_.fy).asDiagonal() * point->J / ray.bearing.z();

@@ -75,7 +75,7 @@ class CameraModel {
   double mean_focal_px_ = 0;
   double max_angle_ = 0;
   double max_radius_ = 0;       // the same on the plane z = 1; only where the lens moves its points
-  double max_seen_radius_ = 0;  // where its image is
+  double max_seen_radius_ = 0;  // to which the radial distortion moves max_radius_
   double min_cosine_ = 0;       // of max_angle_
 };
 

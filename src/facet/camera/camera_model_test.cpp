@@ -53,6 +53,24 @@ TEST_P(EveryModelTest, PointsSurviveTheRoundTrip) {
   }
 }
 
+// Newton's method from where the pixel is seen ends at a point behind the fold there.
+TEST(CameraModelTest, ABearingInAPincushionIsTheOneInView) {
+  CameraIntrinsics k;
+  k.width = 752;
+  k.height = 480;
+  k.fx = k.fy = 300;
+  k.cx = 376;
+  k.cy = 240;
+  k.distortion = DistortionModel::kRadialTangential;
+  k.coefficients = {0.4397, -0.2404, 0.0041, 0.0042};
+  const CameraModel camera(k);
+  const Vector2d px(k.cx - 1.1460 * k.fx, k.cy + 0.5304 * k.fy);
+  const auto bearing = camera.Unproject(px);
+  ASSERT_TRUE(bearing);
+  EXPECT_LT((bearing->hnormalized() - Vector2d(-0.9719, 0.4439)).norm(), 1e-3);
+  EXPECT_LT((*camera.Project(*bearing) - px).norm(), 1e-6);
+}
+
 TEST_P(EveryModelTest, ProjectionJacobianMatchesNumericDerivative) {
   const CameraModel camera(GetParam());
   Rng rng(2);

@@ -40,18 +40,19 @@ double CalibrationCare::Believed(Group group,
 }
 
 // As what was measured is information beside the prior, a prior that becomes looser leaves it.
-void CalibrationCare::SetShare(Group group,
+bool CalibrationCare::SetShare(Group group,
                                double share,
                                MarginalPrior& prior,
                                CalibrationMatrix& possible) {
   double& present = shares_[group];
-  if (std::abs(share / present - 1) < kWorthAChange) return;
+  if (std::abs(share / present - 1) < kWorthAChange) return true;
   const Columns& c = kColumns[group];
   CalibrationMatrix change = CalibrationMatrix::Zero();
   BlockOf(c, change) = (1 / share - 1 / present) * BlockOf(c, first_information_);
-  if (!AddInformation(change, prior)) return;
+  if (!AddInformation(change, prior)) return false;
   BlockOf(c, possible) *= share / present;
   present = share;
+  return true;
 }
 
 void CalibrationCare::GiveUp(MarginalPrior& prior, CalibrationMatrix& possible) {
@@ -59,10 +60,8 @@ void CalibrationCare::GiveUp(MarginalPrior& prior, CalibrationMatrix& possible) 
     SetShare(group, std::max(shares_[group], 1.0), prior, possible);
 }
 
-void CalibrationCare::LookAtModes(const CalibrationVector& delta,
-                                  const CalibrationMatrix& covariance) {
-  modes_share_ = Believed(kModesOfLenses, delta, covariance);
-  num_small_looks_ = modes_share_ <= kSmallShare ? num_small_looks_ + 1 : 0;
+void CalibrationCare::CountLookAtModes(bool is_believed) {
+  num_small_looks_ = is_believed && modes_share_ <= kSmallShare ? num_small_looks_ + 1 : 0;
   steps_when_settled_ = steps_;
 }
 
@@ -73,12 +72,12 @@ void CalibrationCare::Judge(const CalibrationVector& delta,
                             MarginalPrior& prior,
                             CalibrationMatrix& possible) {
   const auto believe = [&](Group group, double share) {
-    SetShare(group, share + steps_, prior, possible);
+    return SetShare(group, share + steps_, prior, possible);
   };
   if (options_.lens) {
     if (!AreModesSettled()) {
-      LookAtModes(delta, covariance);
-      believe(kModesOfLenses, modes_share_);
+      modes_share_ = Believed(kModesOfLenses, delta, covariance);
+      CountLookAtModes(believe(kModesOfLenses, modes_share_));
     }
     believe(kLensesAndPair, std::max(modes_share_, Believed(kLensesAndPair, delta, covariance)));
   }

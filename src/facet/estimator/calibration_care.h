@@ -50,11 +50,12 @@ class CalibrationCare {
   static constexpr int kLooksToSettle = 5;
   static constexpr double kWorthALook = 0.05;  // share of the first variance
 
-  void LookAtModes(const CalibrationVector& delta, const CalibrationMatrix& covariance);
+  void CountLookAtModes(bool is_believed);
   double Believed(Group group,
                   const CalibrationVector& delta,
                   const CalibrationMatrix& covariance) const;
-  void SetShare(Group group, double share, MarginalPrior& prior, CalibrationMatrix& possible);
+  /// False if the prior does not know the calibration.
+  bool SetShare(Group group, double share, MarginalPrior& prior, CalibrationMatrix& possible);
 
   CalibrationMatrix first_, first_information_;
   CalibrationOptions options_;

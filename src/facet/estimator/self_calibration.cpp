@@ -202,7 +202,9 @@ void SelfCalibration::Walk(SlidingWindow& window) {
   if (now - *last_step_ < kStepEvery) return;
   last_step_ = now;
   constexpr double kShare = kStepShare * kStepShare;
-  if (TakeStep(kShare * *start_covariance_, window) && care_) care_->AddStep(kShare);
+  if (!TakeStep(kShare * *start_covariance_, window) || !care_) return;
+  care_->AddStep(kShare);
+  window.calibration->SettleModes(care_->AreModesSettled());
 }
 
 void SelfCalibration::GiveUpCare(SlidingWindow& window) {

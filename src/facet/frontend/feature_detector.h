@@ -19,8 +19,8 @@ class FeatureDetector {
   FeatureDetector(const DetectorOptions& options, const KltOptions& klt);
 
   /// At most max_points corners of the image, each at least min_distance_px from the `occupied`
-  /// points and from each other; the result is valid until the next call. `level`: the same image
-  /// as level 0 of its pyramid.
+  /// points and from each other; the result is valid until the next call. `level`: the same pixels
+  /// as a level of a pyramid.
   std::span<const Vector2d> Detect(const cv::Mat& image,
                                    const ImageLevel& level,
                                    std::span<const Vector2d> occupied,

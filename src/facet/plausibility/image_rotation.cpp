@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/plausibility/image_rotation.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace facet {
@@ -12,13 +11,18 @@ constexpr int kNumTracks = 60;
 constexpr double kSigma_px = 0.7;
 // To go on with: detecting corners costs as much as following them for some images.
 constexpr int kEnoughLeft = 45;
-// Where corners are detected: in a quarter of the pixels, of which few are needed.
-constexpr int kDetectionLevel = 1;
 
-DetectorOptions AtDetectionLevel(DetectorOptions options) {
-  // Cells that are as large as half their share of the image leave a choice of corners.
+/// Where corners are detected: in a quarter of the pixels, if these have cells enough.
+int DetectionLevel(const CameraModel& camera, const DetectorOptions& half_size) {
+  constexpr int kBorder_px = 8;
+  const auto cells = [&](int side) { return (side / 2 - 2 * kBorder_px) / half_size.cell_px; };
+  return cells(camera.width()) * cells(camera.height()) > kNumTracks ? 1 : 0;
+}
+
+// Cells of half an image are not half as large: that would leave no choice of corners in them.
+DetectorOptions HalfSize(DetectorOptions options) {
   options.cell_px = options.cell_px * 3 / 4;
-  options.min_distance_px /= 1 << kDetectionLevel;
+  options.min_distance_px /= 2;
   return options;
 }
 
@@ -27,7 +31,9 @@ DetectorOptions AtDetectionLevel(DetectorOptions options) {
 ImageRotation::ImageRotation(const CameraModel& left)
     : camera_(left),
       tracker_(left, options_),
-      detector_(AtDetectionLevel(options_.detector), options_.klt),
+      detection_level_(DetectionLevel(left, HalfSize(options_.detector))),
+      detector_(detection_level_ == 0 ? options_.detector : HalfSize(options_.detector),
+                options_.klt),
       tracks_(kNumTracks),
       first_(kNumTracks) {}
 
@@ -36,7 +42,7 @@ void ImageRotation::Begin(const cv::Mat& left) {
   num_begun_ = num_followed_ = 0;
   for (Track& track : tracks_)
     track.id = LandmarkId{};
-  const int level = std::min(kDetectionLevel, now_.num_levels() - 1);
+  const int level = detection_level_;
   for (const Vector2d& px :
        detector_.Detect(now_.image(level), now_.level(level), {}, kNumTracks)) {
     const auto slot = static_cast<std::size_t>(num_begun_);

@@ -35,6 +35,7 @@ class ImageRotation {
   CameraModel camera_;
   FrontendOptions options_;
   TemporalTracker tracker_;
+  int detection_level_;  // of the pyramid
   FeatureDetector detector_;
   ImagePyramid previous_, now_;
   std::vector<Track> tracks_;

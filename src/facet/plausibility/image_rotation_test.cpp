@@ -60,5 +60,25 @@ TEST_F(ImageRotationTest, DoesNotBeginAgainWithTooFewCorners) {
   EXPECT_FALSE(images_.BeginAgain());
 }
 
+// Half of it would have too few cells.
+TEST(SmallImageRotationTest, HasCornersEnough) {
+  CameraIntrinsics k;
+  k.width = 320;
+  k.height = 240;
+  k.fx = k.fy = 200;
+  k.cx = 160;
+  k.cy = 120;
+  const CameraModel camera(k);
+  const auto image = [&](double shift) {
+    return testing::Render(testing::WaveTexture(1), k.width, k.height, [&](double x, double y) {
+      return Vector2d(x + shift, y);
+    });
+  };
+  ImageRotation images(camera);
+  images.Begin(image(0));
+  EXPECT_GT(images.Follow(image(3)), 0.7);
+  EXPECT_TRUE(images.Estimate());
+}
+
 }  // namespace
 }  // namespace facet

@@ -68,13 +68,18 @@ NavState Moved(const NavState& x, const Vector<15>& step) {
 
 }  // namespace
 
-// Landmarks that no solve has seen, or that have another host since, are linearised.
-Matrix3d FrameUpdater::InformationOn(const WindowLandmark& landmark,
-                                     const SlidingWindow& window,
-                                     const FactorNoise& noise) {
-  if (!landmark.information.isZero(0)) return landmark.information;
+// Landmarks that no solve has used, or that have lost something since, are linearised, and so are
+// all after a solve whose loss had to be wide until the end.
+LandmarkInformation FrameUpdater::InformationOn(const WindowLandmark& landmark,
+                                                const SlidingWindow& window,
+                                                const FactorNoise& noise) {
+  constexpr double kTooWide = 1.5;
+  const LandmarkInformation& known = landmark.information;
+  if (known.num_rows > 0 && known.num_rows == CountRows(landmark) &&
+      known.loss_width <= kTooWide * noise.reprojection_width)
+    return known;
   LinearizeLandmark(geometry_, window.planes, landmark, noise, block_);
-  return block_.V;
+  return {block_.V, TangentBasis(landmark.bearing_H)};
 }
 
 void FrameUpdater::SetReference(const SlidingWindow& window,
@@ -91,16 +96,15 @@ void FrameUpdater::SetReference(const SlidingWindow& window,
     HeldLandmark held;
     const FrameGeometry::Pose& host = geometry_.current(landmark.host);
     held.d_W = host.R_WC0 * landmark.bearing_H;
-    held.B_W = host.R_WC0 * TangentBasis(landmark.bearing_H);
+    const LandmarkInformation known = InformationOn(landmark, window, noise);
+    held.B_W = host.R_WC0 * known.basis_H;
     held.rho = landmark.inverse_distance;
     held.p_WH = host.p_WC0;
     held.is_projection = landmark.is_projection;
     held.is_witness = landmark.IsWitness();
     held.is_seen = landmark.observations.back().frame == window.newest_frame();
     // The ridge stands for a distance known to 1/m at best.
-    held.covariance =
-        (InformationOn(landmark, window, noise) + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal()))
-            .inverse();
+    held.covariance = (known.V + Matrix3d(Vector3d(1e-6, 1e-6, 1.0).asDiagonal())).inverse();
     landmarks_.emplace(landmark.id, held);
   }
 }

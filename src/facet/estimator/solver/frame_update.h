@@ -100,9 +100,9 @@ class FrameUpdater {
     Vector<30> b;
   };
 
-  Matrix3d InformationOn(const WindowLandmark& landmark,
-                         const SlidingWindow& window,
-                         const FactorNoise& noise);
+  LandmarkInformation InformationOn(const WindowLandmark& landmark,
+                                    const SlidingWindow& window,
+                                    const FactorNoise& noise);
   View ViewOf(const NavState& reference, const NavState& frame, const ImuLink& imu) const;
   /// Of the direction h of the camera, by the present calibration, in sigmas.
   Vector2d ErrorOf(const WindowObservation& observation, int camera, const Vector3d& h) const;

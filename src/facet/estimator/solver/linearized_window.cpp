@@ -83,6 +83,7 @@ void Linearize(const SlidingWindow& window,
                LinearizedWindow& linear) {
   linear.equations.Clear(window, calibration_step);
   ClearCouplings(window, linear);
+  linear.loss_width = noise.reprojection_width;
   linear.cost = 0;
   VisitAllButPlaneMeasurements(window, noise, [&](const Factor auto& factor) {
     linear.cost += factor.AddTo(linear.equations);

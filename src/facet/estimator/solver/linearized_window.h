@@ -31,6 +31,7 @@ struct LinearizedWindow {
   std::vector<VariableSet> coupled_with_motion;
   /// Information of the measurements on each plane, poses given: two tangent directions, offset.
   std::vector<Matrix3d> measured;
+  double loss_width = 0;  ///< of reprojections (FactorNoise)
   double cost = 0;
 
   const StateLayout& layout() const { return equations.layout; }

@@ -14,10 +14,9 @@ namespace facet {
 class MotionElimination {
  public:
   /// Eliminates every motion but the newest from (H, b), later ones first: the prior, which touches
-  /// most variables, is on the earliest. H holds its lower triangle. `coupled`: for
-  /// each frame with a motion, which variables that motion is in a factor with. The first
-  /// layout.dense_dim rows and columns then are the Schur complement. False if not positive
-  /// definite.
+  /// most variables, is on the earliest. H holds its lower triangle. `coupled`: for each frame with
+  /// a motion, which variables that motion is in a factor with. The first layout.dense_dim rows and
+  /// columns then are the Schur complement. False if not positive definite.
   bool Eliminate(const StateLayout& layout,
                  const std::vector<VariableSet>& coupled,
                  MatrixXd& H,

@@ -21,29 +21,19 @@ std::vector<SE3> HostPoses(const SlidingWindow& window) {
   return hosts;
 }
 
-// The same information in the tangent basis of another bearing.
-Matrix3d InBasis(const Matrix<3, 2>& to, const Matrix<3, 2>& from, const Matrix3d& information) {
-  Matrix3d turn = Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = to.transpose() * from;
-  return turn * information * turn.transpose();
-}
-
 // A landmark's step is a step in the world, relative to where the host was when it was linearised:
 // equation (3.8).
 void StepLandmark(const Vector3d& step,
-                  const Matrix3d& information,
                   const SE3& old_host,
                   const SlidingWindow& window,
                   WindowLandmark& landmark) {
   const SE3 new_host = window.LeftCameraAt(landmark.host);
   const double rho = std::clamp(landmark.inverse_distance + step.z(), 0.0, kMaxInverseDistance);
-  const Matrix<3, 2> basis = TangentBasis(landmark.bearing_H);
-  const Vector3d bearing = landmark.bearing_H + basis * step.head<2>();
+  const Vector3d bearing = landmark.bearing_H + TangentBasis(landmark.bearing_H) * step.head<2>();
   const Vector3d y_W = old_host.q * bearing + rho * (old_host.p - new_host.p);
   const double norm = y_W.norm();
   landmark.bearing_H = new_host.q.conjugate() * (y_W / norm);
   landmark.inverse_distance = rho / norm;
-  landmark.information = InBasis(TangentBasis(landmark.bearing_H), basis, information);
 }
 
 }  // namespace
@@ -68,11 +58,10 @@ void ApplyStep(const LinearizedWindow& linear, const VectorXd& step, SlidingWind
   for (int k = 0; k < linear.num_landmarks; ++k) {
     const LandmarkBlock& block = linear.landmarks[k];
     WindowLandmark& landmark = window.landmarks()[block.index];
-    StepLandmark(BackSubstitute(block, layout, seen_step),
-                 block.V,
-                 old_hosts[landmark.host],
-                 window,
-                 landmark);
+    landmark.information = {
+        block.V, TangentBasis(landmark.bearing_H), linear.loss_width, CountRows(landmark)};
+    StepLandmark(
+        BackSubstitute(block, layout, seen_step), old_hosts[landmark.host], window, landmark);
   }
 }
 

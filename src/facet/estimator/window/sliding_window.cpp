@@ -89,7 +89,7 @@ void SlidingWindow::Rehost(WindowLandmark& landmark, int new_host) {
   landmark.bearing_H = T_WN.q.conjugate() * (y_W / norm);
   landmark.inverse_distance /= norm;
   landmark.host = new_host;
-  landmark.information.setZero();
+  landmark.information = {};
 }
 
 void SlidingWindow::RemoveFrame(int index) {

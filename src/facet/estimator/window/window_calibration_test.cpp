@@ -61,7 +61,7 @@ TEST(WindowCalibrationTest, APointMovesWithTheModesAsATriangulatedOneDoes) {
     const auto stereo = TriangulateOnRay(*left, *right, rig.T_C1C0());
     return rig.T_BC[0] * Vector3d(*left / stereo->inverse_distance);
   };
-  const WindowCalibration calibration(EurocRig(), CalibrationMatrix::Identity());
+  WindowCalibration calibration(EurocRig(), CalibrationMatrix::Identity());
   const auto J = calibration.PointJacobian(rig.T_BC[0] * p_C0, BodyRates{});
   ASSERT_TRUE(J);
   constexpr double kStep_px = 1e-3;
@@ -75,6 +75,11 @@ TEST(WindowCalibrationTest, APointMovesWithTheModesAsATriangulatedOneDoes) {
       EXPECT_LT((column - slope).norm(), 1e-3 * slope.norm() + 1e-6) << c << " " << k;
     }
   }
+  calibration.SettleModes(true);
+  const auto settled = calibration.PointJacobian(rig.T_BC[0] * p_C0, BodyRates{});
+  ASSERT_TRUE(settled);
+  EXPECT_TRUE(settled->middleCols<2 * kNumLensModes>(kLensModes).isZero(0));
+  EXPECT_EQ(settled->leftCols<kLensModes>(), J->leftCols<kLensModes>());
 }
 
 }  // namespace

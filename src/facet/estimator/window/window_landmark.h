@@ -20,6 +20,14 @@ struct WindowObservation {
   double sigma_match_px = 0;    ///< see FeatureObservation
 };
 
+/// What a solve has found known of a landmark, with the frames held.
+struct LandmarkInformation {
+  Matrix3d V = Matrix3d::Zero();  ///< on two directions across the bearing and the inverse distance
+  Matrix<3, 2> basis_H = Matrix<3, 2>::Zero();  ///< the directions, in the host's left camera
+  double loss_width = 0;                        ///< of the reprojections
+  int num_rows = 0;                             ///< CountRows of then; 0: nothing is known
+};
+
 /// A point as bearing and inverse distance in the left camera of its host frame (docs/math.md,
 /// section 3.1).
 struct WindowLandmark {
@@ -30,9 +38,7 @@ struct WindowLandmark {
   double inverse_distance = 0;                  ///< 1/m, >= 0
   std::vector<WindowObservation> observations;  ///< in order of time; at most one per frame
   PlaneLinks planes;
-  /// What the last solve has found known of two directions across the bearing (TangentBasis) and of
-  /// the inverse distance, with the frames held; zero before.
-  Matrix3d information = Matrix3d::Zero();
+  LandmarkInformation information;  ///< of the last solve that used it
   /// Keyframes at which it was where the motion by the IMU puts it; below 0 it has moved.
   int num_confirmed = 0;
   bool is_projection = false;  ///< pipeline SP: the paper's projection noise and loss
@@ -48,6 +54,14 @@ struct WindowLandmark {
     return planes.count() > 0 && has_depth && inverse_distance > kMinPlaneInverseDistance;
   }
 };
+
+/// How many cameras and planes say something of the landmark.
+inline int CountRows(const WindowLandmark& landmark) {
+  int num_rows = landmark.IsOnPlanes() ? static_cast<int>(landmark.planes.count()) : 0;
+  for (const WindowObservation& o : landmark.observations)
+    num_rows += o.has_right ? 2 : 1;
+  return num_rows;
+}
 
 /// Whether the landmark says anything about frames and planes: it has a distance and is seen from
 /// two frames, or from one and lies on a plane.
