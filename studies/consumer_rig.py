@@ -3,8 +3,9 @@
   both ways, in scenes of the suite; the errors are those from 20 s on, when the calibration should be found.
 Command: studies/consumer_rig.py [--program build/facet] [--suite runs/suite] [--faults focal,imu_early]
   The suite is what `scripts/suite.py make --variant a` wrote (--out); several --program compare versions.
-Answer: 1.7 times the ATE with the exact calibration in the median, 3.4 at worst (docs/notebook/calibration_online.md).
-Date: 2026-11-25.
+Answer: 1.7 times the ATE with the exact calibration in the median, 3.4 at worst (docs/notebook/calibration_online.md);
+  with 1c5b1f8 4 to 10 times, and one run is refused (docs/notebook/status.md, "Wrong calibrations").
+Date: 2026-11-28.
 """
 
 import argparse
