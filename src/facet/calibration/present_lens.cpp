@@ -15,7 +15,7 @@ PresentLens::PresentLens(const CameraModel& nominal,
   const double max_radius = std::tan(nominal.max_angle());
   max_radius_square_ = max_radius * max_radius;
   const Vector2d focal(k.fx, k.fy);
-  // d (focal times a coefficient) beside it, by axis.
+  // Focal lengths times a coefficient, with the changes of both to first order.
   const auto changed = [&](int coefficient) {
     const double c = k.coefficients[static_cast<std::size_t>(coefficient)];
     return Vector2d(c * (focal + change.head<2>()) + change(4 + coefficient) * focal);

@@ -62,7 +62,7 @@ void CalibrationCare::GiveUp(MarginalPrior& prior, CalibrationMatrix& possible) 
 
 void CalibrationCare::CountLookAtModes(bool is_believed) {
   num_small_looks_ = is_believed && modes_share_ <= kSmallShare ? num_small_looks_ + 1 : 0;
-  steps_when_settled_ = steps_;
+  steps_at_last_look_ = steps_;
 }
 
 // Where a lens does much beside its model, its parameters were fitted to that, too: they are not

@@ -39,7 +39,7 @@ class CalibrationCare {
     steps_ += share;
     for (double& s : shares_)
       s += share;
-    if (AreModesSettled() && steps_ - steps_when_settled_ > kWorthALook) num_small_looks_ = 0;
+    if (AreModesSettled() && steps_ - steps_at_last_look_ > kWorthALook) num_small_looks_ = 0;
   }
 
   /// The calibration has turned out to be worse than a careful one: nothing is believed more than
@@ -62,9 +62,9 @@ class CalibrationCare {
   double steps_ = 0;                                   // the sum of all random steps
   std::array<double, kNumGroups> shares_ = {1, 1, 1};  // of the first variances, in the prior now
 
-  double modes_share_ = 1;   // as it was believed last
-  int num_small_looks_ = 0;  // at the modes, in turn
-  double steps_when_settled_ = 0;
+  double modes_share_ = 1;         // as it was believed last
+  int num_small_looks_ = 0;        // at the modes, in turn
+  double steps_at_last_look_ = 0;  // at the modes
 };
 
 }  // namespace facet

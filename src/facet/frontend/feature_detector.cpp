@@ -20,11 +20,15 @@ constexpr int kWeakFastThreshold = 7;
 // Patches need this much room.
 constexpr int kBorder_px = 8;
 
-int NumCells(int side, int border, int cell) {
-  return std::max(0, (side - 2 * border) / cell);
+int NumCellsAlong(int side, int cell_px) {
+  return std::max(0, (side - 2 * kBorder_px) / cell_px);
 }
 
 }  // namespace
+
+int NumCells(const cv::Size& image, const DetectorOptions& options) {
+  return NumCellsAlong(image.width, options.cell_px) * NumCellsAlong(image.height, options.cell_px);
+}
 
 FeatureDetector::FeatureDetector(const DetectorOptions& options, const KltOptions& klt)
     : options_(options), tracker_(klt, kStrengthParameters) {}
@@ -81,9 +85,8 @@ bool FeatureDetector::SearchCell(const cv::Mat& image,
 
 void FeatureDetector::ListEmptyCells(const cv::Mat& image, std::span<const Vector2d> occupied) {
   empty_cells_.clear();
-  const int border = kBorder_px;
   const int cell = options_.cell_px;
-  const int columns = NumCells(image.cols, border, cell), rows = NumCells(image.rows, border, cell);
+  const int columns = NumCellsAlong(image.cols, cell), rows = NumCellsAlong(image.rows, cell);
   // The grid is centred; what does not fill a cell widens the border.
   const int left = (image.cols - columns * cell) / 2, top = (image.rows - rows * cell) / 2;
   taken_.assign(static_cast<std::size_t>(columns * rows), 0);

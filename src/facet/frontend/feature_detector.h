@@ -12,6 +12,9 @@
 
 namespace facet {
 
+/// So many corners an image of this size has at most: one per grid cell.
+int NumCells(const cv::Size& image, const DetectorOptions& options);
+
 /// One corner per empty grid cell, best first. Keeps its buffers; not thread-safe.
 class FeatureDetector {
  public:

@@ -14,9 +14,8 @@ constexpr int kEnoughLeft = 45;
 
 /// Where corners are detected: in a quarter of the pixels, if these have cells enough.
 int DetectionLevel(const CameraModel& camera, const DetectorOptions& half_size) {
-  constexpr int kBorder_px = 8;
-  const auto cells = [&](int side) { return (side / 2 - 2 * kBorder_px) / half_size.cell_px; };
-  return cells(camera.width()) * cells(camera.height()) > kNumTracks ? 1 : 0;
+  const cv::Size half(camera.width() / 2, camera.height() / 2);
+  return NumCells(half, half_size) > kNumTracks ? 1 : 0;
 }
 
 // Cells of half an image are not half as large: that would leave no choice of corners in them.

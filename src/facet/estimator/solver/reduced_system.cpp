@@ -8,12 +8,16 @@
 namespace facet {
 
 // The constant keeps a frame without any measurement (dark, during the start) where it is.
-void ReducedSystem::EliminateLandmarks(double lambda, LinearizedWindow& linear) {
-  const MatrixXd& H = linear.equations.H;
+void ReducedSystem::TakeDamped(double lambda, const NormalEquations& equations) {
+  const MatrixXd& H = equations.H;
   H_.resize(H.rows(), H.cols());
   H_.triangularView<Eigen::Lower>() = H;
-  b_ = linear.equations.b;
+  b_ = equations.b;
   H_.diagonal().array() += lambda * (H.diagonal().array() + 1.0);
+}
+
+void ReducedSystem::EliminateLandmarks(double lambda, LinearizedWindow& linear) {
+  TakeDamped(lambda, linear.equations);
   for (int k = 0; k < linear.num_landmarks; ++k) {
     Eliminate(lambda, linear.landmarks[k]);
     SubtractSchur(linear.landmarks[k], linear.layout(), H_, b_);
@@ -31,11 +35,7 @@ void ReducedSystem::EliminateWithCalibration(double lambda, LinearizedWindow& li
     SubtractSchur(linear.landmarks[k], layout, vision_H_, vision_b_);
   }
   FillMountColumns(linear.mounts, layout, vision_H_, vision_b_);
-  const MatrixXd& H = linear.equations.H;
-  H_.resize(H.rows(), H.cols());
-  H_.triangularView<Eigen::Lower>() = H;
-  b_ = linear.equations.b;
-  H_.diagonal().array() += lambda * (H.diagonal().array() + 1.0);
+  TakeDamped(lambda, linear.equations);
   auto dense = H_.topLeftCorner(layout.dense_dim, layout.dense_dim);
   dense.diagonal() += lambda * linear.vision_H.diagonal();
   dense.triangularView<Eigen::Lower>() += vision_H_;

@@ -23,6 +23,7 @@ class ReducedSystem {
   auto factor() const { return H_.topLeftCorner(dense_dim_, dense_dim_); }
 
  private:
+  void TakeDamped(double lambda, const NormalEquations& equations);
   void EliminateLandmarks(double lambda, LinearizedWindow& linear);
   void EliminateWithCalibration(double lambda, LinearizedWindow& linear);
 

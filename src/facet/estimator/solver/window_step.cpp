@@ -22,14 +22,14 @@ std::vector<SE3> HostPoses(const SlidingWindow& window) {
 }
 
 // A landmark's step is a step in the world, relative to where the host was when it was linearised:
-// equation (3.8).
+// equation (3.8), in the directions of its information.
 void StepLandmark(const Vector3d& step,
                   const SE3& old_host,
                   const SlidingWindow& window,
                   WindowLandmark& landmark) {
   const SE3 new_host = window.LeftCameraAt(landmark.host);
   const double rho = std::clamp(landmark.inverse_distance + step.z(), 0.0, kMaxInverseDistance);
-  const Vector3d bearing = landmark.bearing_H + TangentBasis(landmark.bearing_H) * step.head<2>();
+  const Vector3d bearing = landmark.bearing_H + landmark.information.basis_H * step.head<2>();
   const Vector3d y_W = old_host.q * bearing + rho * (old_host.p - new_host.p);
   const double norm = y_W.norm();
   landmark.bearing_H = new_host.q.conjugate() * (y_W / norm);
