@@ -6,9 +6,12 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/calibration/error_evidence.h"
 #include "facet/calibration/relative_covariance.h"
+#include "facet/calibration/rough_focal_lengths.h"
 #include "facet/estimator/solver/calibration_walk.h"
 #include "facet/estimator/start/start_calibration.h"
+#include "facet/estimator/window/calibration_information.h"
 #include "facet/geometry/angles.h"
 
 namespace facet {
@@ -29,6 +32,8 @@ constexpr Duration kSettles{5'000'000'000};
 constexpr int kMaxLargeSteps = 3;
 // Of a variance that is left; less is rounding.
 constexpr double kLeastShare = 1e-12;
+// In turn, before focal lengths are given room.
+constexpr int kLooksAtRough = 2;
 // Beside the parameters that were learnt, before which nothing surprises.
 constexpr double kNumAsExpected = 3;
 
@@ -42,7 +47,7 @@ CalibrationMatrix BaselineCovariance(const StereoRig& rig, double share) {
 // driver's stamps. Added to what a careful calibration leaves, in the part that is wrong only: with
 // the baseline free, the size of the world would rest on the accelerometer alone.
 CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
-  constexpr double kFocal = 0.01, kCentre_px = 5, kTurn = 0.3 * kDegree, kBaseline = 0.02;
+  constexpr double kCentre_px = 5, kTurn = 0.3 * kDegree, kBaseline = 0.02;
   constexpr double kMountTurn = 0.5 * kDegree, kMount_m = 0.01, kTime_s = 0.01;
   CalibrationMatrix covariance = CalibrationMatrix::Zero();
   const auto add = [&](const CalibrationVector& sigmas) {
@@ -53,16 +58,14 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
   };
   switch (part) {
     case CalibrationPart::kLenses: {
-      CalibrationVector both = CalibrationVector::Zero();
+      const CalibrationVector focal = RoughFocalLengths(rig);
+      add(focal);
       for (int c = 0; c < 2; ++c) {
-        const CameraIntrinsics& k = rig.cameras[static_cast<std::size_t>(c)].intrinsics();
         CalibrationVector one = CalibrationVector::Zero();
-        one.segment<2>(c * kNumIntrinsics) = kFocal * Vector2d(k.fx, k.fy);
-        both += one;
+        one.segment<2>(c * kNumIntrinsics) = focal.segment<2>(c * kNumIntrinsics);
         add(one);
         add_each(c * kNumIntrinsics + 2, 2, kCentre_px);
       }
-      add(both);
       add_each(kStereoRotation, 3, kTurn);
       break;
     }
@@ -136,7 +139,8 @@ void SelfCalibration::Begin(SlidingWindow& window) {
   window.calibration->SetDelta(kept_->delta);
   window.calibration->Restart(kept_->covariance);
   possible_ = kept_->possible;
-  if (care_) care_ = kept_->care;
+  has_room_for_focal_lengths_ = kept_->has_room_for_focal_lengths;
+  care_ = kept_->care;
 }
 
 void SelfCalibration::TakeClock(const SlidingWindow& window, const WindowSolver& solver) {
@@ -151,11 +155,18 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
                window.calibration->delta(),
                possible_,
                solver.CalibrationCovariance(),
+               has_room_for_focal_lengths_,
                care_,
                window.calibration->Refined()};
   surprise_ = CalibrationSurprise(kept_->delta, possible_, kept_->covariance);
   if (freed_at_ && now - *freed_at_ < kSettles) return;
-  gross_deviations_ = GrossDeviations(rig_, kept_->delta, kept_->covariance, *start_covariance_);
+  const auto gross_of = [&](const CalibrationVector& delta) {
+    return GrossDeviations(rig_, delta, kept_->covariance, *start_covariance_);
+  };
+  gross_deviations_ = gross_of(kept_->delta);
+  unexpected_ = has_room_for_focal_lengths_ ? gross_of(WithoutCommonFocalLength(rig_, kept_->delta))
+                                            : gross_deviations_;
+  std::erase_if(gross_deviations_, [&](const auto& d) { return !HasRoom(d.part); });
 }
 
 void SelfCalibration::Doubt(Timestamp now, bool is_contradicted) {
@@ -167,11 +178,17 @@ void SelfCalibration::Doubt(Timestamp now, bool is_contradicted) {
   is_doubted_ = is_contradicted && now - *contradicted_since_ < kMaxDoubt;
 }
 
+// What is off there is as it was measured, not held back any more.
+bool SelfCalibration::HasRoom(CalibrationPart part) const {
+  return num_large_steps_[static_cast<std::size_t>(part)] > 0 ||
+         (part == CalibrationPart::kLenses && has_room_for_focal_lengths_);
+}
+
 // Each part once, however many things in it are wrong.
 std::optional<CalibrationMatrix> SelfCalibration::LargeStep() {
   std::optional<CalibrationMatrix> step;
   std::array<bool, kNumCalibrationParts> is_due{};
-  for (const CalibrationDeviation& d : gross_deviations_) {
+  for (const CalibrationDeviation& d : unexpected_) {
     bool& due = is_due[static_cast<std::size_t>(d.part)];
     if (due || NumLargeSteps(d.part) >= kMaxLargeSteps) continue;
     due = true;
@@ -185,19 +202,24 @@ std::optional<CalibrationMatrix> SelfCalibration::LargeStep() {
 void SelfCalibration::Walk(SlidingWindow& window) {
   if (!window.calibration || is_doubted_) return;
   const Timestamp now = window.frames.back().x.t;
-  const bool is_settled = !freed_at_ || now - *freed_at_ >= kSettles;
-  if (const auto step = is_settled ? LargeStep() : std::nullopt) {
-    GiveUpCare(window);
-    TakeStep(*step, window);
-    if (!freed_at_) gross_deviations_.clear();
-    freed_at_ = now;
+  const bool has_news = kept_ && judged_ != kept_->t;
+  if (has_news) judged_ = kept_->t;
+  if (KnowsCalibration(window.prior)) {
+    const bool is_settled = !freed_at_ || now - *freed_at_ >= kSettles;
+    if (const auto step = is_settled ? LargeStep() : std::nullopt) {
+      GiveUpCare(window);
+      TakeStep(*step, window);
+      unexpected_.clear();
+      freed_at_ = now;
+    }
+    if (has_news) JudgeFocalLengths(window);
   }
   if (doubted_share_ != 0 && options_.lens) {
     GiveUpCare(window);
     TakeStep(BaselineCovariance(rig_, doubted_share_), window);
     doubted_share_ = 0;
   }
-  JudgeCare(window);
+  if (has_news) JudgeCare(window);
   if (!last_step_) last_step_ = now;
   if (now - *last_step_ < kStepEvery) return;
   last_step_ = now;
@@ -207,16 +229,32 @@ void SelfCalibration::Walk(SlidingWindow& window) {
   window.calibration->SettleModes(care_->AreModesSettled());
 }
 
+// Twice in turn, since what has just taken a large step is not yet as it will be.
+void SelfCalibration::JudgeFocalLengths(SlidingWindow& window) {
+  if (!options_.lens || !options_.gyro || has_room_for_focal_lengths_) return;
+  const bool are_rough =
+      AreFocalLengthsRough(rig_, InformationOf(kept_->possible), kept_->delta, kept_->covariance);
+  num_looks_at_rough_ = are_rough ? num_looks_at_rough_ + 1 : 0;
+  if (num_looks_at_rough_ < kLooksAtRough) return;
+  GiveUpCare(window);
+  const CalibrationVector rough = RoughFocalLengths(rig_);
+  // They have always been wrong. So this is as if it had been believed possible from the start, and
+  // no random step: all that was measured counts.
+  AddInformation(RoomForError(rough, InformationOf(possible_)), window.prior);
+  possible_ += rough * rough.transpose();
+  has_room_for_focal_lengths_ = true;
+  std::erase_if(unexpected_, [](const auto& d) { return d.part == CalibrationPart::kLenses; });
+  freed_at_ = window.frames.back().x.t;
+}
+
 void SelfCalibration::GiveUpCare(SlidingWindow& window) {
   if (care_) care_->GiveUp(window.prior, possible_);
   care_.reset();
   window.calibration->SettleModes(false);
 }
 
-// Each time something new was kept.
 void SelfCalibration::JudgeCare(SlidingWindow& window) {
-  if (!care_ || !kept_ || care_judged_ == kept_->t) return;
-  care_judged_ = kept_->t;
+  if (!care_) return;
   care_->Judge(kept_->delta, kept_->covariance, window.prior, possible_);
   window.calibration->SettleModes(care_->AreModesSettled());
 }

@@ -48,7 +48,8 @@ class SelfCalibration {
 
   /// After marginalisation: from time to time it takes a random step. A part of it that has turned
   /// out to be wrong by more than was believed possible takes a large one, up to three times; until
-  /// then parts that turn out to be better than was believed are believed more.
+  /// then parts that turn out to be better than was believed are believed more. Focal lengths of
+  /// which what was measured says that they are wrong by far more are given room before that.
   void Walk(SlidingWindow& window);
 
   /// The distance between the cameras may be wrong by this share of it. Counts with the next Walk,
@@ -60,17 +61,15 @@ class SelfCalibration {
   /// part of it is kept, called wrong or freed meanwhile.
   void Doubt(Timestamp now, bool is_contradicted);
 
-  /// What is wrong by more than a careful calibration leaves, as last kept. Empty until a large
-  /// step was taken and has settled.
-  std::vector<CalibrationDeviation> Gross() const {
-    return freed_at_ ? gross_deviations_ : std::vector<CalibrationDeviation>();
-  }
+  /// What is wrong by more than a careful calibration leaves, as last kept, in parts that were
+  /// given room or have taken a large step, and have settled.
+  const std::vector<CalibrationDeviation>& Gross() const { return gross_deviations_; }
 
   /// Of the calibration as last kept, against the given one: about 1 for a careful one, no more
   /// for an exact one, 0 if held.
   double Surprise() const { return surprise_; }
 
-  /// When a part took a large step last.
+  /// When a part was given room or took a large step last.
   const std::optional<Timestamp>& freed_at() const { return freed_at_; }
 
   /// Moves a state and its covariance from the nominal stamp, for which they are estimated, to when
@@ -95,14 +94,18 @@ class SelfCalibration {
     Timestamp t;
     CalibrationVector delta;
     CalibrationMatrix possible, covariance;  // before and after what was learnt
-    std::optional<CalibrationCare> care;     // as it was with that covariance
+    bool has_room_for_focal_lengths = false;
+    std::optional<CalibrationCare> care;  // as it was with that covariance
     StereoRig rig;
   };
 
   /// False if the prior does not know the calibration.
   bool TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window);
+  // Once each time something new was kept.
+  void JudgeFocalLengths(SlidingWindow& window);
   void JudgeCare(SlidingWindow& window);
   void GiveUpCare(SlidingWindow& window);
+  bool HasRoom(CalibrationPart part) const;
   /// Of the large step that is due now; empty if none is.
   std::optional<CalibrationMatrix> LargeStep();
   int& NumLargeSteps(CalibrationPart part) {
@@ -113,17 +116,20 @@ class SelfCalibration {
   CalibrationOptions options_;
   std::optional<CalibrationMatrix> start_covariance_;
   CalibrationMatrix possible_ =
-      CalibrationMatrix::Zero();          // that, as it is believed now, with all steps
-  std::optional<CalibrationCare> care_;   // until a part was given much room
-  std::optional<Timestamp> care_judged_;  // by what was kept then
+      CalibrationMatrix::Zero();         // that, as it is believed now, with all steps
+  std::optional<CalibrationCare> care_;  // until a part was given much room
   double surprise_ = 0;
   ClockCovariance clock_;
   std::optional<Kept> kept_;
+  std::optional<Timestamp> judged_;  // what was kept then
   std::optional<Timestamp> last_step_;
   double doubted_share_ = 0;
   std::array<int, kNumCalibrationParts> num_large_steps_{};
-  std::optional<Timestamp> freed_at_;  // when it took the last one
-  std::vector<CalibrationDeviation> gross_deviations_;
+  int num_looks_at_rough_ = 0;  // at focal lengths that are rough, in turn
+  bool has_room_for_focal_lengths_ = false;
+  std::optional<Timestamp> freed_at_;  // when a part took the last step, or was given room
+  std::vector<CalibrationDeviation> gross_deviations_;  // of parts that have had room for a while
+  std::vector<CalibrationDeviation> unexpected_;        // for which a part is to take a large step
   std::optional<Timestamp> contradicted_since_;
   bool is_doubted_ = false;
 };

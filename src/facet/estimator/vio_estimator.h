@@ -56,8 +56,8 @@ class VioEstimator {
   const StereoRig* KeptRig() const { return calibration_.KeptRig(); }  ///< see SelfCalibration
   /// What is wrong with the given one by more than a careful calibration leaves.
   std::vector<CalibrationDeviation> GrossDeviations() const { return calibration_.Gross(); }
-  /// When it was found so wrong last that the estimate of it began anew; poses of before have
-  /// errors of another kind.
+  /// When it was found so wrong last that a part of it was given room; poses of before have errors
+  /// of another kind.
   const std::optional<Timestamp>& calibration_freed_at() const { return calibration_.freed_at(); }
   /// See SelfCalibration.
   void DoubtBaseline(double share) { calibration_.DoubtBaseline(share); }

@@ -72,9 +72,13 @@ std::optional<double> CalibrationWatch::RecentValues::Quantile(double share) con
 
 std::string CalibrationWatch::Add(const CalibrationEvidence& evidence) {
   std::string warning = FromStretch(evidence);
-  if (!warning.empty() || has_named_ || evidence.gross_deviations.empty()) return warning;
-  has_named_ = true;
-  return "the calibration is off by more than a careful one is: " + evidence.gross_deviations +
+  if (!warning.empty()) return warning;
+  bool is_new = false;
+  for (const CalibrationDeviation& deviation : evidence.gross_deviations)
+    is_new |= named_.insert(deviation.part).second;
+  if (!is_new) return {};
+  return "the calibration is off by more than a careful one is: " +
+         InWords(evidence.gross_deviations) +
          "; this was estimated and the run goes on with it, but calibrate again";
 }
 

@@ -6,9 +6,12 @@
 
 #include <deque>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "facet/base/types.h"
+#include "facet/calibration/calibration_deviation.h"
 #include "facet/pipeline/episodes.h"
 
 namespace facet {
@@ -18,16 +21,16 @@ struct CalibrationEvidence {
   Timestamp t;
   int num_features = 0;           ///< in the left image
   std::optional<int> num_stereo;  ///< of them found in the right image; empty without that image
-  std::optional<double> imu_error_sigma;  ///< see EstimatorResult
-  std::string gross_deviations;           ///< that the estimator has found, in words
+  std::optional<double> imu_error_sigma;               ///< see EstimatorResult
+  std::vector<CalibrationDeviation> gross_deviations;  ///< that the estimator has found
 };
 
 /// Not thread-safe.
 class CalibrationWatch {
  public:
   /// What is probably wrong and what to do: with the keyframe that completes a stretch in which
-  /// three quarters agree on it, and again if it comes again after half a minute; and once in a run
-  /// what the estimator has found. Otherwise empty.
+  /// three quarters agree on it, and again if it comes again after half a minute; and all that the
+  /// estimator has found, whenever another part of the calibration is among it. Otherwise empty.
   std::string Add(const CalibrationEvidence& evidence);
 
  private:
@@ -51,8 +54,8 @@ class CalibrationWatch {
   std::string FromStretch(const CalibrationEvidence& evidence);
 
   Episodes stretches_{Duration{30'000'000'000}};
-  bool has_named_ = false;
-  bool was_stereo_right_ = false;  // for a stretch
+  std::set<CalibrationPart> named_;  // in which the estimator has found something
+  bool was_stereo_right_ = false;    // for a stretch
   RecentValues stereo_share_, imu_error_sigma_;
 };
 

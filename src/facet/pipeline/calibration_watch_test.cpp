@@ -166,7 +166,7 @@ std::vector<std::string> WarningsWithOffset(Duration error, const CalibrationOpt
     const EstimatorResult result = estimator.AddFrame(frame, imu, times);
     if (!frame.is_keyframe) continue;
     const std::string warning =
-        watch.Add({frame.t, 70, 70, result.imu_error_sigma, InWords(estimator.GrossDeviations())});
+        watch.Add({frame.t, 70, 70, result.imu_error_sigma, estimator.GrossDeviations()});
     if (!warning.empty()) warnings.push_back(warning);
   }
   return warnings;
@@ -187,6 +187,24 @@ TEST(CalibrationWatchTest, AnEstimatedTimeOffsetIsNamedWithItsSize) {
               ElementsAre(ContainsRegex("time offset -(18|19|20) ms")));
   EXPECT_THAT(WarningsWithOffset(Duration{-20'000'000}, {}),
               ElementsAre(ContainsRegex("time offset [+](18|19|20) ms")));
+}
+
+TEST(CalibrationWatchTest, WhatTheEstimatorHasFoundIsNamedOnceAndAgainWithWhatComesLater) {
+  const CalibrationDeviation clock{CalibrationPart::kClock, "time offset", "ms", -10, 0.1, 1};
+  const CalibrationDeviation mount{
+      CalibrationPart::kMount, "cameras on the IMU about x", "deg", 0.5, 0.01, 0.1};
+  Keyframes keyframes;
+  CalibrationEvidence evidence = kGood;
+  keyframes.Add(10, evidence);
+  evidence.gross_deviations = {clock};
+  keyframes.Add(10, evidence);
+  evidence.gross_deviations = {mount, clock};
+  keyframes.Add(10, evidence);
+  evidence.gross_deviations = {mount};
+  keyframes.Add(10, evidence);
+  EXPECT_THAT(keyframes.warnings(),
+              ElementsAre(HasSubstr("one is: time offset -10 ms; this"),
+                          HasSubstr("about x +0.5 deg, time offset -10 ms; this")));
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ std::string PoseStage::JudgeCalibration(const FrontendResult& frontend,
   evidence.num_features = static_cast<int>(observations.features.size());
   if (frontend.right_ok) evidence.num_stereo = frontend.num_stereo;
   evidence.imu_error_sigma = result.imu_error_sigma;
-  evidence.gross_deviations = InWords(estimator_.GrossDeviations());
+  evidence.gross_deviations = estimator_.GrossDeviations();
   std::string warning = calibration_.Add(evidence);
   const auto& imu_error_sigma = result.imu_error_sigma;
   const bool contradicts = imu_error_sigma && *imu_error_sigma > kContradictionSigma;

@@ -14,6 +14,8 @@ constexpr int kMostLegsOfImages = 300;
 constexpr double kSameSize = 0.005;
 // And by more than this it may make good a size that was wrong beyond hope.
 constexpr double kLargeChange = 0.05;
+// When the calibration changes, the estimator's poses follow over some keyframes.
+constexpr Duration kStatesSettle{1'000'000'000};
 
 // Distances are this over the disparity.
 double SizeOf(const StereoRig& rig) {
@@ -47,10 +49,10 @@ void MotionCheck::DistrustAccelerometer() {
 // is not made good by what the estimator changes.
 void MotionCheck::WorldHasChanged() {
   if (!by_images_.IsHopeless()) {
-    motion_.Break();
+    motion_.ForgetPoints();
     by_images_.WorldHasChanged();
   }
-  by_states_.WorldHasChanged();
+  by_states_.WorldHasChanged(kStatesSettle);
   has_given_rig_ = has_doubted_ = false;
 }
 
@@ -63,7 +65,7 @@ bool MotionCheck::SetRig(const StereoRig& rig) {
   if (change <= kSameSize) return false;
   size_px_m_ = size_px_m;
   if (change > kLargeChange || !by_images_.IsHopeless()) {
-    motion_.Break();
+    motion_.ForgetPoints();
     by_images_.BeginAnew();
   }
   by_states_.BeginAnew();
@@ -103,10 +105,11 @@ void MotionCheck::AddTurn(const FrameObservations& seen) {
 ScaleCheck::Finding MotionCheck::AddImages(const FrameObservations& seen) {
   if (!gyro_bias_ || by_images_.IsDone()) return ScaleCheck::Finding::kNothing;
   NavState x;
+  x.t = seen.t;
   x.T_WB = motion_.AddKeyframe(seen);
   x.bias.b_g = *gyro_bias_;
   if (!motion_.turn()) by_images_.Break();
-  if (motion_.HasLostOrientation()) by_images_.BeginAnew();
+  if (motion_.HasLostOrientation()) by_images_.LoseOrientation();
   return by_images_.AddKeyframe(x);
 }
 

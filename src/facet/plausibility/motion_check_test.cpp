@@ -232,6 +232,24 @@ TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
   EXPECT_NEAR(check.scale()->value(), 1, 0.02);
 }
 
+// In the middle of turns, too: gravity is where it was.
+TEST(MotionCheckTest, WhenTheWorldChangesOrientationsStayComparable) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const SimulatedRun run = Fly(seed, 30);
+    MotionCheck check(EurocRig());
+    VisitFrames(run, check, [&](std::size_t i) {
+      check.LoseState();
+      if (i < 400 && i % 97 == 50) check.WorldHasChanged();
+      if (i % kFramesPerKeyframe != 0) return;
+      const auto finding = check.AddKeyframe(run.frames[i], i == 0 ? run.truth.data() : nullptr);
+      EXPECT_EQ(finding, ScaleCheck::Finding::kNothing) << seed;
+      EXPECT_EQ(check.found_by().negated_axes(), "") << seed;
+    });
+    ASSERT_TRUE(check.scale()) << seed;
+    EXPECT_NEAR(check.scale()->value(), 1, 0.02) << seed;
+  }
+}
+
 // That the estimator gives parts of the calibration room, or changes it by little, does not make
 // good what is wrong beyond hope, and does not put off that it is said.
 TEST(MotionCheckTest, WhatIsHopelessIsNotMeasuredAnew) {

@@ -49,6 +49,9 @@ void ScaleCheck::AddImu(const ImuInterval& imu) {
 ScaleCheck::Finding ScaleCheck::AddKeyframe(const NavState& state) {
   Finding finding = Finding::kNothing;
   if (IsDone()) return finding;
+  if (settles_) settled_at_ = state.t + *settles_;
+  settles_.reset();
+  if (state.t < settled_at_) return finding;
   if (second_) {
     if (second_->imu.dt_s() < kShortest_s) return finding;
     if (first_) AddRows(*first_, *second_, state);
@@ -78,9 +81,17 @@ void ScaleCheck::BeginAnew() {
   has_doubted_ = is_hopeless_ = false;
 }
 
-void ScaleCheck::WorldHasChanged() {
+void ScaleCheck::LoseOrientation() {
+  BeginAnew();
+  num_rows_forgotten_ += rows_.size();
+  rows_.clear();
+  num_rows_before_ = 0;
+}
+
+void ScaleCheck::WorldHasChanged(Duration settles) {
   BeginAnew();
   is_accel_trusted_ = true;
+  settles_ = settles;
 }
 
 bool ScaleCheck::IsHopeless() const {
@@ -132,14 +143,15 @@ std::string ScaleCheck::FindNegatedAxes() const {
 }
 
 ScaleCheck::Finding ScaleCheck::Judge() {
-  const int num_all_legs = static_cast<int>(rows_.size()) / kRowsPerLegs;
-  if (num_all_legs >= kLeastLegs && num_all_legs <= kMostLegsForRefusal) {
+  const int num_known_legs = static_cast<int>(rows_.size()) / kRowsPerLegs;
+  const int num_all_legs = num_known_legs + static_cast<int>(num_rows_forgotten_) / kRowsPerLegs;
+  if (num_known_legs >= kLeastLegs && num_all_legs <= kMostLegsForRefusal) {
     // What was clear once stays so: with a wrong accelerometer the poses become worse and worse.
     if (negated_axes_.empty()) negated_axes_ = FindNegatedAxes();
     const int least = is_gyro_trusted_ ? kLeastLegsForRefusal : kLeastLegsForAxes;
     if (!negated_axes_.empty() && num_all_legs >= least) return Finding::kAxesTheOtherWay;
   }
-  const int num_legs = num_all_legs - static_cast<int>(num_rows_before_) / kRowsPerLegs;
+  const int num_legs = num_known_legs - static_cast<int>(num_rows_before_) / kRowsPerLegs;
   if (num_legs < kLeastLegs) return Finding::kNothing;
   scale_ = Fit();
   if (!scale_) return Finding::kNothing;

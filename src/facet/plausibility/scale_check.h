@@ -5,6 +5,7 @@
 // estimator that trusts its calibration gives way only slowly.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,7 +40,7 @@ class ScaleCheck {
   void AddImu(const ImuInterval& imu);
 
   /// The state of a keyframe at the end of the last interval, mostly as the images have it; only
-  /// its pose and the bias of the gyroscope are used.
+  /// its stamp, its pose and the bias of the gyroscope are used.
   Finding AddKeyframe(const NavState& state);
 
   /// The accelerometer's bias changes faster than it can (estimator/bias_watch.h): what it says of
@@ -56,8 +57,13 @@ class ScaleCheck {
   /// The same, and the size of the world is measured anew. What was said of the sensors stays.
   void BeginAnew();
 
-  /// The same, because the estimator has another calibration: the accelerometer is trusted again.
-  void WorldHasChanged();
+  /// The same, and gravity may point elsewhere than before.
+  void LoseOrientation();
+
+  /// As BeginAnew, because the estimator has another calibration: the accelerometer is trusted
+  /// again. States are left out for this long, in which the estimator's go to where they belong
+  /// now.
+  void WorldHasChanged(Duration settles = Duration{0});
 
   /// Nothing more is to be learnt.
   bool IsDone() const;
@@ -95,12 +101,15 @@ class ScaleCheck {
   Vector3d gyro_scale_ = Vector3d::Zero();
   std::optional<Leg> first_, second_;  // between three keyframes; the second one is growing
   std::vector<Row> rows_;
-  std::size_t num_rows_before_ = 0;  // from before the world changed, of another scale
+  std::size_t num_rows_before_ = 0;     // from before the world changed, of another scale
+  std::size_t num_rows_forgotten_ = 0;  // of another direction of gravity
   std::optional<Scale> scale_;
   std::string negated_axes_;
   int num_doubts_ = 0;  // in a row
   bool has_doubted_ = false, is_hopeless_ = false, was_right_ = false;
   bool is_accel_trusted_ = true, is_gyro_trusted_ = false;
+  std::optional<Duration> settles_;  // from the next keyframe on
+  Timestamp settled_at_{std::numeric_limits<std::int64_t>::min()};
 };
 
 /// What is wrong, in words that follow "warning: ".

@@ -45,14 +45,6 @@ void StereoMotion::AddImu(const ImuInterval& imu, const Vector3d& gyro_bias) {
   }
 }
 
-void StereoMotion::Break() {
-  before_.clear();
-  turn_.reset();
-  turned_ = Quaterniond::Identity();
-  dt_s_ = 0;
-  is_turn_known_ = false;
-}
-
 SE3 StereoMotion::AddKeyframe(const FrameObservations& keyframe) {
   const Motion by_gyro{T_CB_.q * turned_.conjugate() * T_CB_.q.conjugate(), Vector3d::Zero()};
   const std::optional<Motion> motion = Fit(PairsWith(keyframe), by_gyro);

@@ -39,8 +39,8 @@ class StereoMotion {
   /// is not comparable with those of before either.
   bool HasLostOrientation() const { return has_lost_orientation_; }
 
-  /// What comes is not to be compared with what was.
-  void Break();
+  /// Places of before are not to be compared with what comes; orientations are, by the gyroscope.
+  void ForgetPoints() { before_.clear(); }
 
  private:
   struct SeenPoint {

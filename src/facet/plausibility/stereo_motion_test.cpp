@@ -2,6 +2,8 @@
 // Simulated stereo features: the rig moves as it did in truth, as far as the calibration goes.
 #include "facet/plausibility/stereo_motion.h"
 
+#include <optional>
+
 #include <gtest/gtest.h>
 
 #include "facet/base/median.h"
@@ -85,6 +87,31 @@ TEST(StereoMotionTest, StepsAreAsLongAsTheBaselineSays) {
     StepErrors as_said = Follow(run, rig, 1.5), as_in_truth = Follow(run, rig, 1);
     EXPECT_LT(*Median(as_said.m), 0.02) << seed;
     EXPECT_GT(*Median(as_in_truth.m), 0.03) << seed;
+  }
+}
+
+// Just before a keyframe, when the rig has turned since the one before.
+TEST(StereoMotionTest, WhenPointsAreForgottenOrientationsGoOn) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const SimulatedRun run = Fly(seed);
+    ImuBuffer imu;
+    for (const ImuSample& sample : run.imu)
+      imu.Add(sample);
+    StereoMotion motion(run.rig);
+    std::optional<Quaterniond> first;
+    for (std::size_t i = 0; i <= 160; ++i) {
+      if (i > 0)
+        motion.AddImu(
+            imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}),
+            run.truth[i].bias.b_g);
+      if (i % 20 == 0) motion.ForgetPoints();
+      if (i % kFramesPerKeyframe != 0) continue;
+      const Quaterniond from_truth =
+          motion.AddKeyframe(run.frames[i]).q * run.truth[i].T_WB.q.conjugate();
+      EXPECT_FALSE(motion.HasLostOrientation() && i > 0) << seed;
+      if (!first) first = from_truth;
+      EXPECT_LT(LogSO3(first->conjugate() * from_truth).norm(), 0.7 * kDegree) << seed << ' ' << i;
+    }
   }
 }
 

@@ -20,6 +20,10 @@ std::optional<int> CalibrationOffset(const MarginalPrior& prior) {
 
 }  // namespace
 
+bool KnowsCalibration(const MarginalPrior& prior) {
+  return CalibrationOffset(prior).has_value();
+}
+
 bool TakeRandomStep(const CalibrationMatrix& covariance, MarginalPrior& prior) {
   const std::optional<int> offset = CalibrationOffset(prior);
   if (!offset) return false;

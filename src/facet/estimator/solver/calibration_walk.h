@@ -8,6 +8,8 @@
 
 namespace facet {
 
+bool KnowsCalibration(const MarginalPrior& prior);
+
 /// From here on the calibration is another one, which differs from that of before by a random step
 /// with this covariance: the old one is marginalised (docs/math.md, equation (10.6)). Nothing, and
 /// false, if the prior does not know the calibration.
