@@ -11,8 +11,7 @@ namespace facet {
 namespace {
 
 constexpr double kRough = 0.01;
-// Focal lengths that are wrong by a per cent have more than this two to three seconds after the
-// start, those of careful calibrations less than 7 in a minute.
+// A Bayes factor of e^12.5: rough focal lengths are rare, and noise alone does not come near it.
 constexpr double kClearEvidence = 25;
 // Over that of a gyroscope whose scale is wrong by as much.
 constexpr double kClearlyMore = 6;
@@ -58,8 +57,8 @@ CalibrationVector WithoutCommonFocalLength(const StereoRig& rig, const Calibrati
   return delta - FocalLengthShare(rig, delta) / kRough * RoughFocalLengths(rig);
 }
 
-// Of lenses that do something beside their model the images say something else than the gyroscope,
-// which agreed before and would not any more.
+// Lenses that do something beside their model can have as much evidence. Then the gyroscope agreed
+// before and would not any more.
 bool AreFocalLengthsRough(const StereoRig& rig,
                           const CalibrationMatrix& before,
                           const CalibrationVector& delta,
