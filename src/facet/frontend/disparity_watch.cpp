@@ -24,10 +24,19 @@ constexpr std::size_t kNumInRow = 3;
 constexpr Duration kStretch{1'000'000'000}, kLongestBreak{2'000'000'000};
 constexpr double kLargestDisagreement_px = 0.4;  // of those in a row
 constexpr double kLargestDisagreement = 0.05;    // of their shift
+// Landmarks of the window, after the calibration has changed.
+constexpr Duration kSettles{3'000'000'000};
 // If they do not agree, the depths may be what is wrong, and only right images mend them.
 constexpr int kPassAfterDisagreement = 12;
 
 }  // namespace
+
+void DisparityWatch::Forget(Timestamp t) {
+  changed_ = t;
+  usual_angle_ = 0;
+  contradicting_.clear();
+  num_to_pass_ = 0;
+}
 
 bool DisparityWatch::AreBelieved(const DisparityShift& shift) {
   return shift.num < kLeastToScatter || 2 * shift.num_agreeing >= shift.num;
@@ -36,6 +45,7 @@ bool DisparityWatch::AreBelieved(const DisparityShift& shift) {
 DisparityWatch::Verdict DisparityWatch::Add(Timestamp t,
                                             const DisparityShift& shift,
                                             bool in_doubt) {
+  if (changed_ && t - *changed_ < kSettles) return Verdict::kAgrees;
   if (shift.num < (in_doubt ? kLeastTracksInDoubt : kLeastTracks) ||
       focal_px_ * shift.spread > kLargestSpread_px)
     return in_doubt && !AreBelieved(shift) ? Verdict::kScatters : Verdict::kAgrees;

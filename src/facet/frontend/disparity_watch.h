@@ -5,6 +5,7 @@
 // cannot show.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "facet/base/types.h"
@@ -36,6 +37,10 @@ class DisparityWatch {
   /// points, and depths that were known before are believed rather than they.
   Verdict Add(Timestamp t, const DisparityShift& shift, bool in_doubt);
 
+  /// The calibration has changed at this time. What was usual before says nothing, and until depths
+  /// have followed, for some seconds, they contradict nothing.
+  void Forget(Timestamp t);
+
   /// In doubt: half of them agree with the depths, or there are too few to say so.
   static bool AreBelieved(const DisparityShift& shift);
 
@@ -44,8 +49,9 @@ class DisparityWatch {
 
  private:
   double focal_px_;
-  double usual_angle_ = 0;  // calibrations that are a little wrong have one
-  Timestamp begin_, last_;  // of the contradicting ones
+  double usual_angle_ = 0;            // calibrations that are a little wrong have one
+  std::optional<Timestamp> changed_;  // the calibration, last
+  Timestamp begin_, last_;            // of the contradicting ones
   std::vector<double> contradicting_;
   double turn_ = 0;
   int num_to_pass_ = 0;  // keyframes, after contradictions that do not agree with each other

@@ -25,6 +25,7 @@ class Keyframes {
     return watch_.Add(t_, shift, in_doubt);
   }
   double turn() const { return watch_.turn(); }
+  void Forget() { watch_.Forget(t_); }
 
  private:
   DisparityWatch watch_{kFocal_px};
@@ -38,6 +39,19 @@ TEST(DisparityWatchTest, WhatIsUsualAgrees) {
   // A calibration that is half a pixel wrong has got used to that.
   EXPECT_EQ(watch.Add(Shift(1.0)), Verdict::kAgrees);
   EXPECT_EQ(watch.Add(Shift(-0.4)), Verdict::kContradicts);
+}
+
+TEST(DisparityWatchTest, WhatWasUsualWithAnotherCalibrationIsForgotten) {
+  Keyframes watch;
+  for (int i = 0; i < 50; ++i)
+    EXPECT_EQ(watch.Add(Shift(0.6)), Verdict::kAgrees);
+  EXPECT_EQ(watch.Add(Shift(-0.3)), Verdict::kContradicts);
+  watch.Forget();
+  for (int i = 0; i < 9; ++i)
+    EXPECT_EQ(watch.Add(Shift(2 - 0.2 * i)), Verdict::kAgrees) << "depths follow";
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(watch.Add(Shift(-0.3)), Verdict::kAgrees);
+  EXPECT_EQ(watch.Add(Shift(0.9)), Verdict::kContradicts);
 }
 
 TEST(DisparityWatchTest, OneImageOfAnotherMomentIsNotUsed) {

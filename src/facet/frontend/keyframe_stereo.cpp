@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "facet/base/median.h"
+#include "facet/camera/stereo_triangulation.h"
+#include "facet/geometry/so3.h"
 
 namespace facet {
 
@@ -29,6 +31,13 @@ KeyframeStereo::KeyframeStereo(const StereoRig& rig, const FrontendOptions& opti
       matcher_(rig, options),
       disparities_(rig.cameras[1].mean_focal_px()),
       matches_(static_cast<std::size_t>(options.max_features)) {}
+
+void KeyframeStereo::Calibrate(Timestamp t, const StereoRig& rig) {
+  rig_ = rig;
+  rig_.T_BC[1].q = (rig.T_BC[1].q * turn_).normalized();
+  matcher_.Calibrate(rig);
+  disparities_.Forget(t);
+}
 
 void KeyframeStereo::Clear() {
   std::fill(matches_.begin(), matches_.end(), std::nullopt);
@@ -109,6 +118,7 @@ void KeyframeStereo::Turn(const Vector3d& omega,
                           const ImagePyramid& left,
                           std::span<Track> tracks) {
   rig_ = TurnedRig(rig_, omega);
+  turn_ = (turn_ * ExpSO3(omega)).normalized();
   matcher_.TurnRight(omega);
   RestoreDepths(tracks);
   MatchAll(left, tracks);
@@ -127,11 +137,12 @@ DisparityShift KeyframeStereo::ShiftOf(std::span<const Track> tracks) {
   angles_.clear();
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (!matches_[i] || !depths_before_[i]) continue;
+    const auto inverse_distance = InverseDistanceOf(tracks[i], *matches_[i]);
     const auto bearing = rig_.cameras[1].Unproject(matches_[i]->px);
-    const double cosine = bearing ? bearing->dot(ahead) : 0;
+    const double cosine = inverse_distance && bearing ? bearing->dot(ahead) : 0;
     if (cosine < kLeastCosine) continue;
     const double factor = rig_.baseline_m() * along.cross(*bearing).squaredNorm() / cosine;
-    const double change = factor * (matches_[i]->inverse_distance - *depths_before_[i]);
+    const double change = factor * (*inverse_distance - *depths_before_[i]);
     angles_.push_back(change);
     const double tolerance = std::max(agreeing, kAgreeingShare * factor * *depths_before_[i]);
     num_agreeing += std::abs(change) < tolerance ? 1 : 0;
@@ -144,6 +155,16 @@ DisparityShift KeyframeStereo::ShiftOf(std::span<const Track> tracks) {
     angle = std::abs(angle - shift.angle);
   shift.spread = Median(angles_).value_or(0);
   return shift;
+}
+
+std::optional<double> KeyframeStereo::InverseDistanceOf(const Track& track,
+                                                        const StereoMatch& match) const {
+  if (!rig_of_depths_) return match.inverse_distance;
+  const auto left = rig_of_depths_->cameras[0].Unproject(track.px);
+  const auto right = rig_of_depths_->cameras[1].BearingOf(match.px);
+  if (!left || !right) return std::nullopt;
+  const auto stereo = TriangulateOnRay(*left, *right, rig_of_depths_->T_C1C0());
+  return stereo ? std::optional(stereo->inverse_distance) : std::nullopt;
 }
 
 void KeyframeStereo::MatchAll(const ImagePyramid& left, std::span<Track> tracks) {

@@ -2,8 +2,10 @@
 // The right image of a keyframe: where the tracks are in it, and the depths of further places.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -20,6 +22,13 @@ namespace facet {
 class KeyframeStereo {
  public:
   KeyframeStereo(const StereoRig& rig, const FrontendOptions& options);
+
+  /// From this time on the rig is this one, with its right camera turned as before.
+  void Calibrate(Timestamp t, const StereoRig& rig);
+
+  /// The calibration with which the depths that tracks have were found; it may be nearly the one in
+  /// use. What it explains is no contradiction. Null: the one in use.
+  void SetRigOfDepths(std::shared_ptr<const StereoRig> rig) { rig_of_depths_ = std::move(rig); }
 
   /// Forgets the right image: the newest frame has none, or none yet.
   void Clear();
@@ -54,8 +63,11 @@ class KeyframeStereo {
   bool IsSuspicious(Timestamp t, std::span<const Track> tracks);
   std::vector<StereoRays> MatchWidely(const ImagePyramid& left, std::span<const Track> tracks);
   DisparityShift ShiftOf(std::span<const Track> tracks);
+  std::optional<double> InverseDistanceOf(const Track& track, const StereoMatch& match) const;
 
-  StereoRig rig_;  // with the turns that were found
+  StereoRig rig_;                               // with the turns that were found
+  Quaterniond turn_ = Quaterniond::Identity();  // all of them
+  std::shared_ptr<const StereoRig> rig_of_depths_;
   FrontendOptions options_;
   StereoMatcher matcher_;
   RightCameraWatch watch_;

@@ -11,6 +11,7 @@
 #include "facet/frontend/image_history.h"
 #include "facet/frontend/keyframe_stereo.h"
 #include "facet/frontend/repeated_image.h"
+#include "facet/frontend/rig_difference.h"
 #include "facet/frontend/support_places.h"
 #include "facet/frontend/temporal_tracker.h"
 #include "facet/frontend/track_outliers.h"
@@ -59,6 +60,7 @@ struct StereoFrontend::Impl {
 
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
   void TakeHint(const FrontendHint& hint);
+  void Calibrate(const StereoRig& refined);
   bool IsRepeated(const StereoFrame& frame,
                   bool is_blank,
                   const FrontendHint& hint,
@@ -83,6 +85,7 @@ struct StereoFrontend::Impl {
   };
 
   StereoRig rig;
+  std::shared_ptr<const StereoRig> hinted_rig;  // that was compared with it last
   FrontendOptions options;
   TrackTable tracks;
   TemporalTracker temporal_tracker;
@@ -120,12 +123,27 @@ StereoFrontend::Impl::Impl(const StereoRig& stereo_rig, const FrontendOptions& f
 
 void StereoFrontend::Impl::TakeHint(const FrontendHint& hint) {
   motion.T_Bprev_Bnow = motion.T_Bprev_Bnow * SE3(hint.R_prev_now, hint.p_prev_now);
+  if (hint.rig && hint.rig != hinted_rig) {
+    hinted_rig = hint.rig;
+    stereo.SetRigOfDepths(hint.rig);
+    if (SeesDifferently(rig, *hint.rig)) Calibrate(*hint.rig);
+  }
   if (hint.inverse_distance == nullptr) return;
   for (Track& track : tracks.slots()) {
     if (!track.id.IsValid()) continue;
     const auto known = hint.inverse_distance->find(track.id);
     if (known != hint.inverse_distance->end()) track.inverse_distance = known->second;
   }
+}
+
+// Without it, what the estimator has learnt of the calibration would look like a camera that was
+// knocked, and be corrected twice.
+void StereoFrontend::Impl::Calibrate(const StereoRig& refined) {
+  rig = refined;
+  for (Track& track : tracks.slots())
+    track.inverse_distance.reset();
+  temporal_tracker.Calibrate(rig.cameras[0], tracks.slots());
+  stereo.Calibrate(*newest_t, rig);
 }
 
 bool StereoFrontend::Impl::IsRepeated(const StereoFrame& frame,
@@ -291,6 +309,10 @@ StereoFrontend::StereoFrontend(const StereoRig& rig, const FrontendOptions& opti
     : impl_(std::make_unique<Impl>(rig, FitToImage(options, rig.cameras[0]))) {}
 
 StereoFrontend::~StereoFrontend() = default;
+
+const StereoRig& StereoFrontend::rig() const {
+  return impl_->rig;
+}
 
 FrontendResult StereoFrontend::Process(const StereoFrame& frame,
                                        const FrontendHint& hint,

@@ -44,6 +44,8 @@ struct FrontendHint {
   bool is_motion_known = false;
   /// Inverse distance [1/m] from the left camera at the previous frame, by landmark; may be null.
   const std::pmr::unordered_map<LandmarkId, double>* inverse_distance = nullptr;
+  /// The calibration with which these distances were found; null: the last one that was told.
+  std::shared_ptr<const StereoRig> rig;
 };
 
 /// What the images of a keyframe tell the mesh.
@@ -93,6 +95,10 @@ class StereoFrontend {
   /// kept and sought in the next frame; the hints of both frames are composed. A frame that is not
   /// after the newest one gives empty observations and leaves the tracks and the hints as they are.
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
+
+  /// The calibration in use: the one that was given, until one that was hinted at moves points
+  /// noticeably against it. Pixels of observations are those of the images whatever it is.
+  const StereoRig& rig() const;
 
  private:
   struct Impl;

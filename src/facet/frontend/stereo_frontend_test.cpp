@@ -147,8 +147,10 @@ class FrontendTest : public ::testing::Test {
   FrontendResult ProcessKnowingDepths(int i,
                                       const StereoFrame& frame,
                                       StereoFrontend& frontend,
-                                      std::pmr::unordered_map<LandmarkId, double>& depths) const {
+                                      std::pmr::unordered_map<LandmarkId, double>& depths,
+                                      const std::shared_ptr<const StereoRig>& rig = {}) const {
     FrontendHint hint = HintAt(i);
+    hint.rig = rig;
     hint.inverse_distance = &depths;
     hint.is_motion_known = true;
     StageTimes times;
@@ -270,6 +272,51 @@ TEST_F(FrontendTest, AKnockAboutAllAxesIsCorrectedStepByStep) {
   EXPECT_LT((LogSO3(turned) - omega).norm(), 1.5e-3) << LogSO3(turned).transpose();
   EXPECT_GT(num_checked, 100) << "right images are used again";
   EXPECT_LE(num_wrong, 10) << "none was used while it was wrong";
+}
+
+// Depths are those of a calibration that the estimator has refined. By the one that was given they
+// contradict all disparities, which is no knock; one that comes later is found.
+TEST_F(FrontendTest, WhatTheEstimatorHasLearntOfTheCalibrationIsNoKnock) {
+  constexpr int kFrames = 70, kLearnt = 6, kKnock = 45;
+  const Vector3d omega(0, 0.008, 0);
+  StereoRig given = TurnedRig(rig_, Vector3d(0, 0.007, 0));
+  CameraIntrinsics left = given.cameras[0].intrinsics();
+  left.cx += 2;
+  given.cameras[0] = CameraModel(left);
+  const auto learnt = std::make_shared<const StereoRig>(rig_);
+  const StereoRig knocked = TurnedRig(rig_, omega);
+  std::pmr::unordered_map<LandmarkId, double> depths;
+  StereoFrontend frontend(given, Options());
+  std::optional<StereoTurn> turn;
+  int num_checked = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    StereoFrame frame = FrameAt(i);
+    frame.t = Timestamp{1'000'000'000} + FromSeconds(2 * kFrameInterval * i);
+    if (i >= kKnock) frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * knocked.T_BC[1], 0.85);
+    if (i <= kLearnt) depths.clear();
+    const FrontendResult result =
+        ProcessKnowingDepths(i, frame, frontend, depths, i < kLearnt ? nullptr : learnt);
+    EXPECT_GT(result.observations.features.size(), 40U) << i;
+    if (result.right.turn) {
+      EXPECT_GE(i, kKnock);
+      EXPECT_FALSE(turn) << "once";
+      turn = result.right.turn;
+    }
+    if (i < kKnock || turn) {
+      EXPECT_FALSE(result.right.contradiction_px) << i;
+    }
+    if (i < kLearnt || !result.observations.is_keyframe || (i >= kKnock && !turn)) continue;
+    EXPECT_GT(result.num_stereo, 35) << i;
+    for (const FeatureObservation& f : result.observations.features) {
+      if (!f.px_right) continue;
+      EXPECT_LT((*f.px_right - Truth(i, f.px_left, i, 1)).norm(), 1.0) << i;
+      ++num_checked;
+    }
+  }
+  EXPECT_EQ(frontend.rig().cameras[0].intrinsics().cx, rig_.cameras[0].intrinsics().cx);
+  ASSERT_TRUE(turn);
+  EXPECT_LT((turn->omega - omega).norm(), 6e-4) << turn->omega.transpose();
+  EXPECT_GT(num_checked, 100);
 }
 
 // A right image that belongs to another pair: it is not used, and the next one is.

@@ -47,6 +47,12 @@ StereoMatcher::StereoMatcher(const StereoRig& rig, const FrontendOptions& option
       tracker_(options.klt, kParameters),
       near_tracker_(options.klt, kNearParameters, kNearMinUpdate_px) {}
 
+void StereoMatcher::Calibrate(const StereoRig& rig) {
+  right_camera_ = rig.cameras[1];
+  T_C1C0_ = rig.T_C1C0();
+  if (turn_) T_C1C0_ = SE3(turn_->conjugate(), Vector3d::Zero()) * T_C1C0_;
+}
+
 void StereoMatcher::TurnRight(const Vector3d& omega) {
   const Quaterniond turn = ExpSO3(omega);
   turn_ = (turn_.value_or(Quaterniond::Identity()) * turn).normalized();

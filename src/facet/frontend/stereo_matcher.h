@@ -26,6 +26,9 @@ class StereoMatcher {
  public:
   StereoMatcher(const StereoRig& rig, const FrontendOptions& options);
 
+  /// From now on the rig is this one, with its right camera turned as before.
+  void Calibrate(const StereoRig& rig);
+
   /// From now on the right camera is turned by omega [rad] further than before, in its own frame;
   /// the pixels of matches stay those of the rig that was calibrated.
   void TurnRight(const Vector3d& omega);

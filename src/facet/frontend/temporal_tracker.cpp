@@ -38,6 +38,25 @@ TemporalTracker::TemporalTracker(const CameraModel& camera, const FrontendOption
       frame_tracker_(options.klt, kFrameParameters),
       reference_tracker_(options.klt, kReferenceParameters) {}
 
+void TemporalTracker::Calibrate(const CameraModel& camera, std::span<Track> tracks) {
+  const auto same_pixel = [&](const Vector3d& bearing) {
+    const std::optional<Vector2d> px = camera_.Project(bearing);
+    return px ? camera.Unproject(*px) : std::nullopt;
+  };
+  for (Track& track : tracks) {
+    if (!track.id.IsValid()) continue;
+    const std::optional<PixelBearing> ray = camera.BearingOf(track.px);
+    if (!ray) {
+      track.id = LandmarkId();
+      continue;
+    }
+    track.ray = *ray;
+    track.rotated_bearing = same_pixel(track.rotated_bearing).value_or(ray->bearing);
+    if (track.keyframe_bearing) track.keyframe_bearing = same_pixel(*track.keyframe_bearing);
+  }
+  camera_ = camera;
+}
+
 bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& track) const {
   const std::optional<PixelBearing> ray = camera_.BearingOf(px);
   if (!ray) return false;

@@ -19,6 +19,10 @@ class TemporalTracker {
  public:
   TemporalTracker(const CameraModel& camera, const FrontendOptions& options);
 
+  /// From now on the camera is this one. Bearings of the track become those of the same pixels; one
+  /// that has none gets an invalid id.
+  void Calibrate(const CameraModel& camera, std::span<Track> tracks);
+
   /// Starts a track at px of the image, apart from its id. False: the place has no texture or ray.
   bool Begin(const ImagePyramid& now, const Vector2d& px, Track& track) const;
 

@@ -38,7 +38,7 @@ FrontendOptions FrontendOptionsOf(const VioOptions& options) {
 }  // namespace
 
 FrontStage::FrontStage(const StereoRig& rig, const VioOptions& options)
-    : rig_(rig),
+    : time_offset_(rig.time_offset),
       max_gap_s_(options.estimator.imu.max_gap_s),
       gravity_(options.estimator.imu.gravity_mps2),
       frontend_(rig, FrontendOptionsOf(options)),
@@ -53,11 +53,11 @@ void FrontStage::AddImu(const ImuSample& sample) {
 MotionPrediction FrontStage::Predict(Timestamp t) {
   MotionPrediction prediction;
   const ScopedStage stage(prediction.times, Stage::kImu);
-  prediction.is_stray = IsStray(t + rig_.time_offset);
+  prediction.is_stray = IsStray(t + time_offset_);
   if (prediction.is_stray) return prediction;
   TakeFeedback();
-  imu_.TimeIsAt(t + rig_.time_offset);
-  prediction.imu = IntervalTo(t + rig_.time_offset);
+  imu_.TimeIsAt(t + time_offset_);
+  prediction.imu = IntervalTo(t + time_offset_);
   prediction.hint = MakeHint(prediction.imu);
   return prediction;
 }
@@ -75,7 +75,7 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   tracked.frontend = frontend_.Process(frame, prediction.hint, tracked.times);
   ++next_frame_;
   if (!tracked.frontend.in_order) return tracked;
-  previous_t_ = frame.t + rig_.time_offset;
+  previous_t_ = frame.t + time_offset_;
   has_previous_ = true;
   tracked.warning = WatchAxes(tracked.imu);
   const std::string of_right_image = JudgeRightImage(frame.t, tracked.frontend.right);
@@ -187,7 +187,8 @@ FrontendHint FrontStage::MakeHint(const ImuInterval& now) {
   const NavState next = motion.Predict(previous);
   hint.p_prev_now = previous.T_WB.q.conjugate() * (next.T_WB.p - previous.T_WB.p);
 
-  const SE3 T_C0W = (previous.T_WB * rig_.T_BC[0]).Inverse();
+  hint.rig = feedback.rig;
+  const SE3 T_C0W = (previous.T_WB * frontend_.rig().T_BC[0]).Inverse();
   inverse_distance_.clear();
   for (const LandmarkEstimate& landmark : feedback.landmarks) {
     const double distance_m = (T_C0W * landmark.p_W).norm();

@@ -61,7 +61,7 @@ class FrontStage {
   std::string CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked);
   void ForgetOldImu();
 
-  StereoRig rig_;
+  Duration time_offset_;
   double max_gap_s_, gravity_;
   StereoFrontend frontend_;
   bool check_calibration_;

@@ -144,11 +144,11 @@ void PoseStage::HandBack(VioOutput& out) {
   feedback_.reset();
   if (out.is_keyframe && out.has_pose && !out.was_reset) {
     auto snapshot = std::make_shared<MapSnapshot>(estimator_.Snapshot());
-    feedback_ = Feedback{out.frame, false, snapshot->latest, snapshot->landmarks};
+    feedback_ = Feedback{out.frame, false, snapshot->latest, snapshot->landmarks, snapshot->rig};
     feedback_->state.t = out.t + time_offset_;
     out.snapshot = std::move(snapshot);
   } else if (out.was_reset) {
-    feedback_ = Feedback{out.frame, true, {}, {}};
+    feedback_ = Feedback{out.frame, true, {}, {}, nullptr};
   }
 }
 

@@ -2,6 +2,7 @@
 // What the two halves of a stereo frame tell each other.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct Feedback {
   bool is_reset = false;  ///< the estimator started over: nothing is known any more
   NavState state;         ///< at the keyframe, IMU clock
   std::vector<LandmarkEstimate> landmarks;
+  std::shared_ptr<const StereoRig> rig;  ///< with which they were found; null: the given one
 };
 
 }  // namespace facet
