@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "facet/calibration/intrinsics_jacobian.h"
 #include "facet/geometry/angles.h"
 
 namespace facet {
@@ -25,9 +26,24 @@ struct Quantity {
   CalibrationVector gradient = CalibrationVector::Zero();
 };
 
+/// By how many pixels each coefficient moves points at the left and the right edge away from the
+/// middle.
+Vector4d OutwardsAtEdge(const CameraModel& camera) {
+  const CameraIntrinsics& k = camera.intrinsics();
+  Vector4d outwards = Vector4d::Zero();
+  for (const double side : {-1.0, 1.0}) {
+    const Vector2d px(0.5 * (1 + side) * (k.width - 1), k.cy);
+    const auto ray = camera.Unproject(px);
+    if (!ray) continue;
+    outwards += 0.5 * side * IntrinsicsJacobian(k, *ray, px).row(0).tail<4>().transpose();
+  }
+  return outwards;
+}
+
 void AddLens(const StereoRig& rig, int camera, std::vector<Quantity>& out) {
   const CameraIntrinsics& k = rig.cameras[static_cast<std::size_t>(camera)].intrinsics();
   const std::string of = camera == 0 ? " of the left camera" : " of the right camera";
+  const CameraModel& model = rig.cameras[static_cast<std::size_t>(camera)];
   const int first = camera * kNumIntrinsics;
   Quantity focal{CalibrationPart::kLenses, "focal length" + of, "%"};
   focal.gradient(first) = 50 / k.fx;
@@ -39,6 +55,9 @@ void AddLens(const StereoRig& rig, int camera, std::vector<Quantity>& out) {
     point.gradient(first + 2 + axis) = 1;
     out.push_back(std::move(point));
   }
+  Quantity distortion{CalibrationPart::kDistortion, "distortion at the edge" + of, "px"};
+  distortion.gradient.segment<4>(first + 4) = OutwardsAtEdge(model);
+  out.push_back(std::move(distortion));
 }
 
 void AddAxes(CalibrationPart part,

@@ -11,14 +11,15 @@ namespace facet {
 
 /// What is measured together, and wrong together, when a rig was not calibrated with care.
 enum class CalibrationPart {
-  kLenses,     ///< lenses, and the turn of the cameras against each other
-  kBaseline,   ///< the distance between the cameras
-  kMount,      ///< the cameras on the IMU
-  kClock,      ///< time offset of the cameras
-  kGyroscope,  ///< scale of its axes
+  kLenses,      ///< focal lengths, principal points, and the turn of the cameras against each other
+  kDistortion,  ///< what lenses do besides
+  kBaseline,    ///< the distance between the cameras
+  kMount,       ///< the cameras on the IMU
+  kClock,       ///< time offset of the cameras
+  kGyroscope,   ///< scale of its axes
 };
 
-inline constexpr int kNumCalibrationParts = 5;
+inline constexpr int kNumCalibrationParts = 6;
 
 /// One thing that a calibration says.
 struct CalibrationDeviation {

@@ -6,9 +6,9 @@
 
 #include <Eigen/Cholesky>
 
-#include "facet/calibration/error_evidence.h"
 #include "facet/calibration/relative_covariance.h"
 #include "facet/calibration/rough_focal_lengths.h"
+#include "facet/calibration/rough_lenses.h"
 #include "facet/estimator/solver/calibration_walk.h"
 #include "facet/estimator/start/start_calibration.h"
 #include "facet/estimator/window/calibration_information.h"
@@ -79,10 +79,16 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
     case CalibrationPart::kClock:
       add_each(kTimeOffset, 1, kTime_s);
       break;
+    case CalibrationPart::kDistortion:
+      break;  // has room with all that lenses do, or none
     case CalibrationPart::kGyroscope:
       break;  // soon known far better than before any measurement: it needs no room
   }
   return covariance;
+}
+
+bool IsOfLenses(const CalibrationDeviation& deviation) {
+  return deviation.part == CalibrationPart::kLenses;
 }
 
 // What state and clock have in common is that of the newest keyframe. A frame after it may be known
@@ -139,6 +145,7 @@ void SelfCalibration::Begin(SlidingWindow& window) {
   window.calibration->SetDelta(kept_->delta);
   window.calibration->Restart(kept_->covariance);
   possible_ = kept_->possible;
+  has_room_for_lenses_ = kept_->has_room_for_lenses;
   has_room_for_focal_lengths_ = kept_->has_room_for_focal_lengths;
   care_ = kept_->care;
 }
@@ -155,6 +162,7 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
                window.calibration->delta(),
                possible_,
                solver.CalibrationCovariance(),
+               has_room_for_lenses_,
                has_room_for_focal_lengths_,
                care_,
                window.calibration->Refined()};
@@ -166,6 +174,9 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
   gross_deviations_ = gross_of(kept_->delta);
   unexpected_ = has_room_for_focal_lengths_ ? gross_of(WithoutCommonFocalLength(rig_, kept_->delta))
                                             : gross_deviations_;
+  std::erase_if(unexpected_, [&](const CalibrationDeviation& d) {
+    return d.part == CalibrationPart::kDistortion || (has_room_for_lenses_ && IsOfLenses(d));
+  });
   std::erase_if(gross_deviations_, [&](const auto& d) { return !HasRoom(d.part); });
 }
 
@@ -180,8 +191,10 @@ void SelfCalibration::Doubt(Timestamp now, bool is_contradicted) {
 
 // What is off there is as it was measured, not held back any more.
 bool SelfCalibration::HasRoom(CalibrationPart part) const {
+  if (part == CalibrationPart::kDistortion) return has_room_for_lenses_;
   return num_large_steps_[static_cast<std::size_t>(part)] > 0 ||
-         (part == CalibrationPart::kLenses && has_room_for_focal_lengths_);
+         (part == CalibrationPart::kLenses &&
+          (has_room_for_lenses_ || has_room_for_focal_lengths_));
 }
 
 // Each part once, however many things in it are wrong.
@@ -205,6 +218,7 @@ void SelfCalibration::Walk(SlidingWindow& window) {
   const bool has_news = kept_ && judged_ != kept_->t;
   if (has_news) judged_ = kept_->t;
   if (KnowsCalibration(window.prior)) {
+    if (has_news) JudgeLenses(window);
     const bool is_settled = !freed_at_ || now - *freed_at_ >= kSettles;
     if (const auto step = is_settled ? LargeStep() : std::nullopt) {
       GiveUpCare(window);
@@ -229,6 +243,14 @@ void SelfCalibration::Walk(SlidingWindow& window) {
   window.calibration->SettleModes(care_->AreModesSettled());
 }
 
+void SelfCalibration::JudgeLenses(SlidingWindow& window) {
+  if (!options_.lens || has_room_for_lenses_) return;
+  if (!AreLensesRough(rig_, InformationOf(kept_->possible), kept_->delta, kept_->covariance))
+    return;
+  GiveRoom(RoughLensErrors(rig_), window);
+  has_room_for_lenses_ = has_room_for_focal_lengths_ = true;
+}
+
 // Twice in turn, since what has just taken a large step is not yet as it will be.
 void SelfCalibration::JudgeFocalLengths(SlidingWindow& window) {
   if (!options_.lens || !options_.gyro || has_room_for_focal_lengths_) return;
@@ -236,14 +258,19 @@ void SelfCalibration::JudgeFocalLengths(SlidingWindow& window) {
       AreFocalLengthsRough(rig_, InformationOf(kept_->possible), kept_->delta, kept_->covariance);
   num_looks_at_rough_ = are_rough ? num_looks_at_rough_ + 1 : 0;
   if (num_looks_at_rough_ < kLooksAtRough) return;
-  GiveUpCare(window);
   const CalibrationVector rough = RoughFocalLengths(rig_);
-  // They have always been wrong. So this is as if it had been believed possible from the start, and
-  // no random step: all that was measured counts.
-  AddInformation(RoomForError(rough, InformationOf(possible_)), window.prior);
-  possible_ += rough * rough.transpose();
+  GiveRoom({&rough, 1}, window);
   has_room_for_focal_lengths_ = true;
-  std::erase_if(unexpected_, [](const auto& d) { return d.part == CalibrationPart::kLenses; });
+}
+
+// They have always been wrong. So this is as if it had been believed possible from the start, and
+// no random step: all that was measured counts.
+void SelfCalibration::GiveRoom(std::span<const CalibrationVector> errors, SlidingWindow& window) {
+  GiveUpCare(window);
+  AddInformation(RoomForErrors(errors, InformationOf(possible_)), window.prior);
+  for (const CalibrationVector& error : errors)
+    possible_ += error * error.transpose();
+  std::erase_if(unexpected_, IsOfLenses);
   freed_at_ = window.frames.back().x.t;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "facet/calibration/calibration_deviation.h"
@@ -94,6 +95,7 @@ class SelfCalibration {
     Timestamp t;
     CalibrationVector delta;
     CalibrationMatrix possible, covariance;  // before and after what was learnt
+    bool has_room_for_lenses = false;
     bool has_room_for_focal_lengths = false;
     std::optional<CalibrationCare> care;  // as it was with that covariance
     StereoRig rig;
@@ -102,9 +104,11 @@ class SelfCalibration {
   /// False if the prior does not know the calibration.
   bool TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window);
   // Once each time something new was kept.
+  void JudgeLenses(SlidingWindow& window);
   void JudgeFocalLengths(SlidingWindow& window);
   void JudgeCare(SlidingWindow& window);
   void GiveUpCare(SlidingWindow& window);
+  void GiveRoom(std::span<const CalibrationVector> errors, SlidingWindow& window);
   bool HasRoom(CalibrationPart part) const;
   /// Of the large step that is due now; empty if none is.
   std::optional<CalibrationMatrix> LargeStep();
@@ -125,7 +129,8 @@ class SelfCalibration {
   std::optional<Timestamp> last_step_;
   double doubted_share_ = 0;
   std::array<int, kNumCalibrationParts> num_large_steps_{};
-  int num_looks_at_rough_ = 0;  // at focal lengths that are rough, in turn
+  bool has_room_for_lenses_ = false;  // and for everything between the cameras but their distance
+  int num_looks_at_rough_ = 0;        // at focal lengths that are rough, in turn
   bool has_room_for_focal_lengths_ = false;
   std::optional<Timestamp> freed_at_;  // when a part took the last step, or was given room
   std::vector<CalibrationDeviation> gross_deviations_;  // of parts that have had room for a while

@@ -14,6 +14,8 @@
 #include "facet/estimator/self_calibration.h"
 #include "facet/estimator/start/start_calibration.h"
 #include "facet/estimator/vio_estimator.h"
+#include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
 #include "facet/testing/estimator/spoilt_run.h"
@@ -217,7 +219,8 @@ SimulatedRun FlyWith(double duration_s, std::uint64_t seed) {
 struct Outcome {
   double left_ratio = 0, right_ratio = 0;  ///< focal lengths over the true ones
   std::string gross;                       ///< as it is named
-  std::vector<double> freed_at_s;          ///< since the first image
+  StereoRig rig;
+  std::vector<double> freed_at_s;  ///< since the first image
 };
 
 Outcome Estimate(const SimulatedRun& run, const StereoRig& written) {
@@ -241,6 +244,7 @@ Outcome Estimate(const SimulatedRun& run, const StereoRig& written) {
   const auto ratio = [&](std::size_t c) {
     return kept->cameras[c].mean_focal_px() / run.rig.cameras[c].mean_focal_px();
   };
+  out.rig = *kept;
   out.left_ratio = ratio(0);
   out.right_ratio = ratio(1);
   out.gross = InWords(estimator.GrossDeviations());
@@ -294,6 +298,60 @@ TEST(RoomForFocalLengthsTest, AGyroscopeWithAnotherScaleIsNotTakenForThem) {
       sample.gyro *= 1.02;
     const Outcome out = Estimate(run, *DrawCalibration(run.rig, seed));
     EXPECT_NEAR(out.left_ratio, 1, 0.003) << seed;
+    EXPECT_THAT(out.gross, Not(HasSubstr("focal length"))) << seed;
+  }
+}
+
+// What the right camera sees of far points that the left one sees in the middle of its image.
+double FarPointOff_px(const StereoRig& rig, const StereoRig& truth) {
+  const auto far = [](const StereoRig& r) {
+    return *r.cameras[1].Project(r.T_C1C0().q * *r.cameras[0].Unproject(Vector2d(376, 240)));
+  };
+  return (far(rig) - far(truth)).norm();
+}
+
+TEST(RoomForLensesTest, ATurnedRightCameraIsFoundInSecondsAndNamed) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SimulatedRun run = FlyWith(12, seed);
+    StereoRig written = *DrawCalibration(run.rig, seed);
+    written.T_BC[1].q = written.T_BC[1].q * ExpSO3(Vector3d(0, 0.4 * kDegree, 0));
+    const Outcome out = Estimate(run, written);
+    ASSERT_EQ(out.freed_at_s.size(), 1u) << seed;
+    EXPECT_LT(out.freed_at_s[0], 4) << seed;
+    EXPECT_LT(FarPointOff_px(out.rig, run.rig), 0.1) << seed;
+    EXPECT_THAT(out.gross, HasSubstr("far points in the right image")) << seed;
+  }
+}
+
+TEST(RoomForLensesTest, APrincipalPointIsFoundInSecondsAndNamed) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SimulatedRun run = FlyWith(12, seed);
+    StereoRig written = *DrawCalibration(run.rig, seed);
+    CameraIntrinsics k = written.cameras[0].intrinsics();
+    k.cx += 5;
+    written.cameras[0] = CameraModel(k);
+    const Outcome out = Estimate(run, written);
+    ASSERT_EQ(out.freed_at_s.size(), 1u) << seed;
+    EXPECT_LT(FarPointOff_px(out.rig, run.rig), 0.1) << seed;
+    EXPECT_NEAR(out.rig.cameras[0].intrinsics().cx, run.rig.cameras[0].intrinsics().cx, 1) << seed;
+    EXPECT_THAT(out.gross, HasSubstr("principal point of the left camera in x")) << seed;
+  }
+}
+
+TEST(RoomForLensesTest, AnotherDistortionIsFoundInSecondsAndNamed) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SimulatedRun run = FlyWith(12, seed);
+    StereoRig written = *DrawCalibration(run.rig, seed);
+    for (CameraModel& camera : written.cameras) {
+      CameraIntrinsics k = camera.intrinsics();
+      k.coefficients[0] *= 1.05;
+      camera = CameraModel(k);
+    }
+    const Outcome out = Estimate(run, written);
+    ASSERT_EQ(out.freed_at_s.size(), 1u) << seed;
+    EXPECT_NEAR(out.left_ratio, 1, 0.003) << seed;
+    EXPECT_THAT(out.gross, HasSubstr("distortion at the edge of the left camera")) << seed;
+    EXPECT_THAT(out.gross, HasSubstr("distortion at the edge of the right camera")) << seed;
     EXPECT_THAT(out.gross, Not(HasSubstr("focal length"))) << seed;
   }
 }
