@@ -32,7 +32,9 @@ constexpr Duration kSettles{5'000'000'000};
 constexpr int kMaxLargeSteps = 3;
 // Of a variance that is left; less is rounding.
 constexpr double kLeastShare = 1e-12;
-// In turn, before focal lengths are given room.
+// Since the first look; and until lenses that were given room are as they will be.
+constexpr Duration kLensesAreJudged{15'000'000'000}, kIsFound{20'000'000'000};
+// In turn, before something is given room.
 constexpr int kLooksAtRough = 2;
 // Beside the parameters that were learnt, before which nothing surprises.
 constexpr double kNumAsExpected = 3;
@@ -91,6 +93,11 @@ bool IsOfLenses(const CalibrationDeviation& deviation) {
   return deviation.part == CalibrationPart::kLenses;
 }
 
+// It has room with all that lenses do, or none.
+bool IsOfDistortion(const CalibrationDeviation& deviation) {
+  return deviation.part == CalibrationPart::kDistortion;
+}
+
 // What state and clock have in common is that of the newest keyframe. A frame after it may be known
 // better, or turn much faster; then it is less, so that the two still have a joint covariance.
 Vector<15> PossibleCovariance(const Matrix<15, 15>& covariance, const ClockCovariance& clock) {
@@ -145,8 +152,7 @@ void SelfCalibration::Begin(SlidingWindow& window) {
   window.calibration->SetDelta(kept_->delta);
   window.calibration->Restart(kept_->covariance);
   possible_ = kept_->possible;
-  has_room_for_lenses_ = kept_->has_room_for_lenses;
-  has_room_for_focal_lengths_ = kept_->has_room_for_focal_lengths;
+  room_ = kept_->room;
   care_ = kept_->care;
 }
 
@@ -162,22 +168,32 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
                window.calibration->delta(),
                possible_,
                solver.CalibrationCovariance(),
-               has_room_for_lenses_,
-               has_room_for_focal_lengths_,
+               room_,
                care_,
                window.calibration->Refined()};
   surprise_ = CalibrationSurprise(kept_->delta, possible_, kept_->covariance);
+  if (!first_kept_) first_kept_ = now;
   if (freed_at_ && now - *freed_at_ < kSettles) return;
+  if (room_.lenses && !found_lenses_ && now - *freed_at_ >= kIsFound) found_lenses_ = kept_->delta;
   const auto gross_of = [&](const CalibrationVector& delta) {
     return GrossDeviations(rig_, delta, kept_->covariance, *start_covariance_);
   };
   gross_deviations_ = gross_of(kept_->delta);
-  unexpected_ = has_room_for_focal_lengths_ ? gross_of(WithoutCommonFocalLength(rig_, kept_->delta))
-                                            : gross_deviations_;
-  std::erase_if(unexpected_, [&](const CalibrationDeviation& d) {
-    return d.part == CalibrationPart::kDistortion || (has_room_for_lenses_ && IsOfLenses(d));
-  });
+  unexpected_ = gross_of(BeyondRoom());
+  std::erase_if(unexpected_, IsOfDistortion);
   std::erase_if(gross_deviations_, [&](const auto& d) { return !HasRoom(d.part); });
+}
+
+// Lenses that were found to be wrong may change once more: a focus that is knocked.
+CalibrationVector SelfCalibration::BeyondRoom() const {
+  CalibrationVector beyond = kept_->delta;
+  if (room_.lenses) {
+    const CalibrationVector& found = found_lenses_ ? *found_lenses_ : kept_->delta;
+    beyond.head<kStereoTranslation>() -= found.head<kStereoTranslation>();
+  } else if (room_.focal_lengths) {
+    beyond = WithoutCommonFocalLength(rig_, beyond);
+  }
+  return beyond;
 }
 
 void SelfCalibration::Doubt(Timestamp now, bool is_contradicted) {
@@ -189,12 +205,10 @@ void SelfCalibration::Doubt(Timestamp now, bool is_contradicted) {
   is_doubted_ = is_contradicted && now - *contradicted_since_ < kMaxDoubt;
 }
 
-// What is off there is as it was measured, not held back any more.
 bool SelfCalibration::HasRoom(CalibrationPart part) const {
-  if (part == CalibrationPart::kDistortion) return has_room_for_lenses_;
+  if (part == CalibrationPart::kDistortion) return room_.lenses;
   return num_large_steps_[static_cast<std::size_t>(part)] > 0 ||
-         (part == CalibrationPart::kLenses &&
-          (has_room_for_lenses_ || has_room_for_focal_lengths_));
+         (part == CalibrationPart::kLenses && (room_.lenses || room_.focal_lengths));
 }
 
 // Each part once, however many things in it are wrong.
@@ -243,24 +257,29 @@ void SelfCalibration::Walk(SlidingWindow& window) {
   window.calibration->SettleModes(care_->AreModesSettled());
 }
 
+// Soon, or not at all: what comes after a while of good estimates has not always been wrong, and
+// takes a large step.
 void SelfCalibration::JudgeLenses(SlidingWindow& window) {
-  if (!options_.lens || has_room_for_lenses_) return;
-  if (!AreLensesRough(rig_, InformationOf(kept_->possible), kept_->delta, kept_->covariance))
-    return;
+  if (!options_.lens || room_.lenses || kept_->t - *first_kept_ > kLensesAreJudged) return;
+  const bool are_rough =
+      AreLensesRough(rig_, InformationOf(kept_->possible), kept_->delta, kept_->covariance);
+  num_looks_at_lenses_ = are_rough ? num_looks_at_lenses_ + 1 : 0;
+  if (are_rough) std::erase_if(unexpected_, IsOfLenses);
+  if (num_looks_at_lenses_ < kLooksAtRough) return;
   GiveRoom(RoughLensErrors(rig_), window);
-  has_room_for_lenses_ = has_room_for_focal_lengths_ = true;
+  room_.lenses = room_.focal_lengths = true;
 }
 
 // Twice in turn, since what has just taken a large step is not yet as it will be.
 void SelfCalibration::JudgeFocalLengths(SlidingWindow& window) {
-  if (!options_.lens || !options_.gyro || has_room_for_focal_lengths_) return;
+  if (!options_.lens || !options_.gyro || room_.focal_lengths) return;
   const bool are_rough =
       AreFocalLengthsRough(rig_, InformationOf(kept_->possible), kept_->delta, kept_->covariance);
-  num_looks_at_rough_ = are_rough ? num_looks_at_rough_ + 1 : 0;
-  if (num_looks_at_rough_ < kLooksAtRough) return;
+  num_looks_at_focal_lengths_ = are_rough ? num_looks_at_focal_lengths_ + 1 : 0;
+  if (num_looks_at_focal_lengths_ < kLooksAtRough) return;
   const CalibrationVector rough = RoughFocalLengths(rig_);
   GiveRoom({&rough, 1}, window);
-  has_room_for_focal_lengths_ = true;
+  room_.focal_lengths = true;
 }
 
 // They have always been wrong. So this is as if it had been believed possible from the start, and
@@ -270,7 +289,7 @@ void SelfCalibration::GiveRoom(std::span<const CalibrationVector> errors, Slidin
   AddInformation(RoomForErrors(errors, InformationOf(possible_)), window.prior);
   for (const CalibrationVector& error : errors)
     possible_ += error * error.transpose();
-  std::erase_if(unexpected_, IsOfLenses);
+  unexpected_.clear();  // it was judged by what was believed before
   freed_at_ = window.frames.back().x.t;
 }
 

@@ -49,8 +49,8 @@ class SelfCalibration {
 
   /// After marginalisation: from time to time it takes a random step. A part of it that has turned
   /// out to be wrong by more than was believed possible takes a large one, up to three times; until
-  /// then parts that turn out to be better than was believed are believed more. Focal lengths of
-  /// which what was measured says that they are wrong by far more are given room before that.
+  /// then parts that turn out to be better than was believed are believed more. Lenses and a pair
+  /// of which what was measured says that they are wrong by far more are given room before that.
   void Walk(SlidingWindow& window);
 
   /// The distance between the cameras may be wrong by this share of it. Counts with the next Walk,
@@ -65,6 +65,9 @@ class SelfCalibration {
   /// What is wrong by more than a careful calibration leaves, as last kept, in parts that were
   /// given room or have taken a large step, and have settled.
   const std::vector<CalibrationDeviation>& Gross() const { return gross_deviations_; }
+
+  /// What is off in this part is as it was measured, not held back by what was believed.
+  bool HasRoom(CalibrationPart part) const;
 
   /// Of the calibration as last kept, against the given one: about 1 for a careful one, no more
   /// for an exact one, 0 if held.
@@ -91,25 +94,31 @@ class SelfCalibration {
   const StereoRig* KeptRig() const { return kept_ ? &kept_->rig : nullptr; }
 
  private:
+  // What may be wrong by as much as in rigs that nobody calibrated with care.
+  struct Room {
+    bool lenses = false;         // and everything between the cameras but their distance
+    bool focal_lengths = false;  // both, by the same share
+  };
+
   struct Kept {
     Timestamp t;
     CalibrationVector delta;
     CalibrationMatrix possible, covariance;  // before and after what was learnt
-    bool has_room_for_lenses = false;
-    bool has_room_for_focal_lengths = false;
+    Room room;
     std::optional<CalibrationCare> care;  // as it was with that covariance
     StereoRig rig;
   };
 
   /// False if the prior does not know the calibration.
   bool TakeStep(const CalibrationMatrix& covariance, SlidingWindow& window);
+  /// What is off beyond what has room.
+  CalibrationVector BeyondRoom() const;
   // Once each time something new was kept.
   void JudgeLenses(SlidingWindow& window);
   void JudgeFocalLengths(SlidingWindow& window);
   void JudgeCare(SlidingWindow& window);
   void GiveUpCare(SlidingWindow& window);
   void GiveRoom(std::span<const CalibrationVector> errors, SlidingWindow& window);
-  bool HasRoom(CalibrationPart part) const;
   /// Of the large step that is due now; empty if none is.
   std::optional<CalibrationMatrix> LargeStep();
   int& NumLargeSteps(CalibrationPart part) {
@@ -129,9 +138,11 @@ class SelfCalibration {
   std::optional<Timestamp> last_step_;
   double doubted_share_ = 0;
   std::array<int, kNumCalibrationParts> num_large_steps_{};
-  bool has_room_for_lenses_ = false;  // and for everything between the cameras but their distance
-  int num_looks_at_rough_ = 0;        // at focal lengths that are rough, in turn
-  bool has_room_for_focal_lengths_ = false;
+  // In turn, at parts that are rough.
+  int num_looks_at_lenses_ = 0, num_looks_at_focal_lengths_ = 0;
+  Room room_;
+  std::optional<Timestamp> first_kept_;
+  std::optional<CalibrationVector> found_lenses_;  // once they have had room for long
   std::optional<Timestamp> freed_at_;  // when a part took the last step, or was given room
   std::vector<CalibrationDeviation> gross_deviations_;  // of parts that have had room for a while
   std::vector<CalibrationDeviation> unexpected_;        // for which a part is to take a large step

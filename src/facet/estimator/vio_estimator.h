@@ -53,6 +53,7 @@ class VioEstimator {
   std::optional<StereoRig> Calibration() const {
     return calibration_.Refined(stated_covariance_.OfLearnt());
   }
+  bool HaveLensesRoom() const { return calibration_.HasRoom(CalibrationPart::kLenses); }
   const StereoRig* KeptRig() const { return calibration_.KeptRig(); }  ///< see SelfCalibration
   /// What is wrong with the given one by more than a careful calibration leaves.
   std::vector<CalibrationDeviation> GrossDeviations() const { return calibration_.Gross(); }

@@ -36,6 +36,7 @@ void KeyframeStereo::Calibrate(Timestamp t, const StereoRig& rig) {
   rig_ = rig;
   rig_.T_BC[1].q = (rig.T_BC[1].q * turn_).normalized();
   matcher_.Calibrate(rig);
+  watch_.Forget();
   disparities_.Forget(t);
 }
 

@@ -27,7 +27,7 @@ class KeyframeStereo {
   void Calibrate(Timestamp t, const StereoRig& rig);
 
   /// The calibration with which the depths that tracks have were found; it may be nearly the one in
-  /// use. What it explains is no contradiction. Null: the one in use.
+  /// use. What it explains is no contradiction.
   void SetRigOfDepths(std::shared_ptr<const StereoRig> rig) { rig_of_depths_ = std::move(rig); }
 
   /// Forgets the right image: the newest frame has none, or none yet.

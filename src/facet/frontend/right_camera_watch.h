@@ -25,6 +25,12 @@ class RightCameraWatch {
                                 const StereoRig& rig,
                                 std::span<const StereoRays> matches);
 
+  /// The rig is another one from now on: matches of before say nothing of it.
+  void Forget() {
+    matches_.clear();
+    num_in_row_ = 0;
+  }
+
   /// Nothing was suspicious for some seconds.
   bool IsTrustedAt(Timestamp t) const;
 

@@ -44,7 +44,7 @@ struct FrontendHint {
   bool is_motion_known = false;
   /// Inverse distance [1/m] from the left camera at the previous frame, by landmark; may be null.
   const std::pmr::unordered_map<LandmarkId, double>* inverse_distance = nullptr;
-  /// The calibration with which these distances were found; null: the last one that was told.
+  /// The calibration with which these distances were found; null: none but the last one.
   std::shared_ptr<const StereoRig> rig;
 };
 

@@ -152,11 +152,10 @@ void FrontStage::ForgetOldImu() {
 }
 
 void FrontStage::TakeFeedback() {
-  const auto old_enough = [&](const Feedback& f) { return f.frame.value <= next_frame_ - kLag; };
-  while (feedback_.size() >= 2 && old_enough(feedback_[1]))
+  while (feedback_.size() >= 2 && IsOldEnough(feedback_[1]))
     feedback_.pop_front();
   has_feedback_ =
-      !feedback_.empty() && old_enough(feedback_.front()) && !feedback_.front().is_reset;
+      !feedback_.empty() && IsOldEnough(feedback_.front()) && !feedback_.front().is_reset;
 }
 
 ImuInterval FrontStage::IntervalTo(Timestamp t_imu) const {
@@ -175,6 +174,7 @@ FrontendHint FrontStage::MakeHint(const ImuInterval& now) {
   ImuPreintegration motion(has_feedback_ ? feedback_.front().state.bias : ImuBias(), parameters);
   motion.Integrate(now.samples);
   hint.R_prev_now = motion.dR();
+  if (!feedback_.empty() && IsOldEnough(feedback_.front())) hint.rig = feedback_.front().rig;
   if (!has_feedback_) return hint;
 
   const Feedback& feedback = feedback_.front();
@@ -187,8 +187,7 @@ FrontendHint FrontStage::MakeHint(const ImuInterval& now) {
   const NavState next = motion.Predict(previous);
   hint.p_prev_now = previous.T_WB.q.conjugate() * (next.T_WB.p - previous.T_WB.p);
 
-  hint.rig = feedback.rig;
-  const SE3 T_C0W = (previous.T_WB * frontend_.rig().T_BC[0]).Inverse();
+  const SE3 T_C0W = (previous.T_WB * feedback.T_BC0).Inverse();
   inverse_distance_.clear();
   for (const LandmarkEstimate& landmark : feedback.landmarks) {
     const double distance_m = (T_C0W * landmark.p_W).norm();

@@ -54,6 +54,9 @@ class FrontStage {
   bool IsStray(Timestamp t_imu);
   ImuInterval IntervalTo(Timestamp t_imu) const;
   FrontendHint MakeHint(const ImuInterval& now);
+  bool IsOldEnough(const Feedback& feedback) const {
+    return feedback.frame.value <= next_frame_ - kLag;
+  }
   void TakeFeedback();
   std::string WatchAxes(const ImuInterval& imu);
   std::string JudgeRightImage(Timestamp t, const RightImageFindings& found);

@@ -11,6 +11,7 @@ namespace facet {
 
 PoseStage::PoseStage(const StereoRig& rig, const ImuNoise& noise, const VioOptions& options)
     : time_offset_(rig.time_offset),
+      T_BC0_(rig.T_BC[0]),
       estimator_(rig, noise, options.estimator),
       check_calibration_(options.check_calibration),
       motion_check_(rig) {}
@@ -132,8 +133,9 @@ void PoseStage::CheckMotion(const TrackedFrame& frame, VioOutput& out) {
   } else if (finding == ScaleCheck::Finding::kAxesTheOtherWay && out.refusal.empty()) {
     out.refusal = kWrongCalibration + NegatedAxesInWords(found_by.negated_axes());
   }
-  if (const auto turns = motion_check_.TakeDoubtOfTurns())
-    waiting_warnings_.push_back(TurnsInWords(*turns));
+  // Lenses that have room are named by what is wrong with them.
+  const auto turns = motion_check_.TakeDoubtOfTurns();
+  if (turns && !estimator_.HaveLensesRoom()) waiting_warnings_.push_back(TurnsInWords(*turns));
   if (!waiting_warnings_.empty() && out.warning.empty()) {
     out.warning = std::move(waiting_warnings_.front());
     waiting_warnings_.pop_front();
@@ -144,11 +146,16 @@ void PoseStage::HandBack(VioOutput& out) {
   feedback_.reset();
   if (out.is_keyframe && out.has_pose && !out.was_reset) {
     auto snapshot = std::make_shared<MapSnapshot>(estimator_.Snapshot());
-    feedback_ = Feedback{out.frame, false, snapshot->latest, snapshot->landmarks, snapshot->rig};
+    const bool is_freed = snapshot->rig && estimator_.calibration_freed_at();
+    const SE3& T_BC0 = is_freed ? snapshot->rig->T_BC[0] : T_BC0_;
+    feedback_ =
+        Feedback{out.frame, false, snapshot->latest, snapshot->landmarks, T_BC0, snapshot->rig};
     feedback_->state.t = out.t + time_offset_;
     out.snapshot = std::move(snapshot);
   } else if (out.was_reset) {
-    feedback_ = Feedback{out.frame, true, {}, {}, nullptr};
+    feedback_ = Feedback{out.frame, true, {}, {}, T_BC0_, nullptr};
+    if (const StereoRig* kept = estimator_.KeptRig())
+      feedback_->rig = std::make_shared<const StereoRig>(*kept);
   }
 }
 

@@ -46,6 +46,7 @@ class PoseStage {
   void HandBack(VioOutput& out);
 
   Duration time_offset_;
+  SE3 T_BC0_;  // as it was given
   VioEstimator estimator_;
   CalibrationWatch calibration_;
   bool check_calibration_;

@@ -40,7 +40,10 @@ struct Feedback {
   bool is_reset = false;  ///< the estimator started over: nothing is known any more
   NavState state;         ///< at the keyframe, IMU clock
   std::vector<LandmarkEstimate> landmarks;
-  std::shared_ptr<const StereoRig> rig;  ///< with which they were found; null: the given one
+  SE3 T_BC0;  ///< left camera to body, as it was given or, if it turned out to be wrong, as it is
+  /// The calibration with which the landmarks were found, or, after a reset, with which they will
+  /// be; null: none but the last one.
+  std::shared_ptr<const StereoRig> rig;
 };
 
 }  // namespace facet

@@ -114,7 +114,7 @@ ScaleCheck::Finding MotionCheck::AddImages(const FrameObservations& seen) {
 }
 
 std::optional<TurnCheck::Ratio> MotionCheck::TakeDoubtOfTurns() {
-  return std::exchange(has_doubted_turns_, false) ? turns() : std::nullopt;
+  return std::exchange(has_doubted_turns_, false) ? turns_.ratio() : std::nullopt;
 }
 
 const std::optional<ScaleCheck::Scale>& MotionCheck::scale() const {

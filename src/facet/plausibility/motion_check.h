@@ -40,8 +40,7 @@ class MotionCheck {
   ScaleCheck::Finding AddKeyframe(const FrameObservations& seen, const NavState* state);
 
   /// With the given calibration the images do not turn as the gyroscope says. Once, after the
-  /// keyframe that has made it certain; never once the estimator has another calibration, whose
-  /// errors it names itself.
+  /// keyframe that has made it certain.
   std::optional<TurnCheck::Ratio> TakeDoubtOfTurns();
 
   /// Of the given calibration; empty once the estimator has another one.
