@@ -319,6 +319,48 @@ TEST_F(FrontendTest, WhatTheEstimatorHasLearntOfTheCalibrationIsNoKnock) {
   EXPECT_GT(num_checked, 100);
 }
 
+// The other way round: a camera that was knocked stays turned when the calibration changes.
+TEST_F(FrontendTest, AKnockIsRememberedWhenTheCalibrationChanges) {
+  constexpr int kFrames = 76, kKnock = 12, kLearnt = 52;
+  const Vector3d omega(0, 0.008, 0);
+  StereoRig given = rig_;
+  for (CameraModel& camera : given.cameras) {
+    CameraIntrinsics k = camera.intrinsics();
+    k.cx += 6;
+    camera = CameraModel(k);
+  }
+  const auto learnt = std::make_shared<const StereoRig>(rig_);
+  const StereoRig knocked = TurnedRig(rig_, omega);
+  std::pmr::unordered_map<LandmarkId, double> depths;
+  StereoFrontend frontend(given, Options());
+  std::optional<StereoTurn> turn;
+  int num_checked = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    StereoFrame frame = FrameAt(i);
+    if (i >= kKnock) frame.right = wall_.See(rig_.cameras[1], BodyAt(i) * knocked.T_BC[1], 0.85);
+    const FrontendResult result =
+        ProcessKnowingDepths(i, frame, frontend, depths, i < kLearnt ? nullptr : learnt);
+    if (result.right.turn) {
+      EXPECT_FALSE(turn) << "once";
+      EXPECT_LT(i, kLearnt);
+      turn = result.right.turn;
+    }
+    if (i < kLearnt || !result.observations.is_keyframe) continue;
+    EXPECT_FALSE(result.right.contradiction_px) << i;
+    EXPECT_GT(result.num_stereo, 30) << i;
+    for (std::size_t n = 0; n < result.observations.features.size(); ++n) {
+      const FeatureObservation& f = result.observations.features[n];
+      if (!f.px_right) continue;
+      EXPECT_LT((*f.px_right - Truth(i, f.px_left, i, 1)).norm(), 1.0) << i;
+      EXPECT_NEAR(result.depths.inverse_distances[n], depths.at(f.landmark), 0.05) << i;
+      ++num_checked;
+    }
+  }
+  ASSERT_TRUE(turn);
+  EXPECT_EQ(frontend.rig().cameras[0].intrinsics().cx, rig_.cameras[0].intrinsics().cx);
+  EXPECT_GT(num_checked, 100);
+}
+
 // A right image that belongs to another pair: it is not used, and the next one is.
 TEST_F(FrontendTest, ARightImageOfAnotherMomentIsNotUsed) {
   std::pmr::unordered_map<LandmarkId, double> depths;
