@@ -41,9 +41,9 @@ Vector4d OutwardsAtEdge(const CameraModel& camera) {
 }
 
 void AddLens(const StereoRig& rig, int camera, std::vector<Quantity>& out) {
-  const CameraIntrinsics& k = rig.cameras[static_cast<std::size_t>(camera)].intrinsics();
-  const std::string of = camera == 0 ? " of the left camera" : " of the right camera";
   const CameraModel& model = rig.cameras[static_cast<std::size_t>(camera)];
+  const CameraIntrinsics& k = model.intrinsics();
+  const std::string of = camera == 0 ? " of the left camera" : " of the right camera";
   const int first = camera * kNumIntrinsics;
   Quantity focal{CalibrationPart::kLenses, "focal length" + of, "%"};
   focal.gradient(first) = 50 / k.fx;

@@ -31,4 +31,12 @@ CalibrationMatrix RoomForError(const CalibrationVector& error, const Calibration
   return -pulled * pulled.transpose() / (1 + pulled.dot(error));
 }
 
+CalibrationMatrix RoomForErrors(std::span<const CalibrationVector> errors,
+                                const CalibrationMatrix& before) {
+  CalibrationMatrix now = before;
+  for (const CalibrationVector& error : errors)
+    now += RoomForError(error, now);
+  return now - before;
+}
+
 }  // namespace facet

@@ -4,6 +4,8 @@
 // (docs/math.md, section 10.11).
 #pragma once
 
+#include <span>
+
 #include "facet/calibration/calibration_vector.h"
 
 namespace facet {
@@ -27,5 +29,10 @@ ErrorVerdict JudgeError(const CalibrationVector& error,
 /// By how much less is believed if the calibration may also be wrong by `error` times a normal
 /// number: a change of information, negative semidefinite.
 CalibrationMatrix RoomForError(const CalibrationVector& error, const CalibrationMatrix& before);
+
+/// By how much less is believed if the calibration may also be wrong by all of these errors, each
+/// times a normal number of its own: a change of information, negative semidefinite.
+CalibrationMatrix RoomForErrors(std::span<const CalibrationVector> errors,
+                                const CalibrationMatrix& before);
 
 }  // namespace facet

@@ -6,12 +6,13 @@
 
 #include "facet/calibration/error_evidence.h"
 #include "facet/calibration/intrinsics_jacobian.h"
+#include "facet/calibration/rough_focal_lengths.h"
 #include "facet/geometry/angles.h"
 
 namespace facet {
 namespace {
 
-constexpr double kFocal = 0.01, kCentre_px = 5, kTurn = 0.3 * kDegree;
+constexpr double kCentre_px = 5, kTurn = 0.3 * kDegree;
 // By one coefficient of distortion, rms over the image.
 constexpr double kDistortion_px = 1;
 constexpr int kDistortion = 4, kNumDistortion = 4;  // among the intrinsics of a camera
@@ -41,13 +42,15 @@ Vector<kNumDistortion> MovesByDistortion(const CameraModel& camera) {
 }
 
 CalibrationVector FocalLengthOf(const StereoRig& rig, int camera) {
-  const CameraIntrinsics& k = rig.cameras[static_cast<std::size_t>(camera)].intrinsics();
+  const int first = camera * kNumIntrinsics;
   CalibrationVector error = CalibrationVector::Zero();
-  error.segment<2>(camera * kNumIntrinsics) << kFocal * k.fx, kFocal * k.fy;
+  error.segment<2>(first) = RoughFocalLengths(rig).segment<2>(first);
   return error;
 }
 
-std::vector<CalibrationVector> ErrorsOfPlaces(const StereoRig& rig) {
+}  // namespace
+
+std::vector<CalibrationVector> RoughPlaceErrors(const StereoRig& rig) {
   std::vector<CalibrationVector> errors;
   for (int c = 0; c < 2; ++c) {
     errors.push_back(FocalLengthOf(rig, c));
@@ -60,6 +63,8 @@ std::vector<CalibrationVector> ErrorsOfPlaces(const StereoRig& rig) {
     errors.push_back(kTurn * CalibrationVector::Unit(kStereoRotation + axis));
   return errors;
 }
+
+namespace {
 
 /// Nothing for coefficients that a lens does not have.
 std::vector<CalibrationVector> ErrorsOfDistortion(const StereoRig& rig) {
@@ -85,7 +90,7 @@ CalibrationVector SameDistortion(const CalibrationVector& of_left) {
 }  // namespace
 
 std::vector<CalibrationVector> RoughLensErrors(const StereoRig& rig) {
-  std::vector<CalibrationVector> errors = ErrorsOfPlaces(rig);
+  std::vector<CalibrationVector> errors = RoughPlaceErrors(rig);
   for (const CalibrationVector& error : ErrorsOfDistortion(rig))
     errors.push_back(error);
   return errors;
@@ -100,7 +105,7 @@ bool AreLensesRough(const StereoRig& rig,
   const auto is_there = [&](const CalibrationVector& error, double clear) {
     return JudgeError(error, before, delta, left).evidence > clear;
   };
-  for (const CalibrationVector& error : ErrorsOfPlaces(rig)) {
+  for (const CalibrationVector& error : RoughPlaceErrors(rig)) {
     if (is_there(error, kClearEvidence)) return true;
   }
   for (const CalibrationVector& error : ErrorsOfDistortion(rig)) {
@@ -109,14 +114,6 @@ bool AreLensesRough(const StereoRig& rig,
     if (is_of_left && is_there(SameDistortion(error), kClearEvidenceForDistortion)) return true;
   }
   return false;
-}
-
-CalibrationMatrix RoomForErrors(std::span<const CalibrationVector> errors,
-                                const CalibrationMatrix& before) {
-  CalibrationMatrix now = before;
-  for (const CalibrationVector& error : errors)
-    now += RoomForError(error, now);
-  return now - before;
 }
 
 }  // namespace facet

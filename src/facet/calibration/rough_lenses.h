@@ -4,7 +4,6 @@
 // (docs/math.md, section 10.11).
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "facet/calibration/calibration_vector.h"
@@ -17,16 +16,14 @@ namespace facet {
 /// accelerometer alone.
 std::vector<CalibrationVector> RoughLensErrors(const StereoRig& rig);
 
+/// Those of them that are no distortion.
+std::vector<CalibrationVector> RoughPlaceErrors(const StereoRig& rig);
+
 /// Whether what was measured says that one of them is there. `before`: the information of what was
 /// believed; `delta` and `left`: mean and covariance with that belief and all that was measured.
 bool AreLensesRough(const StereoRig& rig,
                     const CalibrationMatrix& before,
                     const CalibrationVector& delta,
                     const CalibrationMatrix& left);
-
-/// By how much less is believed if the calibration may also be wrong by all of these errors, each
-/// times a normal number of its own: a change of information, negative semidefinite.
-CalibrationMatrix RoomForErrors(std::span<const CalibrationVector> errors,
-                                const CalibrationMatrix& before);
 
 }  // namespace facet

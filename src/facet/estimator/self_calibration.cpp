@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/calibration/error_evidence.h"
 #include "facet/calibration/relative_covariance.h"
 #include "facet/calibration/rough_focal_lengths.h"
 #include "facet/calibration/rough_lenses.h"
@@ -49,7 +50,7 @@ CalibrationMatrix BaselineCovariance(const StereoRig& rig, double share) {
 // driver's stamps. Added to what a careful calibration leaves, in the part that is wrong only: with
 // the baseline free, the size of the world would rest on the accelerometer alone.
 CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
-  constexpr double kCentre_px = 5, kTurn = 0.3 * kDegree, kBaseline = 0.02;
+  constexpr double kBaseline = 0.02;
   constexpr double kMountTurn = 0.5 * kDegree, kMount_m = 0.01, kTime_s = 0.01;
   CalibrationMatrix covariance = CalibrationMatrix::Zero();
   const auto add = [&](const CalibrationVector& sigmas) {
@@ -59,18 +60,11 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
     covariance.diagonal().segment(first, count).array() += sigma * sigma;
   };
   switch (part) {
-    case CalibrationPart::kLenses: {
-      const CalibrationVector focal = RoughFocalLengths(rig);
-      add(focal);
-      for (int c = 0; c < 2; ++c) {
-        CalibrationVector one = CalibrationVector::Zero();
-        one.segment<2>(c * kNumIntrinsics) = focal.segment<2>(c * kNumIntrinsics);
-        add(one);
-        add_each(c * kNumIntrinsics + 2, 2, kCentre_px);
-      }
-      add_each(kStereoRotation, 3, kTurn);
+    case CalibrationPart::kLenses:
+      add(RoughFocalLengths(rig));
+      for (const CalibrationVector& error : RoughPlaceErrors(rig))
+        add(error);
       break;
-    }
     case CalibrationPart::kBaseline:
       covariance = BaselineCovariance(rig, kBaseline);
       break;

@@ -30,6 +30,8 @@ class KeyframeStereo {
   /// use. What it explains is no contradiction.
   void SetRigOfDepths(std::shared_ptr<const StereoRig> rig) { rig_of_depths_ = std::move(rig); }
 
+  const std::shared_ptr<const StereoRig>& rig_of_depths() const { return rig_of_depths_; }
+
   /// Forgets the right image: the newest frame has none, or none yet.
   void Clear();
 

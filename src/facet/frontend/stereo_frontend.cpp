@@ -85,7 +85,6 @@ struct StereoFrontend::Impl {
   };
 
   StereoRig rig;
-  std::shared_ptr<const StereoRig> hinted_rig;  // that was compared with it last
   FrontendOptions options;
   TrackTable tracks;
   TemporalTracker temporal_tracker;
@@ -123,8 +122,7 @@ StereoFrontend::Impl::Impl(const StereoRig& stereo_rig, const FrontendOptions& f
 
 void StereoFrontend::Impl::TakeHint(const FrontendHint& hint) {
   motion.T_Bprev_Bnow = motion.T_Bprev_Bnow * SE3(hint.R_prev_now, hint.p_prev_now);
-  if (hint.rig && hint.rig != hinted_rig) {
-    hinted_rig = hint.rig;
+  if (hint.rig && hint.rig != stereo.rig_of_depths()) {
     stereo.SetRigOfDepths(hint.rig);
     if (SeesDifferently(rig, *hint.rig)) Calibrate(*hint.rig);
   }

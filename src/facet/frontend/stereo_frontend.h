@@ -97,7 +97,7 @@ class StereoFrontend {
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
 
   /// The calibration in use: the one that was given, until one that was hinted at moves points
-  /// noticeably against it. Pixels of observations are those of the images whatever it is.
+  /// noticeably against it.
   const StereoRig& rig() const;
 
  private:
