@@ -14,10 +14,10 @@
 namespace facet {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-class DrawCalibrationTest : public testing::Test {
+class DrawCalibrationTest : public ::testing::Test {
  protected:
   DrawCalibrationTest() {
     WriteText(in_ / "scene.yaml",

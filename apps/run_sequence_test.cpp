@@ -21,9 +21,9 @@
 namespace facet {
 namespace {
 
-using testing::AllOf;
-using testing::Contains;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 /// Remembers what it was fed; poses begin with the third frame.
 struct FakeVio {
@@ -88,7 +88,7 @@ struct FakeVio {
   }
 };
 
-class RunSequenceTest : public testing::Test {
+class RunSequenceTest : public ::testing::Test {
  protected:
   SequenceRun Run(const RunRange& range = {}) {
     FolderRecording recording{AslDataset(Sequence())};
@@ -178,7 +178,7 @@ TEST_F(RunSequenceTest, RightImagesOfAnotherMomentAreTurnedByTheGyroscope) {
   };
   const SequenceRun rest = Run();
   EXPECT_TRUE(is_same(taken)) << "it hardly turns";
-  EXPECT_THAT(rest.record.warnings, testing::IsEmpty());
+  EXPECT_THAT(rest.record.warnings, ::testing::IsEmpty());
 
   EditLines(Sequence() / "mav0/imu0/data.csv", [](std::vector<std::string>& lines) {
     for (std::size_t i = 1; i < lines.size(); ++i)
@@ -318,8 +318,8 @@ TEST_F(RunSequenceTest, WarningsOfTheEstimator) {
   vio_.warning = "are the cameras swapped?";
   vio_.reset_at = 6;
   EXPECT_THAT(Run().record.warnings,
-              testing::ElementsAre("are the cameras swapped? (2 times, the last at 0.5 s)",
-                                   HasSubstr("started over 1 times, the last at 0.3 s: a new")));
+              ::testing::ElementsAre("are the cameras swapped? (2 times, the last at 0.5 s)",
+                                     HasSubstr("started over 1 times, the last at 0.3 s: a new")));
 }
 
 TEST_F(RunSequenceTest, SomeFramesThatSeeLittleAreTold) {
@@ -329,7 +329,7 @@ TEST_F(RunSequenceTest, SomeFramesThatSeeLittleAreTold) {
   vio_ = FakeVio();
   vio_.num_seeing_little = 5;
   EXPECT_THAT(Run().record.warnings,
-              testing::ElementsAre(HasSubstr("5 of 12 frames saw few landmarks")));
+              ::testing::ElementsAre(HasSubstr("5 of 12 frames saw few landmarks")));
 }
 
 TEST_F(RunSequenceTest, StopsWhenAskedTo) {

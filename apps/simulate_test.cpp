@@ -14,7 +14,7 @@
 namespace facet {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 struct ProgramRun {
   int exit_code = -1;
@@ -31,7 +31,7 @@ ProgramRun RunShell(const std::string& command) {
           ReadText(folder / "err")};
 }
 
-class SimulateTest : public testing::Test {
+class SimulateTest : public ::testing::Test {
  protected:
   std::string Command(const std::string& arguments) const {
     return std::string(FACET_PROGRAM) + " simulate --quiet --out " +
@@ -44,7 +44,7 @@ class SimulateTest : public testing::Test {
 
   void Expect(const ProgramRun& run, int exit_code, const std::string& text) const {
     EXPECT_EQ(run.exit_code, exit_code) << run.err;
-    EXPECT_THAT(run.err, testing::StartsWith("facet: error: "));
+    EXPECT_THAT(run.err, ::testing::StartsWith("facet: error: "));
     EXPECT_THAT(run.err, HasSubstr(text));
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     EXPECT_TRUE(std::filesystem::is_empty(out_.path())) << "something was left behind";

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kStartNs = 1403636584763555584;
+constexpr std::int64_t kBegin_ns = 1403636584763555584;
 
 class SlurmTest : public ::testing::Test {
  protected:
@@ -25,7 +25,7 @@ class SlurmTest : public ::testing::Test {
     WriteTestSequence(folder_ / "seq", options);
     std::string truth;
     for (int i = 0; i < 200; ++i)
-      truth += std::to_string(kStartNs + 5'000'000LL * i) + ",0,0,0,1,0,0,0\n";
+      truth += std::to_string(kBegin_ns + 5'000'000LL * i) + ",0,0,0,1,0,0,0\n";
     WriteText(folder_ / "seq/mav0/state_groundtruth_estimate0/data.csv", truth);
   }
 

@@ -22,7 +22,7 @@ namespace {
 
 using Tcp = boost::asio::ip::tcp;
 
-std::string ReadFile(const std::filesystem::path& path) {
+std::string BytesOf(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -84,9 +84,9 @@ TEST(ViewTest, ARunThatIsLookedAtGivesTheSameBytes) {
     EXPECT_EQ(WEXITSTATUS(pclose(output)), 0);
     for (const char* file :
          {"trajectory.tum", "keyframes.tum", "states.csv", "planes.csv", "mesh.ply", "map.ply"}) {
-      const std::string alone = ReadFile(folder / "alone" / file);
+      const std::string alone = BytesOf(folder / "alone" / file);
       EXPECT_FALSE(alone.empty()) << file;
-      EXPECT_TRUE(alone == ReadFile(folder / "seen" / file)) << file << " threads " << threads;
+      EXPECT_TRUE(alone == BytesOf(folder / "seen" / file)) << file << " threads " << threads;
     }
   }
   std::filesystem::remove_all(folder);

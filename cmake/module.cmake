@@ -32,11 +32,16 @@ if(CMAKE_BUILD_TYPE STREQUAL "Debug")
   add_compile_definitions(EIGEN_INITIALIZE_MATRICES_BY_NAN)
 endif()
 
-# facet_add_module(NAME imu SRCS a.cpp ... DEPS geometry ... LIBS PNG::PNG ... [PCH json])
+# The compiler spends most of its time on Eigen's expressions, which sources of one folder share. So several of them are
+# compiled together, and names in their unnamed namespaces must not clash. -D FACET_UNITY=OFF is faster where one source
+# is edited again and again; results are the same.
+option(FACET_UNITY "Compile several sources of tests and of large libraries together" ON)
+
+# facet_add_module(NAME imu SRCS a.cpp ... DEPS geometry ... LIBS PNG::PNG ... [PCH json] [UNITY])
 # A static library facet_<name> with alias facet::<name>; DEPS are other modules, LIBS are foreign targets; PCH is
-# for facet_use_precompiled and 'core' by default.
+# for facet_use_precompiled and 'core' by default; UNITY: sources are compiled together (FACET_UNITY).
 function(facet_add_module)
-  cmake_parse_arguments(ARG "" "NAME;PCH" "SRCS;DEPS;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "UNITY" "NAME;PCH" "SRCS;DEPS;LIBS" ${ARGN})
   if(NOT ARG_PCH)
     set(ARG_PCH core)
   endif()
@@ -46,6 +51,9 @@ function(facet_add_module)
     set(scope PUBLIC)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:facet_warnings>)
     facet_use_precompiled(${target} ${ARG_PCH})
+    if(ARG_UNITY)
+      set_target_properties(${target} PROPERTIES UNITY_BUILD ${FACET_UNITY} UNITY_BUILD_BATCH_SIZE 4)
+    endif()
   else()
     add_library(${target} INTERFACE)
     set(scope INTERFACE)
@@ -60,12 +68,14 @@ function(facet_add_module)
   target_link_libraries(${target} ${scope} ${ARG_LIBS})
 endfunction()
 
-# facet_add_test(NAME geometry_test SRCS geometry_test.cpp DEPS geometry testing LIBS ... LABEL unit|sim|dataset)
+# facet_add_test(NAME geometry_test SRCS plane_fit_test.cpp ... DEPS geometry testing LIBS ... LABEL unit|sim|dataset)
+# One program for the tests of a folder that need the same libraries. ctest runs each test as a process of its own,
+# unless they are TOGETHER: those that share what takes long to prepare.
 function(facet_add_test)
   if(NOT FACET_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "NAME;LABEL" "SRCS;DEPS;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "TOGETHER" "NAME;LABEL" "SRCS;DEPS;LIBS" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
@@ -76,13 +86,19 @@ function(facet_add_test)
     target_link_libraries(${ARG_NAME} PRIVATE facet::${dep})
   endforeach()
   facet_use_precompiled(${ARG_NAME} test)
+  set_target_properties(${ARG_NAME} PROPERTIES UNITY_BUILD ${FACET_UNITY} UNITY_BUILD_BATCH_SIZE 8)
   # Under sanitizers some tests take twenty times as long.
   if(FACET_SANITIZE)
     set(timeout_s 3600)
   else()
     set(timeout_s 900)
   endif()
-  gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${timeout_s})
+  if(ARG_TOGETHER)
+    add_test(NAME ${ARG_NAME} COMMAND ${ARG_NAME})
+    set_tests_properties(${ARG_NAME} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${timeout_s} COST 100)  # long ones first
+  else()
+    gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${timeout_s})
+  endif()
 endfunction()
 
 # facet_add_fuzzer(NAME imu_fuzzer DEPS imu_fuzz ...): the program of that name and source under libFuzzer, if FACET_FUZZER is on.

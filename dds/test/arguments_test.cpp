@@ -10,8 +10,8 @@
 namespace facet::dds {
 namespace {
 
-using testing::HasSubstr;
-using testing::UnorderedElementsAre;
+using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
 
 std::string ErrorOf(const std::vector<std::string>& words) {
   try {
@@ -23,7 +23,7 @@ std::string ErrorOf(const std::vector<std::string>& words) {
 }
 
 std::string WriteFile(const std::string& name, const std::string& text) {
-  const std::string file = testing::TempDir() + name;
+  const std::string file = ::testing::TempDir() + name;
   std::ofstream(file) << text;
   return file;
 }

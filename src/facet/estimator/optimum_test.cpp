@@ -18,8 +18,6 @@ namespace {
 
 using testing::TestWindow;
 
-const FactorNoise kNoise = testing::NoiseOfWidth(testing::kOptimumWidth);
-
 struct Deviation {
   double cost = 0, state = 0, point = 0, plane = 0;
 };
@@ -70,9 +68,9 @@ TEST(OptimumTest, OptimumEqualsCeres) {
     test.window.start_prior->T_WB.p += Vector3d(0.1, -0.2, 0.3);
     Rng rng(seed);
     testing::Disturb(test.window, {}, rng);
-    const auto expected = testing::SolveWithCeres(test.window, test.rig, {kNoise});
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {testing::kOptimumNoise});
     WindowSolver solver(test.rig, testing::ExactOptions());
-    const SolveSummary summary = solver.Solve(test.window, kNoise, 100);
+    const SolveSummary summary = solver.Solve(test.window, testing::kOptimumNoise, 100);
     EXPECT_TRUE(summary.ok);
     EXPECT_LT(summary.final_cost, *summary.initial_cost);
     ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
@@ -82,7 +80,7 @@ TEST(OptimumTest, OptimumEqualsCeres) {
 
 // With the flatness of scattered points, so that planes and loss matter but decide nothing.
 FactorNoise WithPlanes() {
-  FactorNoise noise = kNoise;
+  FactorNoise noise = testing::kOptimumNoise;
   noise.plane_sigma_m = 0.4;
   noise.plane_common_sigma_m = 0.1;
   noise.relations.sigma_rad = 0.02;
@@ -257,13 +255,13 @@ TEST(OptimumTest, OptimumWithPriorEqualsCeres) {
     // Every other window has two frames without velocity and biases.
     TestWindow test = testing::MakeOptimumWindow(seed, seed % 2 == 0 ? 2 : 0);
     Rng rng(seed);
-    testing::AddBalancedPrior(test, rng, kNoise);
+    testing::AddBalancedPrior(test, rng, testing::kOptimumNoise);
     EXPECT_GT(test.window.prior.b.norm(), 1);
     testing::Disturb(test.window, {3e-3, 0.01, 0.01, 1e-3, 1e-3}, rng);
     EXPECT_GT(PriorDelta(test.window).norm(), 1e-3);
-    const auto expected = testing::SolveWithCeres(test.window, test.rig, {kNoise});
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {testing::kOptimumNoise});
     WindowSolver solver(test.rig, testing::ExactOptions());
-    const SolveSummary summary = solver.Solve(test.window, kNoise, 100);
+    const SolveSummary summary = solver.Solve(test.window, testing::kOptimumNoise, 100);
     EXPECT_TRUE(summary.ok);
     EXPECT_LT(PriorDelta(test.window).norm(), 1e-5);
     ExpectSmall(Compare(test.window, summary.final_cost, expected), worst);
@@ -300,13 +298,13 @@ TEST(OptimumTest, AnUnbalancedPriorMovesTheOptimumOnlyToSecondOrder) {
     TestWindow test = testing::MakeOptimumWindow(seed, 0);
     Rng rng(seed);
     testing::Disturb(test.window, {5e-4, 2e-3, 2e-3, 1e-4, 1e-3}, rng);
-    testing::AddBalancedPrior(test, rng, kNoise);
+    testing::AddBalancedPrior(test, rng, testing::kOptimumNoise);
     test.window.prior.b.setZero();
-    const auto expected = testing::SolveWithCeres(test.window, test.rig, {kNoise});
+    const auto expected = testing::SolveWithCeres(test.window, test.rig, {testing::kOptimumNoise});
     SolverOptions options;
     options.loss_width = testing::ExactOptions().loss_width;
     WindowSolver solver(test.rig, options);
-    const SolveSummary summary = solver.Solve(test.window, kNoise, 20);
+    const SolveSummary summary = solver.Solve(test.window, testing::kOptimumNoise, 20);
     const Deviation d = Compare(test.window, summary.final_cost, expected);
     worst = std::max(worst, d.cost);
     EXPECT_LT(d.cost, 1e-2);

@@ -216,18 +216,18 @@ SimulatedRun FlyWith(double duration_s, std::uint64_t seed) {
 }
 
 // What an estimator makes of a calibration that was written.
-struct Outcome {
+struct FlightOutcome {
   double left_ratio = 0, right_ratio = 0;  ///< focal lengths over the true ones
   std::string gross;                       ///< as it is named
   StereoRig rig;
   std::vector<double> freed_at_s;  ///< since the first image
 };
 
-Outcome Estimate(const SimulatedRun& run, const StereoRig& written) {
+FlightOutcome Estimate(const SimulatedRun& run, const StereoRig& written) {
   VioEstimator estimator(written, ImuNoise{}, EstimatorOptions{});
   const ImuBuffer imu = testing::ImuOf(run);
   StageTimes times;
-  Outcome out;
+  FlightOutcome out;
   std::optional<Timestamp> freed_at;
   const Timestamp begin = run.frames.front().t + written.time_offset;
   Timestamp previous = begin;
@@ -256,7 +256,7 @@ TEST(LargeStepTest, APartIsFreedThreeTimesAtMostAndSettlesInBetween) {
   const SimulatedRun run = FlyWith(30, 2);
   StereoRig written = *DrawCalibration(run.rig, 1);
   written.time_offset = written.time_offset + Duration{60'000'000};
-  const Outcome out = Estimate(run, written);
+  const FlightOutcome out = Estimate(run, written);
   ASSERT_GE(out.freed_at_s.size(), 2u);
   EXPECT_LE(out.freed_at_s.size(), 6u) << "the mount may have to make room, too";
   for (std::size_t i = 1; i < out.freed_at_s.size(); ++i)
@@ -269,7 +269,7 @@ TEST(RoomForFocalLengthsTest, RoughOnesAreFoundInSecondsAndNamed) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     for (const double ratio : {0.99, 1.01}) {
       const SimulatedRun run = FlyWith(14, seed);
-      const Outcome out =
+      const FlightOutcome out =
           Estimate(run, testing::WithFocalLengths(*DrawCalibration(run.rig, seed), ratio));
       EXPECT_NEAR(out.left_ratio, 1, 0.003) << seed;
       EXPECT_NEAR(out.right_ratio, 1, 0.003) << seed;
@@ -284,7 +284,7 @@ TEST(RoomForFocalLengthsTest, RoughOnesAreFoundInSecondsAndNamed) {
 TEST(RoomForFocalLengthsTest, CarefulOnesNeedNone) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const SimulatedRun run = FlyWith(14, seed);
-    const Outcome out = Estimate(run, *DrawCalibration(run.rig, seed));
+    const FlightOutcome out = Estimate(run, *DrawCalibration(run.rig, seed));
     EXPECT_NEAR(out.left_ratio, 1, 0.002) << seed;
     EXPECT_EQ(out.gross, "") << seed;
     EXPECT_TRUE(out.freed_at_s.empty()) << seed;
@@ -296,7 +296,7 @@ TEST(RoomForFocalLengthsTest, AGyroscopeWithAnotherScaleIsNotTakenForThem) {
     SimulatedRun run = FlyWith(14, seed);
     for (ImuSample& sample : run.imu)
       sample.gyro *= 1.02;
-    const Outcome out = Estimate(run, *DrawCalibration(run.rig, seed));
+    const FlightOutcome out = Estimate(run, *DrawCalibration(run.rig, seed));
     EXPECT_NEAR(out.left_ratio, 1, 0.003) << seed;
     EXPECT_THAT(out.gross, Not(HasSubstr("focal length"))) << seed;
   }
@@ -315,7 +315,7 @@ TEST(RoomForLensesTest, ATurnedRightCameraIsFoundInSecondsAndNamed) {
     const SimulatedRun run = FlyWith(12, seed);
     StereoRig written = *DrawCalibration(run.rig, seed);
     written.T_BC[1].q = written.T_BC[1].q * ExpSO3(Vector3d(0, 0.4 * kDegree, 0));
-    const Outcome out = Estimate(run, written);
+    const FlightOutcome out = Estimate(run, written);
     ASSERT_EQ(out.freed_at_s.size(), 1u) << seed;
     EXPECT_LT(out.freed_at_s[0], 4) << seed;
     EXPECT_LT(FarPointOff_px(out.rig, run.rig), 0.1) << seed;
@@ -330,7 +330,7 @@ TEST(RoomForLensesTest, APrincipalPointIsFoundInSecondsAndNamed) {
     CameraIntrinsics k = written.cameras[0].intrinsics();
     k.cx += 5;
     written.cameras[0] = CameraModel(k);
-    const Outcome out = Estimate(run, written);
+    const FlightOutcome out = Estimate(run, written);
     ASSERT_EQ(out.freed_at_s.size(), 1u) << seed;
     EXPECT_LT(FarPointOff_px(out.rig, run.rig), 0.1) << seed;
     EXPECT_NEAR(out.rig.cameras[0].intrinsics().cx, run.rig.cameras[0].intrinsics().cx, 1) << seed;
@@ -347,7 +347,7 @@ TEST(RoomForLensesTest, AnotherDistortionIsFoundInSecondsAndNamed) {
       k.coefficients[0] *= 1.05;
       camera = CameraModel(k);
     }
-    const Outcome out = Estimate(run, written);
+    const FlightOutcome out = Estimate(run, written);
     ASSERT_EQ(out.freed_at_s.size(), 1u) << seed;
     EXPECT_NEAR(out.left_ratio, 1, 0.003) << seed;
     EXPECT_THAT(out.gross, HasSubstr("distortion at the edge of the left camera")) << seed;
@@ -362,7 +362,7 @@ TEST(RoomForFocalLengthsTest, OfOneCameraAloneTheyAreFoundAsWell) {
     const SimulatedRun run = FlyWith(20, seed);
     StereoRig written = *DrawCalibration(run.rig, seed);
     written.cameras[0] = testing::WithFocalLengths(written, 1.01).cameras[0];
-    const Outcome out = Estimate(run, written);
+    const FlightOutcome out = Estimate(run, written);
     EXPECT_NEAR(out.left_ratio, 1, 0.003) << seed;
     EXPECT_NEAR(out.right_ratio, 1, 0.003) << seed;
     EXPECT_THAT(out.gross, HasSubstr("focal length of the left camera")) << seed;

@@ -11,10 +11,10 @@ namespace {
 
 using Verdict = DisparityWatch::Verdict;
 
-constexpr double kFocal_px = 460;
+constexpr double kFocalLength_px = 460;
 
 DisparityShift Shift(double px, int num = 100, double spread_px = 0.1) {
-  return {num, std::abs(px) < 2 ? num : 0, px / kFocal_px, spread_px / kFocal_px};
+  return {num, std::abs(px) < 2 ? num : 0, px / kFocalLength_px, spread_px / kFocalLength_px};
 }
 
 /// Keyframes every 0.3 s.
@@ -28,7 +28,7 @@ class Keyframes {
   void Forget() { watch_.Forget(t_); }
 
  private:
-  DisparityWatch watch_{kFocal_px};
+  DisparityWatch watch_{kFocalLength_px};
   Timestamp t_;
 };
 
@@ -73,7 +73,7 @@ TEST(DisparityWatchTest, ASecondThatAgreesIsATurn) {
   EXPECT_EQ(watch.Add(Shift(-2.6)), Verdict::kContradicts);
   EXPECT_EQ(watch.Add(Shift(-2.8)), Verdict::kContradicts);
   EXPECT_EQ(watch.Add(Shift(-2.7)), Verdict::kTurned);
-  EXPECT_NEAR(watch.turn(), -3.0 / kFocal_px, 0.02 / kFocal_px);
+  EXPECT_NEAR(watch.turn(), -3.0 / kFocalLength_px, 0.02 / kFocalLength_px);
   EXPECT_EQ(watch.Add(Shift(0.3)), Verdict::kAgrees) << "corrected";
 }
 
@@ -113,7 +113,7 @@ TEST(DisparityWatchTest, InDoubtFewAreEnoughAndScatteredOnesAreNotUsed) {
 
 // As right images of another moment are, now and then.
 TEST(DisparityWatchTest, ContradictionsThatAreFarApartAreNoTurn) {
-  DisparityWatch watch(kFocal_px);
+  DisparityWatch watch(kFocalLength_px);
   const DisparityShift few = Shift(5, 2);
   for (const double t : {0.0, 0.1, 60.0, 60.1, 60.2}) {
     EXPECT_EQ(watch.Add(Timestamp{} + FromSeconds(t), Shift(5), false), Verdict::kContradicts) << t;

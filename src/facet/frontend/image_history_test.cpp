@@ -11,9 +11,9 @@
 namespace facet {
 namespace {
 
-constexpr double kFocal_px = 450;
+constexpr double kHistoryFocal_px = 450;
 
-cv::Mat Noise(std::uint64_t seed, int cols = 64) {
+cv::Mat NoisePicture(std::uint64_t seed, int cols = 64) {
   Rng rng(seed);
   cv::Mat image(48, cols, CV_8UC1);
   for (int i = 0; i < image.rows * image.cols; ++i)
@@ -21,13 +21,13 @@ cv::Mat Noise(std::uint64_t seed, int cols = 64) {
   return image;
 }
 
-RepeatedImage::Motion Turn(double angle) {
+RepeatedImage::Motion TurnBy(double angle) {
   return {SE3(ExpSO3({0, angle, 0}), Vector3d::Zero()), 0.5, 0};
 }
 
 TEST(FingerprintTest, DependsOnEveryPixelAndOnTheSize) {
   for (const int cols : {64, 61}) {
-    const cv::Mat image = Noise(1, cols);
+    const cv::Mat image = NoisePicture(1, cols);
     std::set<std::uint64_t> seen = {Fingerprint(image)};
     for (int i = 0; i < image.rows * image.cols; ++i) {
       for (const int bit : {0, 7}) {
@@ -43,36 +43,36 @@ TEST(FingerprintTest, DependsOnEveryPixelAndOnTheSize) {
 }
 
 TEST(FingerprintTest, DoesNotDependOnWhereTheRowsLie) {
-  const cv::Mat image = Noise(1, 61);
+  const cv::Mat image = NoisePicture(1, 61);
   cv::Mat large(60, 80, CV_8UC1, 7.0);
   image.copyTo(large(cv::Rect(5, 5, 61, 48)));
   EXPECT_EQ(Fingerprint(large(cv::Rect(5, 5, 61, 48))), Fingerprint(image));
 }
 
 TEST(ImageHistoryTest, AnOldImageComesAgain) {
-  ImageHistory history(kFocal_px);
+  ImageHistory history(kHistoryFocal_px);
   for (std::uint64_t i = 0; i < 50; ++i)
-    EXPECT_FALSE(history.Add(Noise(i), Turn(0.01)));
+    EXPECT_FALSE(history.Add(NoisePicture(i), TurnBy(0.01)));
   for (const std::uint64_t old : {49, 48, 20, 0})
-    EXPECT_TRUE(history.Add(Noise(old), Turn(0.01))) << old;
-  EXPECT_FALSE(history.Add(Noise(50), Turn(0.01)));
+    EXPECT_TRUE(history.Add(NoisePicture(old), TurnBy(0.01))) << old;
+  EXPECT_FALSE(history.Add(NoisePicture(50), TurnBy(0.01)));
 }
 
 TEST(ImageHistoryTest, WhatIsLongAgoIsForgotten) {
-  ImageHistory history(kFocal_px);
+  ImageHistory history(kHistoryFocal_px);
   for (std::uint64_t i = 0; i < 101; ++i)
-    history.Add(Noise(i), Turn(0.01));
-  EXPECT_TRUE(history.Add(Noise(1), Turn(0.01)));
-  EXPECT_FALSE(history.Add(Noise(0), Turn(0.01)));
+    history.Add(NoisePicture(i), TurnBy(0.01));
+  EXPECT_TRUE(history.Add(NoisePicture(1), TurnBy(0.01)));
+  EXPECT_FALSE(history.Add(NoisePicture(0), TurnBy(0.01)));
 }
 
 // Images without noise: the same place looks the same.
 TEST(ImageHistoryTest, ACameraThatIsBackWhereItWasMaySeeTheSame) {
-  ImageHistory history(kFocal_px);
-  history.Add(Noise(1), Turn(0));
-  history.Add(Noise(2), Turn(0.1));
-  EXPECT_FALSE(history.Add(Noise(1), Turn(-0.1)));
-  EXPECT_TRUE(history.Add(Noise(2), Turn(0.05)));
+  ImageHistory history(kHistoryFocal_px);
+  history.Add(NoisePicture(1), TurnBy(0));
+  history.Add(NoisePicture(2), TurnBy(0.1));
+  EXPECT_FALSE(history.Add(NoisePicture(1), TurnBy(-0.1)));
+  EXPECT_TRUE(history.Add(NoisePicture(2), TurnBy(0.05)));
 }
 
 }  // namespace

@@ -23,13 +23,13 @@ namespace {
 using testing::Render;
 using testing::WaveTexture;
 
-constexpr int kWidth = 376, kHeight = 240;
+constexpr int kImageWidth = 376, kImageHeight = 240;
 constexpr double kFrameInterval = 0.05;
 
 StereoRig MakeRig() {
   CameraIntrinsics k;
-  k.width = kWidth;
-  k.height = kHeight;
+  k.width = kImageWidth;
+  k.height = kImageHeight;
   k.fx = k.fy = 230;
   k.cx = 184;
   k.cy = 121;
@@ -57,8 +57,8 @@ struct Wall {
 
   static std::vector<Vector3d> Rays(const CameraModel& camera) {
     std::vector<Vector3d> rays;
-    for (int i = 0; i < kWidth * kHeight; ++i) {
-      rays.push_back(*camera.Unproject(Vector2d(i % kWidth, i / kWidth)));
+    for (int i = 0; i < kImageWidth * kImageHeight; ++i) {
+      rays.push_back(*camera.Unproject(Vector2d(i % kImageWidth, i / kImageWidth)));
     }
     return rays;
   }
@@ -70,11 +70,11 @@ struct Wall {
     const double texels_per_m = camera.mean_focal_px() / depth;
     static const std::vector<Vector3d> rays = Rays(camera);  // both cameras have the same
     const auto map = [&](double x, double y) -> Vector2d {
-      const Vector3d& ray = rays[static_cast<std::size_t>(y * kWidth + x)];
+      const Vector3d& ray = rays[static_cast<std::size_t>(y * kImageWidth + x)];
       const Vector3d p_W = T_WC * (ray / InverseDistance(T_WC, ray));
       return texels_per_m * p_W.head<2>();
     };
-    return Render(texture, kWidth, kHeight, map, gain, 0, noise);
+    return Render(texture, kImageWidth, kImageHeight, map, gain, 0, noise);
   }
 };
 
@@ -461,7 +461,7 @@ TEST_F(FrontendTest, SurvivesUnusableImages) {
     if (i == 4) frame.right = cv::Mat();
     if (i == 5) frame.left = cv::Mat();
     if (i == 6) frame.left = cv::Mat(100, 100, CV_8UC1, cv::Scalar(0));
-    if (i == 7) frame.left = cv::Mat(kHeight, kWidth, CV_32FC1, cv::Scalar(0));
+    if (i == 7) frame.left = cv::Mat(kImageHeight, kImageWidth, CV_32FC1, cv::Scalar(0));
     const FrontendResult result = frontend.Process(frame, HintAt(i), times);
     EXPECT_EQ(result.image_ok, i < 5 || i > 7);
     if (i == 4) {
@@ -491,7 +491,7 @@ TEST_F(FrontendTest, ABlackOrWhiteImageLosesEverythingQuietly) {
   EXPECT_GT(frontend.Process(frame, {}, times).observations.features.size(), 40U);
   for (const double grey : {0.0, 255.0}) {
     frame.t = frame.t + FromSeconds(kFrameInterval);
-    frame.left = cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(grey));
+    frame.left = cv::Mat(kImageHeight, kImageWidth, CV_8UC1, cv::Scalar(grey));
     frame.right = frame.left;
     const FrontendResult result = frontend.Process(frame, {}, times);
     EXPECT_TRUE(result.image_ok);
@@ -536,7 +536,7 @@ TEST_F(FrontendTest, BlackImagesAreBlankAndNotRepeated) {
   EXPECT_FALSE(frontend.Process(frame, {}, times).is_blank);
   for (int i = 0; i < 4; ++i) {
     frame.t = frame.t + FromSeconds(kFrameInterval);
-    frame.left = frame.right = cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(0));
+    frame.left = frame.right = cv::Mat(kImageHeight, kImageWidth, CV_8UC1, cv::Scalar(0));
     const FrontendResult result = frontend.Process(frame, turning, times);
     EXPECT_TRUE(result.is_blank);
     EXPECT_FALSE(result.is_repeated);
@@ -578,8 +578,8 @@ class MatcherTest : public FrontendTest {
     StereoMatcher matcher(rig_, options);
     TemporalTracker tracker(rig_.cameras[0], options);
     int tried = 0, wrong = 0, matched = 0;
-    for (int y = 40; y < kHeight - 40; y += 16) {
-      for (int x = 40; x < kWidth - 40; x += 16) {
+    for (int y = 40; y < kImageHeight - 40; y += 16) {
+      for (int x = 40; x < kImageWidth - 40; x += 16) {
         Track track;
         if (!tracker.Begin(left_pyramid, Vector2d(x, y), track)) continue;
         const Vector2d truth = Truth(0, Vector2d(x, y), 0, 1);

@@ -10,7 +10,7 @@
 namespace facet {
 namespace {
 
-cv::Mat Noise(int width, int height) {
+cv::Mat RandomImage(int width, int height) {
   Rng rng(1);
   cv::Mat image(height, width, CV_8UC1);
   for (int y = 0; y < height; ++y) {
@@ -40,7 +40,8 @@ struct Corners {
 TEST(SupportPlaces, PredictsTheDepthOfThePlaneBetweenTheFeatures) {
   SupportPlaces places{SupportPointOptions()};
   const Corners corners;
-  const auto& queries = places.Choose(Noise(320, 240), corners.features, corners.inverse_distances);
+  const auto& queries =
+      places.Choose(RandomImage(320, 240), corners.features, corners.inverse_distances);
   ASSERT_GT(queries.size(), 30u);
   for (const DepthQuery& query : queries) {
     EXPECT_EQ(query.num_depths, 3) << "the corners differ much";
@@ -55,7 +56,7 @@ TEST(SupportPlaces, CellsTakeTurnsAndThoseWithFeaturesHaveNone) {
   options.cell_px = 20;
   SupportPlaces places(options);
   const Corners corners;
-  const cv::Mat image = Noise(320, 240);
+  const cv::Mat image = RandomImage(320, 240);
   std::set<std::pair<int, int>> cells;
   for (int turn = 0; turn < 2; ++turn) {
     for (const DepthQuery& query :
@@ -74,7 +75,8 @@ TEST(SupportPlaces, OutsideTheHullTheNearestFeaturesSayHowFar) {
   Corners corners;  // a square in the middle of the image, near on its left side
   for (FeatureObservation& feature : corners.features)
     feature.px_left = Vector2d(160, 120) + 0.3 * (feature.px_left - Vector2d(160, 120));
-  const auto& queries = places.Choose(Noise(320, 240), corners.features, corners.inverse_distances);
+  const auto& queries =
+      places.Choose(RandomImage(320, 240), corners.features, corners.inverse_distances);
   int num_outside = 0;
   for (const DepthQuery& query : queries) {
     if ((query.px - Vector2d(160, 120)).cwiseAbs().maxCoeff() < 60) continue;
@@ -91,8 +93,8 @@ TEST(SupportPlaces, NothingWithoutContrastOrDepth) {
   const cv::Mat grey(240, 320, CV_8UC1, cv::Scalar(90));
   EXPECT_TRUE(places.Choose(grey, corners.features, corners.inverse_distances).empty());
   const std::vector<double> unknown(4, 0.0);
-  EXPECT_TRUE(places.Choose(Noise(320, 240), corners.features, unknown).empty());
-  EXPECT_TRUE(places.Choose(Noise(320, 240), {}, {}).empty());
+  EXPECT_TRUE(places.Choose(RandomImage(320, 240), corners.features, unknown).empty());
+  EXPECT_TRUE(places.Choose(RandomImage(320, 240), {}, {}).empty());
   const cv::Mat tiny(5, 5, CV_8UC1, cv::Scalar(90));
   EXPECT_TRUE(places.Choose(tiny, {}, {}).empty());
 }

@@ -11,12 +11,12 @@
 namespace facet {
 namespace {
 
-using testing::AllOf;
-using testing::Contains;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
-class AslDatasetTest : public testing::Test {
+class AslDatasetTest : public ::testing::Test {
  protected:
   AslDatasetTest() { WriteTestSequence(Sequence()); }
   std::filesystem::path Sequence() const { return folder_ / "flight_7"; }

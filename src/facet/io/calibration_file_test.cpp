@@ -13,10 +13,10 @@
 namespace facet {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
-class CalibrationFileTest : public testing::Test {
+class CalibrationFileTest : public ::testing::Test {
  protected:
   CalibrationFileTest() {
     for (int i = 0; i < 2; ++i)
@@ -133,7 +133,7 @@ TEST_F(CalibrationFileTest, KalibrFilesAreFoundInTheSequence) {
   const StereoRig rig = FindCalibration(Mav0(), {}).rig;
   const std::string chain = Camchain(rig, "  T_cn_cnm1:\n" + MatrixText(rig.T_C1C0()));
   WriteText(folder_ / "camchain-imucam.yaml", chain);
-  EXPECT_THAT(FindCalibration(Mav0(), {}).warnings, testing::Contains(HasSubstr("not read")));
+  EXPECT_THAT(FindCalibration(Mav0(), {}).warnings, ::testing::Contains(HasSubstr("not read")));
   std::filesystem::remove(Sensor(0));
   EXPECT_THAT(FindCalibration(Mav0(), {}).source, HasSubstr("camchain-imucam.yaml"));
   WriteText(folder_ / "camchain.yaml", "cam0:\n  camera_model: pinhole\n");
@@ -147,7 +147,7 @@ TEST_F(CalibrationFileTest, KalibrWithoutImuYamlWarns) {
   WriteText(folder_ / "camchain.yaml", Camchain(rig, "  T_cn_cnm1:\n" + MatrixText(rig.T_C1C0())));
   std::filesystem::remove_all(Mav0() / "cam0");
   std::filesystem::remove_all(Mav0() / "imu0");
-  EXPECT_THAT(FindCalibration(Mav0(), {}).warnings, testing::Contains(HasSubstr("ADIS16448")));
+  EXPECT_THAT(FindCalibration(Mav0(), {}).warnings, ::testing::Contains(HasSubstr("ADIS16448")));
 }
 
 TEST_F(CalibrationFileTest, WithoutDensitiesTheUsualOnesCountWithAWarning) {
@@ -158,14 +158,14 @@ TEST_F(CalibrationFileTest, WithoutDensitiesTheUsualOnesCountWithAWarning) {
   EXPECT_EQ(some.imu_noise.gyro_noise, ImuNoise().gyro_noise);
   EXPECT_EQ(some.imu_noise.gyro_walk, ImuNoise().gyro_walk);
   EXPECT_THAT(some.warnings,
-              testing::ElementsAre(HasSubstr("'gyroscope_noise_density' is missing"),
-                                   HasSubstr("'gyroscope_random_walk' is missing")));
+              ::testing::ElementsAre(HasSubstr("'gyroscope_noise_density' is missing"),
+                                     HasSubstr("'gyroscope_random_walk' is missing")));
 
   std::filesystem::remove(Imu());
   const Calibration none = FindCalibration(Mav0(), {});
   EXPECT_EQ(none.imu_noise.accel_noise, ImuNoise().accel_noise);
   EXPECT_EQ(PoseError(none.rig.T_BC[0], some.rig.T_BC[0]), 0);
-  EXPECT_THAT(none.warnings, testing::ElementsAre(HasSubstr("imu0/sensor.yaml: no such file")));
+  EXPECT_THAT(none.warnings, ::testing::ElementsAre(HasSubstr("imu0/sensor.yaml: no such file")));
 }
 
 TEST_F(CalibrationFileTest, EquidistantModel) {
@@ -178,7 +178,7 @@ TEST_F(CalibrationFileTest, EquidistantModel) {
 TEST_F(CalibrationFileTest, AbsurdNoiseIsAWarning) {
   ReplaceInFile(Imu(), "gyroscope_noise_density: 1.6968e-04", "gyroscope_noise_density: 1.0");
   EXPECT_THAT(FindCalibration(Mav0(), {}).warnings,
-              testing::Contains(AllOf(HasSubstr("gyroscope_noise_density"), HasSubstr(":8"))));
+              ::testing::Contains(AllOf(HasSubstr("gyroscope_noise_density"), HasSubstr(":8"))));
 }
 
 struct Damage {

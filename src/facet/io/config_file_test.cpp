@@ -12,8 +12,8 @@
 namespace facet {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 struct InnerOptions {
   int levels = 4;

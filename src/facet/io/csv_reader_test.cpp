@@ -11,9 +11,9 @@
 namespace facet {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
-std::vector<std::vector<std::string>> ReadAll(const std::string& text) {
+std::vector<std::vector<std::string>> ReadRows(const std::string& text) {
   TempFolder folder;
   WriteText(folder / "table.csv", text);
   CsvReader reader(folder / "table.csv");
@@ -30,19 +30,19 @@ TEST(CsvReaderTest, CopesWithEveryHeaderAndLineEnd) {
                            "timestamp,x\n",
                            "\xEF\xBB\xBF#t,x\n",
                            "%t\n\n"}) {
-    EXPECT_THAT(ReadAll(std::string(head) + "1, a \r\n\r\n# note\n2,b"),
+    EXPECT_THAT(ReadRows(std::string(head) + "1, a \r\n\r\n# note\n2,b"),
                 ElementsAre(ElementsAre("1", "a"), ElementsAre("2", "b")))
         << head;
   }
 }
 
 TEST(CsvReaderTest, SplitsAtCommasOrBlanks) {
-  EXPECT_THAT(ReadAll("1,,3,\n"), ElementsAre(ElementsAre("1", "", "3", "")));
-  EXPECT_THAT(ReadAll(" 1  2\t3 \n"), ElementsAre(ElementsAre("1", "2", "3")));
+  EXPECT_THAT(ReadRows("1,,3,\n"), ElementsAre(ElementsAre("1", "", "3", "")));
+  EXPECT_THAT(ReadRows(" 1  2\t3 \n"), ElementsAre(ElementsAre("1", "2", "3")));
 }
 
 TEST(CsvReaderTest, OnlyTheFirstRowMayBeAHeader) {
-  EXPECT_EQ(ReadAll("1,2\nbroken,line\n").size(), 2u);
+  EXPECT_EQ(ReadRows("1,2\nbroken,line\n").size(), 2u);
 }
 
 TEST(CsvReaderTest, KnowsItsLine) {

@@ -14,7 +14,7 @@
 namespace facet {
 namespace {
 
-class GreyPngTest : public testing::Test {
+class GreyPngTest : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!HasGreyPngDecoder()) GTEST_SKIP() << "built without libdeflate";

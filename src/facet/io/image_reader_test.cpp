@@ -15,7 +15,7 @@
 namespace facet {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TestImage RandomImage(int channels, int max_value, int width = 37, int height = 23) {
   Rng rng(11);
@@ -26,7 +26,7 @@ TestImage RandomImage(int channels, int max_value, int width = 37, int height = 
   return image;
 }
 
-cv::Mat Decode(const std::string& bytes) {
+cv::Mat DecodeImage(const std::string& bytes) {
   TempFolder folder;
   WriteText(folder / "image.xyz", bytes);
   cv::Mat image;
@@ -34,9 +34,9 @@ cv::Mat Decode(const std::string& bytes) {
   return image;
 }
 
-std::string ErrorOf(const std::string& bytes) {
+std::string ImageErrorOf(const std::string& bytes) {
   try {
-    Decode(bytes);
+    DecodeImage(bytes);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -87,17 +87,19 @@ TEST(ImageReaderTest, PngThatWasWritten) {
 TEST(ImageReaderTest, PngOfEveryKind) {
   const TestImage grey = RandomImage(1, 255), grey_alpha = RandomImage(2, 255);
   const TestImage rgb = RandomImage(3, 255), rgba = RandomImage(4, 255);
-  EXPECT_EQ(WorstError(Decode(EncodePng(grey)), grey, Grey), 0);
-  EXPECT_EQ(WorstError(Decode(EncodePng(grey, {8, true})), grey, Grey), 0);
-  EXPECT_EQ(WorstError(Decode(EncodePng(grey_alpha)), grey_alpha, Grey), 0);
-  EXPECT_LE(WorstError(Decode(EncodePng(rgb)), rgb, Luma), 0.51);
-  EXPECT_LE(WorstError(Decode(EncodePng(rgb, {8, true})), rgb, Luma), 0.51);
-  EXPECT_LE(WorstError(Decode(EncodePng(rgba)), rgba, Luma), 0.51);
+  EXPECT_EQ(WorstError(DecodeImage(EncodePng(grey)), grey, Grey), 0);
+  EXPECT_EQ(WorstError(DecodeImage(EncodePng(grey, {8, true})), grey, Grey), 0);
+  EXPECT_EQ(WorstError(DecodeImage(EncodePng(grey_alpha)), grey_alpha, Grey), 0);
+  EXPECT_LE(WorstError(DecodeImage(EncodePng(rgb)), rgb, Luma), 0.51);
+  EXPECT_LE(WorstError(DecodeImage(EncodePng(rgb, {8, true})), rgb, Luma), 0.51);
+  EXPECT_LE(WorstError(DecodeImage(EncodePng(rgba)), rgba, Luma), 0.51);
   const TestImage bits = RandomImage(1, 1), nibbles = RandomImage(1, 15);
-  EXPECT_EQ(WorstError(Decode(EncodePng(bits, {1})), bits, [](auto s) { return 255.0 * s[0]; }), 0);
   EXPECT_EQ(
-      WorstError(Decode(EncodePng(nibbles, {4})), nibbles, [](auto s) { return 17.0 * s[0]; }), 0);
-  EXPECT_EQ(WorstError(Decode(EncodePng(nibbles, {4, false, true})),
+      WorstError(DecodeImage(EncodePng(bits, {1})), bits, [](auto s) { return 255.0 * s[0]; }), 0);
+  EXPECT_EQ(
+      WorstError(DecodeImage(EncodePng(nibbles, {4})), nibbles, [](auto s) { return 17.0 * s[0]; }),
+      0);
+  EXPECT_EQ(WorstError(DecodeImage(EncodePng(nibbles, {4, false, true})),
                        nibbles,
                        [](auto s) { return 255.0 - s[0]; }),
             0);
@@ -106,11 +108,11 @@ TEST(ImageReaderTest, PngOfEveryKind) {
 TEST(ImageReaderTest, Png16BitIsScaled) {
   const auto scaled = [](const std::uint16_t* s) { return std::round(s[0] / 257.0); };
   const TestImage grey = RandomImage(1, 65535), grey_alpha = RandomImage(2, 65535);
-  EXPECT_EQ(WorstError(Decode(EncodePng(grey, {16})), grey, scaled), 0);
-  EXPECT_EQ(WorstError(Decode(EncodePng(grey_alpha, {16})), grey_alpha, scaled), 0);
+  EXPECT_EQ(WorstError(DecodeImage(EncodePng(grey, {16})), grey, scaled), 0);
+  EXPECT_EQ(WorstError(DecodeImage(EncodePng(grey_alpha, {16})), grey_alpha, scaled), 0);
   const TestImage rgb = RandomImage(3, 65535);
   const auto luma = [](const std::uint16_t* s) { return Luma(s) / 257; };
-  EXPECT_LE(WorstError(Decode(EncodePng(rgb, {16})), rgb, luma), 1.01);
+  EXPECT_LE(WorstError(DecodeImage(EncodePng(rgb, {16})), rgb, luma), 1.01);
 }
 
 TEST(ImageReaderTest, JpegGreyAndColour) {
@@ -121,28 +123,28 @@ TEST(ImageReaderTest, JpegGreyAndColour) {
     for (int c = 0; c < 3; ++c)
       colour.samples.push_back(static_cast<std::uint16_t>(v + 10 * c));
   }
-  EXPECT_LE(WorstError(Decode(EncodeJpeg(grey, 98)), grey, Grey), 3);
-  EXPECT_LE(WorstError(Decode(EncodeJpeg(colour, 98)), colour, Luma), 4);
+  EXPECT_LE(WorstError(DecodeImage(EncodeJpeg(grey, 98)), grey, Grey), 3);
+  EXPECT_LE(WorstError(DecodeImage(EncodeJpeg(colour, 98)), colour, Luma), 4);
 }
 
 TEST(ImageReaderTest, LosslessWebpIsExact) {
   TestImage grey = RandomImage(3, 255);
   for (std::size_t i = 0; i < grey.samples.size(); ++i)
     grey.samples[i] = grey.samples[i - i % 3];
-  EXPECT_EQ(WorstError(Decode(EncodeWebpLossless(grey)), grey, Grey), 0);
+  EXPECT_EQ(WorstError(DecodeImage(EncodeWebpLossless(grey)), grey, Grey), 0);
   const TestImage rgb = RandomImage(3, 255);
-  EXPECT_LE(WorstError(Decode(EncodeWebpLossless(rgb)), rgb, Luma), 0.51);
+  EXPECT_LE(WorstError(DecodeImage(EncodeWebpLossless(rgb)), rgb, Luma), 0.51);
 }
 
 TEST(ImageReaderTest, PgmBinaryAndText) {
   const cv::Mat binary =
-      Decode("P5 # comment\n# more\n3 2\n255\n" + std::string("\0\1\2\3\4\xFF", 6));
+      DecodeImage("P5 # comment\n# more\n3 2\n255\n" + std::string("\0\1\2\3\4\xFF", 6));
   EXPECT_EQ(binary.at<std::uint8_t>(0, 2), 2);
   EXPECT_EQ(binary.at<std::uint8_t>(1, 2), 255);
-  const cv::Mat text = Decode("P2\n3 2\n15\n0 1 2\n3 # half\n 4 15\n");
+  const cv::Mat text = DecodeImage("P2\n3 2\n15\n0 1 2\n3 # half\n 4 15\n");
   EXPECT_EQ(text.at<std::uint8_t>(0, 1), 17);
   EXPECT_EQ(text.at<std::uint8_t>(1, 2), 255);
-  const cv::Mat deep = Decode("P5\n2 1\n65535\n" + std::string("\x80\x80\xFF\xFF", 4));
+  const cv::Mat deep = DecodeImage("P5\n2 1\n65535\n" + std::string("\x80\x80\xFF\xFF", 4));
   EXPECT_EQ(deep.at<std::uint8_t>(0, 0), 128);
   EXPECT_EQ(deep.at<std::uint8_t>(0, 1), 255);
 }
@@ -158,7 +160,7 @@ TEST(ImageReaderTest, EveryTruncationIsAnError) {
   for (const std::string& file : files) {
     const std::size_t step = std::max<std::size_t>(1, file.size() / 60);
     for (std::size_t size = 0; size + 1 < file.size(); size += step) {
-      EXPECT_NE(ErrorOf(file.substr(0, size)), "no error") << size << " of " << file.size();
+      EXPECT_NE(ImageErrorOf(file.substr(0, size)), "no error") << size << " of " << file.size();
     }
   }
 }
@@ -176,20 +178,20 @@ TEST(ImageReaderTest, DamagedBytesNeverCrash) {
         bad[static_cast<std::size_t>(rng.Index(static_cast<int>(bad.size())))] =
             static_cast<char>(rng.Index(256));
       }
-      num_errors += ErrorOf(bad) == "no error" ? 0 : 1;
+      num_errors += ImageErrorOf(bad) == "no error" ? 0 : 1;
     }
   }
   EXPECT_GT(num_errors, 200);
 }
 
 TEST(ImageReaderTest, ErrorsNameTheFileAndTheReason) {
-  EXPECT_THAT(ErrorOf("BM123456"), HasSubstr("image.xyz: not a PNG, JPEG, WebP or PGM image"));
-  EXPECT_THAT(ErrorOf("BM123456"), HasSubstr("42 4D 31 32"));
-  EXPECT_THAT(ErrorOf(""), HasSubstr("the file is empty"));
-  EXPECT_THAT(ErrorOf("P5\n99999 1\n255\n"), HasSubstr("PGM"));
-  EXPECT_THAT(ErrorOf("P5\n20000 1\n255\n"), HasSubstr("image size 20000 x 1"));
+  EXPECT_THAT(ImageErrorOf("BM123456"), HasSubstr("image.xyz: not a PNG, JPEG, WebP or PGM image"));
+  EXPECT_THAT(ImageErrorOf("BM123456"), HasSubstr("42 4D 31 32"));
+  EXPECT_THAT(ImageErrorOf(""), HasSubstr("the file is empty"));
+  EXPECT_THAT(ImageErrorOf("P5\n99999 1\n255\n"), HasSubstr("PGM"));
+  EXPECT_THAT(ImageErrorOf("P5\n20000 1\n255\n"), HasSubstr("image size 20000 x 1"));
   const std::string png = EncodePng(RandomImage(1, 255));
-  EXPECT_THAT(ErrorOf(png.substr(0, png.size() / 2)), HasSubstr("damaged or truncated PNG"));
+  EXPECT_THAT(ImageErrorOf(png.substr(0, png.size() / 2)), HasSubstr("damaged or truncated PNG"));
   cv::Mat image;
   EXPECT_THROW(ImageReader().Read("/nonexistent.png", image), InputError);
 }
@@ -235,7 +237,7 @@ std::vector<std::string> HeadersOfSize(std::uint32_t size) {
 
 TEST(ImageReaderTest, ImmenseImagesAreRefusedByTheirHeader) {
   for (const std::string& image : HeadersOfSize(16000))
-    EXPECT_THAT(ErrorOf(image), HasSubstr("image size 16000 x 16000 is not usable"));
+    EXPECT_THAT(ImageErrorOf(image), HasSubstr("image size 16000 x 16000 is not usable"));
 }
 
 TEST(ImageReaderTest, AnImageOfAnotherSizeIsNotDecoded) {

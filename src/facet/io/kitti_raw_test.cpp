@@ -15,9 +15,9 @@ namespace facet {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::AllOf;
-using testing::Contains;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 // The grey cameras of 2011-09-26, with the size of the made images.
 constexpr const char* kCameras =
@@ -57,7 +57,7 @@ std::string FileNumber(int i) {
   return text;
 }
 
-class KittiRawTest : public testing::Test {
+class KittiRawTest : public ::testing::Test {
  protected:
   KittiRawTest() {
     WriteText(Day() / "calib_cam_to_cam.txt", kCameras);

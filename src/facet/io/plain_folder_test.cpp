@@ -14,12 +14,12 @@ namespace facet {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::Contains;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 /// The test sequence, as a plain folder.
-class PlainFolderTest : public testing::Test {
+class PlainFolderTest : public ::testing::Test {
  protected:
   PlainFolderTest() {
     WriteTestSequence(folder_ / "seq");

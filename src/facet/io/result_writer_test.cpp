@@ -17,7 +17,7 @@
 namespace facet {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 RunRecord SmallRun() {
   RunRecord run;
@@ -57,22 +57,23 @@ TEST(ResultWriterTest, WritesEveryFile) {
 
   const auto states = Lines(ReadText(folder / "states.csv"));
   ASSERT_EQ(states.size(), 5u);
-  EXPECT_THAT(states[1], testing::StartsWith("1000000000,,,"));
-  EXPECT_THAT(states[1], testing::EndsWith(",initialising,\"waiting, 3 of 7 frames\","));
-  EXPECT_THAT(states[2], testing::StartsWith("1050000000,1,0,0,1,0,0,0,"));
+  EXPECT_THAT(states[1], ::testing::StartsWith("1000000000,,,"));
+  EXPECT_THAT(states[1], ::testing::EndsWith(",initialising,\"waiting, 3 of 7 frames\","));
+  EXPECT_THAT(states[2], ::testing::StartsWith("1050000000,1,0,0,1,0,0,0,"));
   EXPECT_EQ(std::count(states[0].begin(), states[0].end(), ','), 34);
   EXPECT_EQ(std::count(states[1].begin(), states[1].end(), ','), 35);  // one within the quotes
   EXPECT_EQ(std::count(states[2].begin(), states[2].end(), ','), 34);
-  EXPECT_THAT(states[2], testing::EndsWith(",0"));
+  EXPECT_THAT(states[2], ::testing::EndsWith(",0"));
 
   const auto timing = Lines(ReadText(folder / "timing.csv"));
-  EXPECT_THAT(timing[0], testing::StartsWith("timestamp_ns,is_keyframe,decode,track,stereo,"));
+  EXPECT_THAT(timing[0], ::testing::StartsWith("timestamp_ns,is_keyframe,decode,track,stereo,"));
   EXPECT_EQ(timing[2],
             "1050000000,0,2.0000,2.0000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,0.0000,"
             "2.0000,4.0000,0.0000,0.0000,101,0,0,0.0000");
 
   const std::string ply = ReadText(folder / "landmarks.ply");
-  EXPECT_THAT(ply, testing::StartsWith("ply\nformat binary_little_endian 1.0\nelement vertex 2\n"));
+  EXPECT_THAT(ply,
+              ::testing::StartsWith("ply\nformat binary_little_endian 1.0\nelement vertex 2\n"));
   const std::size_t body = ply.find("end_header\n") + 11;
   EXPECT_EQ(ply.size() - body, 24u);
 }
@@ -88,10 +89,10 @@ TEST(ResultWriterTest, PlanesTellTheirOutlineAndWhatTheyHaveAbsorbed) {
   WriteResult(folder.path(), run);
   const auto planes = Lines(ReadText(folder / "planes.csv"));
   ASSERT_EQ(planes.size(), 3u);
-  EXPECT_THAT(planes[0], testing::EndsWith(",outline,absorbed"));
-  EXPECT_THAT(planes[1], testing::StartsWith("4,"));
-  EXPECT_THAT(planes[1], testing::EndsWith(",0.000 0.000 1.000;1.000 0.500 1.000,7 9"));
-  EXPECT_THAT(planes[2], testing::EndsWith(",,"));
+  EXPECT_THAT(planes[0], ::testing::EndsWith(",outline,absorbed"));
+  EXPECT_THAT(planes[1], ::testing::StartsWith("4,"));
+  EXPECT_THAT(planes[1], ::testing::EndsWith(",0.000 0.000 1.000;1.000 0.500 1.000,7 9"));
+  EXPECT_THAT(planes[2], ::testing::EndsWith(",,"));
   EXPECT_EQ(ReadEstimatedPlanes(folder / "planes.csv").size(), 2u);
 }
 

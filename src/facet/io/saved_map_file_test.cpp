@@ -16,8 +16,8 @@
 namespace facet {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 CameraIntrinsics Lens() {
   CameraIntrinsics lens;

@@ -11,7 +11,7 @@
 namespace facet {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 Trajectory Read(const std::string& text) {
   TempFolder folder;
@@ -19,7 +19,7 @@ Trajectory Read(const std::string& text) {
   return ReadTrajectory(folder / "t.txt");
 }
 
-std::string ErrorOf(const std::string& text) {
+std::string TrajectoryErrorOf(const std::string& text) {
   try {
     Read(text);
   } catch (const InputError& error) {
@@ -92,29 +92,32 @@ TEST(TrajectoryFileTest, DuplicatesKeepTheFirst) {
   ASSERT_EQ(t.poses.size(), 2u);
   EXPECT_EQ(t.poses[0].T_WB.p.x(), 1);
   EXPECT_EQ(t.num_duplicates, 2);
-  EXPECT_THAT(t.warnings, testing::Contains(HasSubstr("t.txt:2")));
-  EXPECT_THAT(t.warnings, testing::Contains(HasSubstr("2 duplicate stamps")));
+  EXPECT_THAT(t.warnings, ::testing::Contains(HasSubstr("t.txt:2")));
+  EXPECT_THAT(t.warnings, ::testing::Contains(HasSubstr("2 duplicate stamps")));
 }
 
 TEST(TrajectoryFileTest, ErrorsNameTheLine) {
   const std::string good = "1.0 0 0 0 0 0 0 1\n";
-  EXPECT_THAT(ErrorOf(""), HasSubstr("no pose"));
-  EXPECT_THAT(ErrorOf("# only a header\n"), HasSubstr("no pose"));
-  EXPECT_THAT(ErrorOf(good + "2.0 0 0 0 0 0 1\n"), HasSubstr("t.txt:2: 7 columns"));
-  EXPECT_THAT(ErrorOf(good + "2.0 nan 0 0 0 0 0 1\n"), HasSubstr("t.txt:2: column 2 is 'nan'"));
-  EXPECT_THAT(ErrorOf(good + "2.0 x 0 0 0 0 0 1\n"), HasSubstr("t.txt:2: column 2 is 'x'"));
-  EXPECT_THAT(ErrorOf(good + "2.0 0 0 0 0 0 0 0\n"),
+  EXPECT_THAT(TrajectoryErrorOf(""), HasSubstr("no pose"));
+  EXPECT_THAT(TrajectoryErrorOf("# only a header\n"), HasSubstr("no pose"));
+  EXPECT_THAT(TrajectoryErrorOf(good + "2.0 0 0 0 0 0 1\n"), HasSubstr("t.txt:2: 7 columns"));
+  EXPECT_THAT(TrajectoryErrorOf(good + "2.0 nan 0 0 0 0 0 1\n"),
+              HasSubstr("t.txt:2: column 2 is 'nan'"));
+  EXPECT_THAT(TrajectoryErrorOf(good + "2.0 x 0 0 0 0 0 1\n"),
+              HasSubstr("t.txt:2: column 2 is 'x'"));
+  EXPECT_THAT(TrajectoryErrorOf(good + "2.0 0 0 0 0 0 0 0\n"),
               HasSubstr("t.txt:2: the quaternion has norm 0"));
-  EXPECT_THAT(ErrorOf(good + "2.0 0 0 0 0 0 1 1\n"), HasSubstr("norm 1.41"));
-  EXPECT_THAT(ErrorOf(good + "2.0 0 1e300 0 0 0 0 1\n"),
+  EXPECT_THAT(TrajectoryErrorOf(good + "2.0 0 0 0 0 0 1 1\n"), HasSubstr("norm 1.41"));
+  EXPECT_THAT(TrajectoryErrorOf(good + "2.0 0 1e300 0 0 0 0 1\n"),
               HasSubstr("t.txt:2: the position is more than 10000 km away"));
-  EXPECT_THAT(ErrorOf(good + "0.5 0 0 0 0 0 0 1\n"),
+  EXPECT_THAT(TrajectoryErrorOf(good + "0.5 0 0 0 0 0 0 1\n"),
               HasSubstr("t.txt:2: the stamp runs backwards"));
 }
 
 TEST(TrajectoryFileTest, WrongUnitsAreExplained) {
-  EXPECT_THAT(ErrorOf("1403638519.49,1,2,3,0.8,0.6,0,0\n"), HasSubstr("looks like seconds"));
-  EXPECT_THAT(ErrorOf("1,0,0,0,1,0,0,0\n2,0,0,0,1,0,0,0\n3,0,0,0,1,0,0,0\n"),
+  EXPECT_THAT(TrajectoryErrorOf("1403638519.49,1,2,3,0.8,0.6,0,0\n"),
+              HasSubstr("looks like seconds"));
+  EXPECT_THAT(TrajectoryErrorOf("1,0,0,0,1,0,0,0\n2,0,0,0,1,0,0,0\n3,0,0,0,1,0,0,0\n"),
               HasSubstr("must be nanoseconds"));
 }
 

@@ -22,15 +22,15 @@ std::string Message(const std::filesystem::path& file) {
   return "accepted";
 }
 
-std::string MessageOf(const std::string& text) {
+std::string YamlErrorOf(const std::string& text) {
   const TempFolder folder;
   WriteText(folder / "a.yaml", text);
   return Message(folder / "a.yaml");
 }
 
 TEST(YamlFileTest, AliasesThatLeadBackToThemselvesAreRefused) {
-  EXPECT_THAT(MessageOf("a: &x\n  b: *x\n"), HasSubstr("a.yaml:"));
-  EXPECT_THAT(MessageOf("a: &x [1, *x]\n"), HasSubstr("nested too deeply"));
+  EXPECT_THAT(YamlErrorOf("a: &x\n  b: *x\n"), HasSubstr("a.yaml:"));
+  EXPECT_THAT(YamlErrorOf("a: &x [1, *x]\n"), HasSubstr("nested too deeply"));
   std::string laughs = "a0: &a0 [x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 9; ++i) {
     const std::string before = "*a" + std::to_string(i - 1);
@@ -39,14 +39,14 @@ TEST(YamlFileTest, AliasesThatLeadBackToThemselvesAreRefused) {
       laughs += ", " + before;
     laughs += "]\n";
   }
-  EXPECT_THAT(MessageOf(laughs), HasSubstr("too large"));
-  EXPECT_EQ(MessageOf("a: &x 1\nb: *x\n"), "accepted");
+  EXPECT_THAT(YamlErrorOf(laughs), HasSubstr("too large"));
+  EXPECT_EQ(YamlErrorOf("a: &x 1\nb: *x\n"), "accepted");
 }
 
 TEST(YamlFileTest, AKeyMayStandOnce) {
-  EXPECT_THAT(MessageOf("a: 1\nb: 2\na: 3\n"), HasSubstr("a.yaml:3: 'a' appears twice"));
-  EXPECT_THAT(MessageOf("c:\n  d: 1\n  d: 2\n"), HasSubstr("'d' appears twice"));
-  EXPECT_EQ(MessageOf("a: {d: 1}\nb: {d: 2}\n"), "accepted");
+  EXPECT_THAT(YamlErrorOf("a: 1\nb: 2\na: 3\n"), HasSubstr("a.yaml:3: 'a' appears twice"));
+  EXPECT_THAT(YamlErrorOf("c:\n  d: 1\n  d: 2\n"), HasSubstr("'d' appears twice"));
+  EXPECT_EQ(YamlErrorOf("a: {d: 1}\nb: {d: 2}\n"), "accepted");
 }
 
 TEST(YamlFileTest, OnlyRegularFilesOfAReasonableSizeAreRead) {

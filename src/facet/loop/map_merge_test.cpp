@@ -19,10 +19,10 @@ using testing::PaintedRoom;
 using testing::SmallCamera;
 using testing::SmallRig;
 
-constexpr int kPerLap = 24;
+constexpr int kPlacesPerLap = 24;
 
 SE3 TruePose(double number, double radius_m) {
-  const double angle = 2 * std::numbers::pi * number / kPerLap;
+  const double angle = 2 * std::numbers::pi * number / kPlacesPerLap;
   return {ExpSO3(Vector3d(0, 0, angle)),
           Vector3d(radius_m * std::cos(angle), radius_m * std::sin(angle), 0.1)};
 }
@@ -30,7 +30,7 @@ SE3 TruePose(double number, double radius_m) {
 /// The map of a lap whose odometry has this world.
 SavedMap MapOf(const PaintedRoom& room, const UprightPose& T_WM, double radius_m, double offset) {
   PlaceMap map(SmallRig(), LoopOptions());
-  for (int i = 0; i < kPerLap; ++i) {
+  for (int i = 0; i < kPlacesPerLap; ++i) {
     const SE3 T_true = TruePose(i + offset, radius_m);
     map.Add(room.View(i, SmallCamera(), LooksAhead(), T_true, T_WM.ToSE3() * T_true));
   }

@@ -23,7 +23,7 @@ MeshView WallView(std::int64_t frame) {
   return view;
 }
 
-MapSnapshot SnapshotOf(const MeshView& view) {
+MapSnapshot SnapshotOfWall(const MeshView& view) {
   MapSnapshot snapshot;
   snapshot.keyframes.push_back({view.frame, view.t, view.T_WC});
   for (const MeshPoint& point : view.points)
@@ -43,7 +43,7 @@ class HorizonMeshPlanesTest : public ::testing::Test {
  protected:
   static void Update(HorizonMesh& mesh, std::int64_t frame = 0) {
     const MeshView view = WallView(frame);
-    mesh.Update(view, SnapshotOf(view), SE3());
+    mesh.Update(view, SnapshotOfWall(view), SE3());
   }
   static SearchMesh Searched(const HorizonMesh& mesh) {
     SearchMesh searched;

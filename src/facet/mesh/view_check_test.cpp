@@ -12,7 +12,7 @@
 namespace facet {
 namespace {
 
-constexpr double kFocal_px = 191;
+constexpr double kViewFocal_px = 191;
 constexpr double kNear_m = 2, kFar_m = 3;
 const std::array kNobody = {LandmarkId{900}, LandmarkId{901}, LandmarkId{902}};
 
@@ -22,14 +22,14 @@ Matrix3d TurnedBy(double angle_deg) {
 }
 
 /// A triangle of about 23 deg across the direction that the rotation gives.
-std::array<Vector3d, 3> Triangle(const Matrix3d& turned, double distance_m) {
+std::array<Vector3d, 3> WallTriangle(const Matrix3d& turned, double distance_m) {
   const double side = 0.2 * distance_m;
   return {turned * Vector3d(-side, -side, distance_m),
           turned * Vector3d(side, -side, distance_m),
           turned * Vector3d(0, side, distance_m)};
 }
 
-ProjectedFace Project(const ViewCheck& check, const std::array<Vector3d, 3>& corners) {
+ProjectedFace ProjectWall(const ViewCheck& check, const std::array<Vector3d, 3>& corners) {
   return {check.Project(corners[0]), check.Project(corners[1]), check.Project(corners[2])};
 }
 
@@ -37,7 +37,7 @@ ProjectedFace Project(const ViewCheck& check, const std::array<Vector3d, 3>& cor
 /// the view is as wide as the lens.
 MeshView ViewOf(const Matrix3d& turned, double distance_m) {
   MeshView view;
-  view.focal_px = kFocal_px;
+  view.focal_px = kViewFocal_px;
   std::int64_t id = 1;
   const auto add = [&](const Vector3d& p_C) {
     view.points.push_back({LandmarkId{id++}, p_C.normalized(), p_C, 0.01, 100});
@@ -51,37 +51,42 @@ MeshView ViewOf(const Matrix3d& turned, double distance_m) {
   return view;
 }
 
-class ViewCheckAtAngle : public testing::TestWithParam<double> {};
+class ViewCheckAtAngle : public ::testing::TestWithParam<double> {};
 
 TEST_P(ViewCheckAtAngle, NewerFacesCoverOldOnesOfTheSameSurfaceOnly) {
   const Matrix3d turned = TurnedBy(GetParam());
   ViewCheck check;
   check.Begin(ViewOf(turned, kNear_m));
-  check.Draw(Project(check, Triangle(turned, kNear_m)));
-  EXPECT_TRUE(check.Judge(Project(check, Triangle(turned, 1.01 * kNear_m)), kNobody).is_covered);
-  EXPECT_FALSE(check.Judge(Project(check, Triangle(turned, kFar_m)), kNobody).is_covered);
+  check.Draw(ProjectWall(check, WallTriangle(turned, kNear_m)));
+  EXPECT_TRUE(
+      check.Judge(ProjectWall(check, WallTriangle(turned, 1.01 * kNear_m)), kNobody).is_covered);
+  EXPECT_FALSE(check.Judge(ProjectWall(check, WallTriangle(turned, kFar_m)), kNobody).is_covered);
   const Matrix3d elsewhere = TurnedBy(GetParam() - 40);
-  EXPECT_FALSE(check.Judge(Project(check, Triangle(elsewhere, kNear_m)), kNobody).is_covered);
+  EXPECT_FALSE(
+      check.Judge(ProjectWall(check, WallTriangle(elsewhere, kNear_m)), kNobody).is_covered);
 }
 
 TEST_P(ViewCheckAtAngle, AFaceBeforeWhatIsSeenIsSeenThrough) {
   const Matrix3d turned = TurnedBy(GetParam());
   ViewCheck check;
   check.Begin(ViewOf(turned, kFar_m));
-  check.Draw(Project(check, Triangle(turned, kFar_m)));
-  EXPECT_GE(check.Judge(Project(check, Triangle(turned, kNear_m)), kNobody).num_seen_through, 5);
-  EXPECT_EQ(check.Judge(Project(check, Triangle(turned, kFar_m)), kNobody).num_seen_through, 0);
-  EXPECT_EQ(check.Judge(Project(check, Triangle(turned, 1.3 * kFar_m)), kNobody).num_seen_through,
+  check.Draw(ProjectWall(check, WallTriangle(turned, kFar_m)));
+  EXPECT_GE(
+      check.Judge(ProjectWall(check, WallTriangle(turned, kNear_m)), kNobody).num_seen_through, 5);
+  EXPECT_EQ(check.Judge(ProjectWall(check, WallTriangle(turned, kFar_m)), kNobody).num_seen_through,
             0);
+  EXPECT_EQ(
+      check.Judge(ProjectWall(check, WallTriangle(turned, 1.3 * kFar_m)), kNobody).num_seen_through,
+      0);
 }
 
-INSTANTIATE_TEST_SUITE_P(FromTheAxis, ViewCheckAtAngle, testing::Values(0, 45, 80, 95, 105));
+INSTANTIATE_TEST_SUITE_P(FromTheAxis, ViewCheckAtAngle, ::testing::Values(0, 45, 80, 95, 105));
 
 TEST(ViewCheck, SaysNothingOfWhatIsBehindALensThatSeesForwards) {
   ViewCheck check;
   check.Begin(ViewOf(TurnedBy(0), kFar_m));
   const FaceVisibility behind =
-      check.Judge(Project(check, Triangle(TurnedBy(180), kNear_m)), kNobody);
+      check.Judge(ProjectWall(check, WallTriangle(TurnedBy(180), kNear_m)), kNobody);
   EXPECT_FALSE(behind.is_covered);
   EXPECT_EQ(behind.num_seen_through, 0);
 }

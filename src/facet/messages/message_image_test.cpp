@@ -11,8 +11,8 @@
 namespace facet {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 ImageMessage Message(const std::string& encoding,
                      std::uint32_t width,

@@ -27,7 +27,7 @@ VioOptions WithoutMesh() {
 }
 
 /// A front stage that sees nothing but grey, with IMU at 200 Hz.
-class FrontStageTest : public testing::Test {
+class FrontStageTest : public ::testing::Test {
  protected:
   TrackedFrame Next() {
     frame_.t = frame_.t + kFrameInterval;

@@ -61,20 +61,20 @@ class Turns {
   double t_s_ = 0;
 };
 
-struct Verdict {
+struct GyroscopeVerdict {
   double after_s = 0;
   std::string words;
   bool is_convinced = false;
 };
 
-Verdict Judge(const Matrix3d& M,
-              const Vector3d& amplitude,
-              std::uint64_t seed,
-              const Quaterniond& R_BC = TrueMount(),
-              double duration_s = 60) {
+GyroscopeVerdict Judge(const Matrix3d& M,
+                       const Vector3d& amplitude,
+                       std::uint64_t seed,
+                       const Quaterniond& R_BC = TrueMount(),
+                       double duration_s = 60) {
   GyroscopeCheck check(R_BC);
   Turns turns(amplitude, seed);
-  Verdict verdict;
+  GyroscopeVerdict verdict;
   while (verdict.after_s < duration_s && verdict.words.empty() && !check.IsConvinced()) {
     verdict.words = check.Add(turns.Next(M));
     verdict.after_s += kTurn_s;
@@ -85,7 +85,7 @@ Verdict Judge(const Matrix3d& M,
 
 TEST(GyroscopeCheckTest, IsConvincedOfARightOne) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const Verdict verdict = Judge(Matrix3d::Identity(), Vector3d(0.6, 0.6, 0.6), seed);
+    const GyroscopeVerdict verdict = Judge(Matrix3d::Identity(), Vector3d(0.6, 0.6, 0.6), seed);
     EXPECT_THAT(verdict.words, IsEmpty()) << seed;
     EXPECT_TRUE(verdict.is_convinced) << seed;
     EXPECT_LT(verdict.after_s, 12) << seed;
@@ -94,7 +94,7 @@ TEST(GyroscopeCheckTest, IsConvincedOfARightOne) {
 
 TEST(GyroscopeCheckTest, DoesNotKnowOfAxesThatDoNotTurn) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Verdict verdict = Judge(Matrix3d::Identity(), Vector3d(0.6, 0.02, 0.02), seed);
+    const GyroscopeVerdict verdict = Judge(Matrix3d::Identity(), Vector3d(0.6, 0.02, 0.02), seed);
     EXPECT_THAT(verdict.words, IsEmpty()) << seed;
     EXPECT_FALSE(verdict.is_convinced) << seed;
   }
@@ -105,7 +105,7 @@ TEST(GyroscopeCheckTest, NamesNegatedAxes) {
     Matrix3d M = Matrix3d::Identity();
     M(axis, axis) = -1;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-      const Verdict verdict = Judge(M, Vector3d(0.6, 0.6, 0.6), seed);
+      const GyroscopeVerdict verdict = Judge(M, Vector3d(0.6, 0.6, 0.6), seed);
       const std::string name(1, static_cast<char>('x' + axis));
       EXPECT_THAT(verdict.words, HasSubstr("axis " + name + " were negated")) << seed;
       EXPECT_LT(verdict.after_s, 6) << seed;
@@ -115,7 +115,8 @@ TEST(GyroscopeCheckTest, NamesNegatedAxes) {
 
 TEST(GyroscopeCheckTest, NamesDegrees) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Verdict verdict = Judge(Matrix3d::Identity() / kDegree, Vector3d(0.6, 0.3, 0.6), seed);
+    const GyroscopeVerdict verdict =
+        Judge(Matrix3d::Identity() / kDegree, Vector3d(0.6, 0.3, 0.6), seed);
     EXPECT_THAT(verdict.words, HasSubstr("deg/s")) << seed;
     EXPECT_LT(verdict.after_s, 6) << seed;
   }
@@ -126,7 +127,7 @@ TEST(GyroscopeCheckTest, NamesSwappedAxes) {
   M << 0, 1, 0, 1, 0, 0, 0, 0, 1;
   int num_named = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Verdict verdict = Judge(M, Vector3d(0.6, 0.6, 0.6), seed);
+    const GyroscopeVerdict verdict = Judge(M, Vector3d(0.6, 0.6, 0.6), seed);
     EXPECT_THAT(verdict.words, Not(IsEmpty())) << seed;
     EXPECT_LT(verdict.after_s, 6) << seed;
     const bool is_named = verdict.words.find("(x were y, y were x, z were z)") != std::string::npos;
@@ -137,7 +138,7 @@ TEST(GyroscopeCheckTest, NamesSwappedAxes) {
 
 TEST(GyroscopeCheckTest, NamesInvertedExtrinsics) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Verdict verdict =
+    const GyroscopeVerdict verdict =
         Judge(Matrix3d::Identity(), Vector3d(0.6, 0.6, 0.6), seed, TrueMount().conjugate());
     EXPECT_THAT(verdict.words, HasSubstr("T_BS of cam0 were inverted")) << seed;
   }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kFramesPerKeyframe = 4;
 
-SimulatedRun Fly(std::uint64_t seed, double duration_s) {
+SimulatedRun FlyFor(std::uint64_t seed, double duration_s) {
   FeatureSimulatorOptions options;
   options.pixel_sigma = 0.1;
   options.outlier_share = 0.02;
@@ -87,7 +87,7 @@ StereoRig WithFocalLengths(double factor) {
 
 TEST(MotionCheckTest, TheRightCalibrationIsNeitherDoubtedNorRefused) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const Judgement judgement = Judge(Fly(seed, 40), EurocRig());
+    const Judgement judgement = Judge(FlyFor(seed, 40), EurocRig());
     EXPECT_FALSE(judgement.is_doubted || judgement.is_refused) << seed;
     EXPECT_FALSE(judgement.are_turns_doubted) << seed;
     EXPECT_EQ(judgement.negated_axes, "") << seed;
@@ -98,7 +98,7 @@ TEST(MotionCheckTest, TheRightCalibrationIsNeitherDoubtedNorRefused) {
 
 TEST(MotionCheckTest, ADoubledBaselineIsRefusedWithoutAnyEstimator) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const SimulatedRun run = Fly(seed, 15);
+    const SimulatedRun run = FlyFor(seed, 15);
     EXPECT_TRUE(Judge(run, WithBaseline(2)).is_refused) << seed;
     EXPECT_TRUE(Judge(run, WithBaseline(0.5)).is_refused) << seed;
   }
@@ -107,7 +107,7 @@ TEST(MotionCheckTest, ADoubledBaselineIsRefusedWithoutAnyEstimator) {
 TEST(MotionCheckTest, ABaselineThatIsOffByTwoPerCentIsDoubted) {
   int num_doubted = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    const Judgement judgement = Judge(Fly(seed, 30), WithBaseline(1.02));
+    const Judgement judgement = Judge(FlyFor(seed, 30), WithBaseline(1.02));
     num_doubted += judgement.is_doubted ? 1 : 0;
     EXPECT_FALSE(judgement.is_refused) << seed;
     EXPECT_FALSE(judgement.are_turns_doubted) << seed;
@@ -118,7 +118,7 @@ TEST(MotionCheckTest, ABaselineThatIsOffByTwoPerCentIsDoubted) {
 // Of the error of the focal lengths a third to all is seen in turns, translations take the rest.
 TEST(MotionCheckTest, FocalLengthsThatAreOffByTwoPerCentAreDoubted) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const SimulatedRun run = Fly(seed, 20);
+    const SimulatedRun run = FlyFor(seed, 20);
     EXPECT_TRUE(Judge(run, WithFocalLengths(1.02)).are_turns_doubted) << seed;
     EXPECT_TRUE(Judge(run, WithFocalLengths(0.98)).are_turns_doubted) << seed;
   }
@@ -126,7 +126,7 @@ TEST(MotionCheckTest, FocalLengthsThatAreOffByTwoPerCentAreDoubted) {
 
 TEST(MotionCheckTest, ANegatedAxisOfTheAccelerometerIsNamedWithoutAnyEstimator) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const SimulatedRun run = Fly(seed, 15);
+    const SimulatedRun run = FlyFor(seed, 15);
     EXPECT_EQ(Judge(run, EurocRig(), Vector3d(-1, 1, 1)).negated_axes, "x") << seed;
     EXPECT_EQ(Judge(run, EurocRig(), Vector3d(1, 1, -1)).negated_axes, "z") << seed;
   }
@@ -135,7 +135,7 @@ TEST(MotionCheckTest, ANegatedAxisOfTheAccelerometerIsNamedWithoutAnyEstimator) 
 // Of an IMU whose axes are all wrong the gyroscope is to be named, which another check does.
 TEST(MotionCheckTest, WithAWrongGyroscopeTheAccelerometerIsNotBlamedSoon) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const SimulatedRun run = Fly(seed, 10);
+    const SimulatedRun run = FlyFor(seed, 10);
     const Vector3d axes(1, -1, 1);
     EXPECT_EQ(Judge(run, EurocRig(), axes).negated_axes, "y") << seed;
     EXPECT_EQ(Judge(run, EurocRig(), axes, axes).negated_axes, "") << seed;
@@ -145,7 +145,7 @@ TEST(MotionCheckTest, WithAWrongGyroscopeTheAccelerometerIsNotBlamedSoon) {
 // Nothing is seen for half a second while the body turns.
 TEST(MotionCheckTest, ABreakInTheImagesTakesNothingAway) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    SimulatedRun run = Fly(seed, 20);
+    SimulatedRun run = FlyFor(seed, 20);
     const std::size_t begin = 4 * (run.frames.size() / 12);
     for (std::size_t i = begin; i < begin + 10; ++i)
       run.frames[i].features.clear();
@@ -162,7 +162,7 @@ TEST(MotionCheckTest, AStatedScaleOfTheGyroscopeIsTakenOut) {
   StereoRig rig = EurocRig();
   rig.gyro_scale = Vector3d::Constant(0.1);
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    SimulatedRun run = Fly(seed, 20);
+    SimulatedRun run = FlyFor(seed, 20);
     // reading - scale reading - bias = rate, as everywhere.
     for (ImuSample& sample : run.imu)
       sample.gyro /= 0.9;
@@ -175,7 +175,7 @@ TEST(MotionCheckTest, AStatedScaleOfTheGyroscopeIsTakenOut) {
 // A car that accelerates on a truck, or a lift: nothing moves in the images.
 TEST(MotionCheckTest, ImagesThatDoNotMoveAreNoWrongSize) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    SimulatedRun run = Fly(seed, 30);
+    SimulatedRun run = FlyFor(seed, 30);
     Rng rng(seed);
     for (FrameObservations& frame : run.frames) {
       const FrameId id = frame.frame;
@@ -192,7 +192,7 @@ TEST(MotionCheckTest, ImagesThatDoNotMoveAreNoWrongSize) {
 
 // The estimator has believed the accelerometer, the images have not.
 TEST(MotionCheckTest, WhereStatesContradictTheImagesTheImagesCount) {
-  const SimulatedRun run = Fly(1, 30);
+  const SimulatedRun run = FlyFor(1, 30);
   MotionCheck check(WithBaseline(1.05));
   int num_doubts = 0;
   VisitFrames(run, check, [&](std::size_t i) {
@@ -212,7 +212,7 @@ TEST(MotionCheckTest, WhereStatesContradictTheImagesTheImagesCount) {
 
 // The estimator finds the baseline; what was measured with the wrong one counts no more.
 TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
-  const SimulatedRun run = Fly(1, 30);
+  const SimulatedRun run = FlyFor(1, 30);
   MotionCheck check(WithBaseline(1.05));
   std::optional<double> before;
   VisitFrames(run, check, [&](std::size_t i) {
@@ -235,7 +235,7 @@ TEST(MotionCheckTest, ALearntBaselineBeginsAnew) {
 // In the middle of turns, too: gravity is where it was.
 TEST(MotionCheckTest, WhenTheWorldChangesOrientationsStayComparable) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const SimulatedRun run = Fly(seed, 30);
+    const SimulatedRun run = FlyFor(seed, 30);
     MotionCheck check(EurocRig());
     VisitFrames(run, check, [&](std::size_t i) {
       check.LoseState();
@@ -253,7 +253,7 @@ TEST(MotionCheckTest, WhenTheWorldChangesOrientationsStayComparable) {
 // That the estimator gives parts of the calibration room, or changes it by little, does not make
 // good what is wrong beyond hope, and does not put off that it is said.
 TEST(MotionCheckTest, WhatIsHopelessIsNotMeasuredAnew) {
-  const SimulatedRun run = Fly(1, 12);
+  const SimulatedRun run = FlyFor(1, 12);
   MotionCheck check(WithBaseline(2));
   bool has_changed = false, is_refused = false;
   VisitFrames(run, check, [&](std::size_t i) {

@@ -221,9 +221,11 @@ TEST(ScaleCheckTest, PosesOnBothSidesOfABreakAreNotCompared) {
 }
 
 TEST(ScaleCheckTest, SaysWhatToLookAt) {
-  EXPECT_THAT(InWords({1.02, 1.022, 0.004}), HasSubstr("2.1 % (1-sigma 0.4) too large"));
-  EXPECT_THAT(InWords({0.5, 0.5, 0.05}), HasSubstr("50.0 % (1-sigma 5.0) too small"));
-  EXPECT_THAT(InWords({-1.2, -0.9, 0.05}), HasSubstr("+9.8 upwards"));
+  EXPECT_THAT(InWords(ScaleCheck::Scale{1.02, 1.022, 0.004}),
+              HasSubstr("2.1 % (1-sigma 0.4) too large"));
+  EXPECT_THAT(InWords(ScaleCheck::Scale{0.5, 0.5, 0.05}),
+              HasSubstr("50.0 % (1-sigma 5.0) too small"));
+  EXPECT_THAT(InWords(ScaleCheck::Scale{-1.2, -0.9, 0.05}), HasSubstr("+9.8 upwards"));
   EXPECT_THAT(NegatedAxesInWords("y"), HasSubstr("an axis of the accelerometer, y, shows the opp"));
   EXPECT_THAT(NegatedAxesInWords("xz"), HasSubstr("accelerometer, x and z, show the opp"));
   EXPECT_THAT(NegatedAxesInWords("xyz"), HasSubstr("the accelerometer shows the opp"));

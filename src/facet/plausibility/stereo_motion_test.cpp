@@ -16,9 +16,9 @@
 namespace facet {
 namespace {
 
-constexpr std::size_t kFramesPerKeyframe = 4;
+constexpr std::size_t kFramesApart = 4;
 
-SimulatedRun Fly(std::uint64_t seed, double outlier_share = 0.02) {
+SimulatedRun FlyWithOutliers(std::uint64_t seed, double outlier_share = 0.02) {
   FeatureSimulatorOptions options;
   options.pixel_sigma = 0.1;
   options.outlier_share = outlier_share;
@@ -45,7 +45,7 @@ StepErrors Follow(const SimulatedRun& run, const StereoRig& rig, double size = 1
           imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}),
           run.truth[i].bias.b_g);
     }
-    if (i % kFramesPerKeyframe != 0) continue;
+    if (i % kFramesApart != 0) continue;
     const SE3 now = motion.AddKeyframe(run.frames[i]), true_now = run.truth[i].T_WB;
     if (!motion.turn()) {
       ++errors.num_beginnings;
@@ -63,7 +63,7 @@ StepErrors Follow(const SimulatedRun& run, const StereoRig& rig, double size = 1
 
 TEST(StereoMotionTest, MovesAsTheRigDid) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    StepErrors errors = Follow(Fly(seed), EurocRig());
+    StepErrors errors = Follow(FlyWithOutliers(seed), EurocRig());
     EXPECT_EQ(errors.num_beginnings, 1) << seed;
     EXPECT_LT(*Median(errors.m), 0.006) << seed;
     EXPECT_LT(*Median(errors.rad), 0.1 * kDegree) << seed;
@@ -73,7 +73,7 @@ TEST(StereoMotionTest, MovesAsTheRigDid) {
 // A tenth of all left and of all right places: one pair of four is wrong.
 TEST(StereoMotionTest, ManyPairsMayBeWrong) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    StepErrors errors = Follow(Fly(seed, 0.1), EurocRig());
+    StepErrors errors = Follow(FlyWithOutliers(seed, 0.1), EurocRig());
     EXPECT_GT(errors.num_steps, 40) << seed;
     EXPECT_LT(*Median(errors.m), 0.012) << seed;
   }
@@ -83,7 +83,7 @@ TEST(StereoMotionTest, ManyPairsMayBeWrong) {
 TEST(StereoMotionTest, StepsAreAsLongAsTheBaselineSays) {
   const StereoRig rig = testing::WithBaseline(EurocRig(), 1.5);
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const SimulatedRun run = Fly(seed);
+    const SimulatedRun run = FlyWithOutliers(seed);
     StepErrors as_said = Follow(run, rig, 1.5), as_in_truth = Follow(run, rig, 1);
     EXPECT_LT(*Median(as_said.m), 0.02) << seed;
     EXPECT_GT(*Median(as_in_truth.m), 0.03) << seed;
@@ -93,7 +93,7 @@ TEST(StereoMotionTest, StepsAreAsLongAsTheBaselineSays) {
 // Just before a keyframe, when the rig has turned since the one before.
 TEST(StereoMotionTest, WhenPointsAreForgottenOrientationsGoOn) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const SimulatedRun run = Fly(seed);
+    const SimulatedRun run = FlyWithOutliers(seed);
     ImuBuffer imu;
     for (const ImuSample& sample : run.imu)
       imu.Add(sample);
@@ -105,7 +105,7 @@ TEST(StereoMotionTest, WhenPointsAreForgottenOrientationsGoOn) {
             imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}),
             run.truth[i].bias.b_g);
       if (i % 20 == 0) motion.ForgetPoints();
-      if (i % kFramesPerKeyframe != 0) continue;
+      if (i % kFramesApart != 0) continue;
       const Quaterniond from_truth =
           motion.AddKeyframe(run.frames[i]).q * run.truth[i].T_WB.q.conjugate();
       EXPECT_FALSE(motion.HasLostOrientation() && i > 0) << seed;
@@ -116,7 +116,7 @@ TEST(StereoMotionTest, WhenPointsAreForgottenOrientationsGoOn) {
 }
 
 TEST(StereoMotionTest, WhereImagesCannotBeComparedTheGyroscopeGoesOn) {
-  const SimulatedRun run = Fly(1);
+  const SimulatedRun run = FlyWithOutliers(1);
   ImuBuffer imu;
   for (const ImuSample& sample : run.imu)
     imu.Add(sample);
@@ -127,7 +127,7 @@ TEST(StereoMotionTest, WhereImagesCannotBeComparedTheGyroscopeGoesOn) {
       motion.AddImu(
           imu.Between(run.truth[i - 1].t, run.truth[i].t, Duration{21'000'000}, Duration{0}),
           run.truth[i].bias.b_g);
-    if (i % kFramesPerKeyframe != 0) continue;
+    if (i % kFramesApart != 0) continue;
     FrameObservations seen = run.frames[i];
     const bool is_dark = i == 16 || i == 20;
     if (is_dark) seen.features.resize(i == 16 ? 10 : 0);
@@ -144,7 +144,7 @@ TEST(StereoMotionTest, WhereImagesCannotBeComparedTheGyroscopeGoesOn) {
 }
 
 TEST(StereoMotionTest, WithoutImagesAHoleOfTheImuLosesTheOrientation) {
-  const SimulatedRun run = Fly(1);
+  const SimulatedRun run = FlyWithOutliers(1);
   StereoMotion motion(run.rig);
   motion.AddKeyframe(run.frames[0]);
   ImuInterval hole;
@@ -170,7 +170,7 @@ TEST(StereoMotionTest, FarAwayStepsAreNotTooShort) {
         SimulateFeatures(SplineTrajectory::Fit(MakeFlight(20, seed)), EurocRig(), options, seed);
     StereoMotion motion(run.rig);
     SE3 before, true_before;
-    for (std::size_t i = 0; i < run.frames.size(); i += kFramesPerKeyframe) {
+    for (std::size_t i = 0; i < run.frames.size(); i += kFramesApart) {
       const SE3 now = motion.AddKeyframe(run.frames[i]), true_now = run.truth[i].T_WB;
       if (motion.turn()) {
         const Vector3d truth = (true_before.Inverse() * true_now).p;

@@ -24,16 +24,16 @@ DoubleTurn MakeTurn(double ratio, const Vector3d& bias, Rng& rng) {
   return turn;
 }
 
-struct Judgement {
+struct TurnJudgement {
   int first_doubt = 0, num_doubts = 0;  // after how many turns
   TurnCheck::Ratio ratio;
 };
 
-Judgement Judge(std::uint64_t seed, double ratio, int num_turns) {
+TurnJudgement Judge(std::uint64_t seed, double ratio, int num_turns) {
   Rng rng(seed);
   const Vector3d bias = 0.003 * rng.Normal3();
   TurnCheck check;
-  Judgement out;
+  TurnJudgement out;
   for (int k = 1; k <= num_turns; ++k) {
     if (!check.Add(MakeTurn(ratio, bias, rng))) continue;
     if (out.num_doubts++ == 0) out.first_doubt = k;
@@ -47,7 +47,7 @@ TEST(TurnCheckTest, TheRatioIsFoundWithinItsSigma) {
   constexpr int kRuns = 40;
   for (int seed = 0; seed < kRuns; ++seed) {
     const double ratio = seed % 2 == 0 ? 1.0 : 1.01;
-    const Judgement judgement = Judge(static_cast<std::uint64_t>(seed), ratio, 60);
+    const TurnJudgement judgement = Judge(static_cast<std::uint64_t>(seed), ratio, 60);
     sum += std::pow((judgement.ratio.value() - ratio) / judgement.ratio.sigma, 2);
     EXPECT_LT(judgement.ratio.sigma, 0.002) << seed;
   }
@@ -58,7 +58,7 @@ TEST(TurnCheckTest, TheRatioIsFoundWithinItsSigma) {
 
 TEST(TurnCheckTest, FocalLengthsThatAreOffByOnePerCentAreDoubtedOnce) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const Judgement judgement = Judge(seed, seed % 2 == 0 ? 0.99 : 1.01, 300);
+    const TurnJudgement judgement = Judge(seed, seed % 2 == 0 ? 0.99 : 1.01, 300);
     EXPECT_EQ(judgement.num_doubts, 1) << seed;
     EXPECT_GE(judgement.first_doubt, 30) << seed;
     EXPECT_LE(judgement.first_doubt, 60) << seed;

@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-constexpr Timestamp kStamp{0x0102030405060708};
+constexpr Timestamp kLogTime{0x0102030405060708};
 
 class FoxgloveServerTest : public ::testing::Test {
  protected:
@@ -33,7 +33,7 @@ class FoxgloveServerTest : public ::testing::Test {
         std::to_string(static_cast<int>(channel)) + "}]}");
   }
   void Add(Channel channel, const std::string& slot, const std::string& json) {
-    server_.Add({channel, slot, kStamp, json});
+    server_.Add({channel, slot, kLogTime, json});
   }
 
   FoxgloveServer server_{"facet test"};

@@ -14,8 +14,8 @@
 namespace facet {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 /// Messages of two topics with bytes that tell them apart.
 std::vector<TestMessage> SomeMessages() {
@@ -64,7 +64,7 @@ struct BagCase {
   TestBagOptions options;
 };
 
-class BagFilesTest : public testing::TestWithParam<BagCase> {
+class BagFilesTest : public ::testing::TestWithParam<BagCase> {
  protected:
   std::string Bytes() const {
     return GetParam().is_mcap ? McapBytes(SomeMessages(), GetParam().options)
@@ -145,27 +145,28 @@ TEST_P(CompressedBagFilesTest, FlippedBitsAreNoticed) {
 INSTANTIATE_TEST_SUITE_P(
     Kinds,
     BagFilesTest,
-    testing::Values(BagCase{"ros1", false, {}},
-                    BagCase{"ros1_lz4", false, {.compression = Compression::kLz4}},
-                    BagCase{"ros1_bz2", false, {.compression = Compression::kBz2}},
-                    BagCase{"ros1_unindexed", false, {.has_index = false}},
-                    BagCase{"ros1_unchunked", false, {.messages_per_chunk = 0, .has_index = false}},
-                    BagCase{"mcap", true, {}},
-                    BagCase{"mcap_lz4", true, {.compression = Compression::kLz4}},
-                    BagCase{"mcap_zstd", true, {.compression = Compression::kZstd}},
-                    BagCase{"mcap_without_summary", true, {.has_index = false}},
-                    BagCase{"mcap_counts_first", true, {.are_counts_first = true}},
-                    BagCase{"mcap_unchunked", true, {.messages_per_chunk = 0}}),
-    [](const testing::TestParamInfo<BagCase>& one) { return one.param.name; });
+    ::testing::Values(BagCase{"ros1", false, {}},
+                      BagCase{"ros1_lz4", false, {.compression = Compression::kLz4}},
+                      BagCase{"ros1_bz2", false, {.compression = Compression::kBz2}},
+                      BagCase{"ros1_unindexed", false, {.has_index = false}},
+                      BagCase{
+                          "ros1_unchunked", false, {.messages_per_chunk = 0, .has_index = false}},
+                      BagCase{"mcap", true, {}},
+                      BagCase{"mcap_lz4", true, {.compression = Compression::kLz4}},
+                      BagCase{"mcap_zstd", true, {.compression = Compression::kZstd}},
+                      BagCase{"mcap_without_summary", true, {.has_index = false}},
+                      BagCase{"mcap_counts_first", true, {.are_counts_first = true}},
+                      BagCase{"mcap_unchunked", true, {.messages_per_chunk = 0}}),
+    [](const ::testing::TestParamInfo<BagCase>& one) { return one.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds,
     CompressedBagFilesTest,
-    testing::Values(BagCase{"ros1_lz4", false, {.compression = Compression::kLz4}},
-                    BagCase{"ros1_bz2", false, {.compression = Compression::kBz2}},
-                    BagCase{"mcap_lz4", true, {.compression = Compression::kLz4}},
-                    BagCase{"mcap_zstd", true, {.compression = Compression::kZstd}}),
-    [](const testing::TestParamInfo<BagCase>& one) { return one.param.name; });
+    ::testing::Values(BagCase{"ros1_lz4", false, {.compression = Compression::kLz4}},
+                      BagCase{"ros1_bz2", false, {.compression = Compression::kBz2}},
+                      BagCase{"mcap_lz4", true, {.compression = Compression::kLz4}},
+                      BagCase{"mcap_zstd", true, {.compression = Compression::kZstd}}),
+    [](const ::testing::TestParamInfo<BagCase>& one) { return one.param.name; });
 
 TEST(McapFileTest, FlippedBitsInRawChunksAreNoticedByTheChecksum) {
   const TempFolder folder;

@@ -18,9 +18,9 @@
 namespace facet {
 namespace {
 
-using testing::AllOf;
-using testing::Contains;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 /// "imu <stamp>", "pair <stamp>", "mono <stamp>".
 std::vector<std::string> Events(Recording& recording) {
@@ -36,7 +36,7 @@ std::vector<std::string> Events(Recording& recording) {
   return events;
 }
 
-class BagRecordingTest : public testing::Test {
+class BagRecordingTest : public ::testing::Test {
  protected:
   BagRecordingTest() { WriteTestSequence(Sequence(), options_); }
   std::filesystem::path Sequence() const { return folder_ / "seq"; }
@@ -72,7 +72,7 @@ TEST_F(BagRecordingTest, GivesTheEventsOfTheFolder) {
   EXPECT_EQ(recording->name(), "a");
   EXPECT_EQ(Events(*recording), expected);
   EXPECT_FALSE(recording->Next());
-  EXPECT_THAT(recording->Warnings(), testing::IsEmpty());
+  EXPECT_THAT(recording->Warnings(), ::testing::IsEmpty());
   recording->Rewind();
   EXPECT_EQ(Events(*recording), expected);
   EXPECT_NEAR(recording->NumFrames({options_.first_ns}, {options_.first_ns + (1LL << 50)}), 12, 3);

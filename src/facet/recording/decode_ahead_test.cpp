@@ -58,7 +58,7 @@ class SlowImage : public EncodedImage {
   std::atomic<int>& num_decoded_;
 };
 
-class DecodeAheadTest : public testing::Test {
+class DecodeAheadTest : public ::testing::Test {
  protected:
   /// Some have no right image, some left or right ones are damaged.
   RecordedFrame Frame(int i, Kind left = Kind::kGood) {

@@ -10,7 +10,7 @@
 namespace facet {
 namespace {
 
-class DecompressionTest : public testing::TestWithParam<Compression> {
+class DecompressionTest : public ::testing::TestWithParam<Compression> {
  protected:
   std::string Run(const std::string& compressed, std::uint64_t size) {
     const std::vector<std::uint8_t> data(compressed.begin(), compressed.end());
@@ -50,7 +50,9 @@ TEST_P(DecompressionTest, AnAbsurdSizeTakesNoMemory) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds,
                          DecompressionTest,
-                         testing::Values(Compression::kLz4, Compression::kBz2, Compression::kZstd));
+                         ::testing::Values(Compression::kLz4,
+                                           Compression::kBz2,
+                                           Compression::kZstd));
 
 }  // namespace
 }  // namespace facet

@@ -27,7 +27,7 @@ TEST(ImuJoinerTest, AccelerationsAreInterpolatedToTheStampsOfTheRates) {
   EXPECT_TRUE(joiner.samples()[0].accel.isApprox(Vector3d(1.3, 3, 0), 1e-12));
   EXPECT_TRUE(joiner.samples()[1].accel.isApprox(Vector3d(1.8, 8, 0), 1e-12));
   ASSERT_EQ(joiner.Warnings().size(), 1u);
-  EXPECT_THAT(joiner.Warnings()[0], testing::HasSubstr("1 angular rates"));
+  EXPECT_THAT(joiner.Warnings()[0], ::testing::HasSubstr("1 angular rates"));
 }
 
 TEST(ImuJoinerTest, AGapOfTheAccelerometerIsAGap) {
@@ -55,8 +55,8 @@ TEST(ImuJoinerTest, SamplesThatCannotBeUsedAreCounted) {
   joiner.AddSample(sample);
   EXPECT_EQ(joiner.samples().size(), 3u);
   EXPECT_THAT(joiner.Warnings(),
-              testing::ElementsAre(testing::HasSubstr("1 IMU messages are not finite"),
-                                   testing::HasSubstr("2 IMU messages repeat")));
+              ::testing::ElementsAre(::testing::HasSubstr("1 IMU messages are not finite"),
+                                     ::testing::HasSubstr("2 IMU messages repeat")));
   joiner.Clear();
   EXPECT_TRUE(joiner.samples().empty());
   EXPECT_TRUE(joiner.Warnings().empty());

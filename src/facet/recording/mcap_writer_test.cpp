@@ -14,7 +14,7 @@
 namespace facet {
 namespace {
 
-class McapWriterTest : public testing::TestWithParam<Compression> {
+class McapWriterTest : public ::testing::TestWithParam<Compression> {
  protected:
   std::filesystem::path File() const { return folder_ / "a.mcap"; }
   TempFolder folder_;
@@ -41,7 +41,7 @@ TEST_P(McapWriterTest, WhatIsWrittenIsRead) {
   }
   EXPECT_FALSE(std::filesystem::exists(File().string() + ".partial"));
   McapFile file(File());
-  EXPECT_THAT(file.Warnings(), testing::IsEmpty()) << "the summary is good";
+  EXPECT_THAT(file.Warnings(), ::testing::IsEmpty()) << "the summary is good";
   ASSERT_EQ(file.topics().size(), 2u);
   EXPECT_EQ(file.topics()[0].name, "/left");
   EXPECT_EQ(file.topics()[0].type, "sensor_msgs/Image");
@@ -78,7 +78,7 @@ TEST_P(McapWriterTest, PlacesThatCannotBeWrittenAreNamed) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds,
                          McapWriterTest,
-                         testing::Values(Compression::kNone, Compression::kZstd));
+                         ::testing::Values(Compression::kNone, Compression::kZstd));
 
 /// Reads the chunk indices of the summary by hand: their offsets lead to chunks and to messages.
 TEST(McapWriterIndexTest, IndicesLeadToChunksAndMessages) {

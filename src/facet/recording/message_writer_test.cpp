@@ -10,7 +10,7 @@
 namespace facet {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 std::string AsText(const std::vector<std::uint8_t>& bytes) {
   return {bytes.begin(), bytes.end()};

@@ -14,7 +14,7 @@ std::span<const std::uint8_t> AsBytes(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-class SensorMessagesTest : public testing::TestWithParam<MessageEncoding> {};
+class SensorMessagesTest : public ::testing::TestWithParam<MessageEncoding> {};
 
 TEST_P(SensorMessagesTest, Imu) {
   ImuSample sample;
@@ -90,7 +90,7 @@ TEST_P(SensorMessagesTest, Transforms) {
 
 INSTANTIATE_TEST_SUITE_P(Encodings,
                          SensorMessagesTest,
-                         testing::Values(MessageEncoding::kRos1, MessageEncoding::kCdr));
+                         ::testing::Values(MessageEncoding::kRos1, MessageEncoding::kCdr));
 
 TEST(SensorMessagesCdrTest, BigEndianAndUnknownKinds) {
   // A compressed image: stamp 1 s and 2 ns, frame "ab", format "", 3 bytes of data.

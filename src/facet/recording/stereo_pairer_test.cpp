@@ -9,9 +9,9 @@
 namespace facet {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
-class StereoPairerTest : public testing::Test {
+class StereoPairerTest : public ::testing::Test {
  protected:
   void Left(int t_ms) { Add(0, t_ms); }
   void Right(int t_ms) { Add(1, t_ms); }

@@ -10,8 +10,8 @@
 namespace facet {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 Topic Of(const std::string& name, const char* type) {
   return {name, type, MessageEncoding::kCdr, 3};

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Small images, few of them.
-class SimulatorTest : public testing::Test {
+class SimulatorTest : public ::testing::Test {
  protected:
   SimulatorTest() {
     for (int c = 0; c < 2; ++c) {

@@ -33,7 +33,7 @@ Quaterniond Quaternion(const api::Pose& T) {
   return {T.q[0], T.q[1], T.q[2], T.q[3]};
 }
 
-Vector3d Vector(const api::Vec3& v) {
+Vector3d ToEigen(const api::Vec3& v) {
   return {v[0], v[1], v[2]};
 }
 
@@ -83,7 +83,7 @@ TEST_F(MotionCovarianceTest, OfThePoseIsAboutTheFixedAxes) {
     const auto f = [&](const Vector15& error) {
       const Matrix3d R = R_WB * Exp(error.head<3>());
       Vector6 y;
-      y.head<3>() = Vector(T_WB.p) + error.segment<3>(3) + R * Vector(T_BF.p);
+      y.head<3>() = ToEigen(T_WB.p) + error.segment<3>(3) + R * ToEigen(T_BF.p);
       y.tail<3>() = Log(R * R_BF * (R_WB * R_BF).transpose());
       return y;
     };
@@ -116,10 +116,10 @@ TEST_F(MotionCovarianceTest, OfTheTwistIsAlongTheMovingAxes) {
 TEST_F(MotionCovarianceTest, PosesComposeAndInvert) {
   const api::Pose T = DrawPose();
   const api::Pose none = Compose(T, Inverse(T));
-  EXPECT_LT(Vector(none.p).norm(), 1e-12);
+  EXPECT_LT(ToEigen(none.p).norm(), 1e-12);
   EXPECT_NEAR(std::abs(none.q[0]), 1, 1e-12);
   const api::Vec3 v = InFrame(T, {{1, 2, 3}});
-  EXPECT_LT((Vector(v) - Quaternion(T).matrix().transpose() * Vector3d(1, 2, 3)).norm(), 1e-12);
+  EXPECT_LT((ToEigen(v) - Quaternion(T).matrix().transpose() * Vector3d(1, 2, 3)).norm(), 1e-12);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace facet {
 namespace robot {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 using Value =
     std::variant<bool, int, double, std::string, std::vector<double>, std::vector<std::string>>;

@@ -75,7 +75,7 @@ TestWindow MakeWindow(PlaneRelationKind kind, double error, double moved, Rng& r
   return test;
 }
 
-Vector<4> ErrorAfter(SlidingWindow window, const Vector<12>& step) {
+Vector<4> RelationErrorAfter(SlidingWindow window, const Vector<12>& step) {
   window.planes[0].ApplyStep(step.head<3>());
   window.planes[1].ApplyStep(step.segment<3>(3));
   Vector<15> frame_step = Vector<15>::Zero();
@@ -96,8 +96,8 @@ TEST(RelationFactorTest, JacobiansMatchNumericDerivatives) {
       J << rows.J_a, rows.J_b, rows.J_frame;
       if (test.window.relations[0].relation.IsUnary()) J.middleCols<3>(3).setZero();
       testing::ExpectJacobian<4, 12>(
-          J, [&](const Vector<12>& d) { return ErrorAfter(test.window, d); }, 1e-7);
-      EXPECT_LT((rows.r - ErrorAfter(test.window, Vector<12>::Zero())).norm(), 1e-12);
+          J, [&](const Vector<12>& d) { return RelationErrorAfter(test.window, d); }, 1e-7);
+      EXPECT_LT((rows.r - RelationErrorAfter(test.window, Vector<12>::Zero())).norm(), 1e-12);
       EXPECT_NEAR(rows.cost, 0.5 * rows.r.squaredNorm(), 1e-9 * (1 + rows.cost));
       EXPECT_EQ(rows.J_frame.norm() > 0, FactorOf(test.window).NeedsFrame());
     }

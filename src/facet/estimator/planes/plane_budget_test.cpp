@@ -9,7 +9,7 @@ namespace facet {
 namespace {
 
 // Four planes, ids 10 to 13; one landmark lies on each of those in `supported`.
-SlidingWindow MakeWindow(const std::vector<int>& supported) {
+SlidingWindow WindowOfPlanes(const std::vector<int>& supported) {
   Rng rng(1);
   SlidingWindow window = testing::MakeTestWindow({}, rng).window;
   for (int k = 0; k < 4; ++k)
@@ -27,12 +27,12 @@ std::vector<Matrix3d> Information(const std::vector<double>& values) {
 }
 
 TEST(PlaneBudgetTest, NothingGoesWithinTheBudget) {
-  EXPECT_TRUE(ExcessPlanes(MakeWindow({}), Information({1, 2, 3, 4}), 4).empty());
-  EXPECT_TRUE(ExcessPlanes(MakeWindow({}), Information({1, 2, 3, 4}), 40).empty());
+  EXPECT_TRUE(ExcessPlanes(WindowOfPlanes({}), Information({1, 2, 3, 4}), 4).empty());
+  EXPECT_TRUE(ExcessPlanes(WindowOfPlanes({}), Information({1, 2, 3, 4}), 40).empty());
 }
 
 TEST(PlaneBudgetTest, TheLeastKnownGoes) {
-  SlidingWindow window = MakeWindow({0, 1, 2, 3});
+  SlidingWindow window = WindowOfPlanes({0, 1, 2, 3});
   for (WindowPlane& plane : window.planes)
     plane.persistent = true;
   EXPECT_EQ(ExcessPlanes(window, Information({5, 2, 3, 4}), 3), std::vector{PlaneId{11}});
@@ -41,7 +41,7 @@ TEST(PlaneBudgetTest, TheLeastKnownGoes) {
 }
 
 TEST(PlaneBudgetTest, AWellKnownPlaneStaysThoughItIsUnseen) {
-  SlidingWindow window = MakeWindow({1, 2});
+  SlidingWindow window = WindowOfPlanes({1, 2});
   for (WindowPlane& plane : window.planes)
     plane.persistent = true;
   EXPECT_EQ(ExcessPlanes(window, Information({9, 1, 2, 8}), 2),
@@ -50,7 +50,7 @@ TEST(PlaneBudgetTest, AWellKnownPlaneStaysThoughItIsUnseen) {
 
 // One in ten, at least one, and the best known of them.
 TEST(PlaneBudgetTest, APlaneThatIsBeingDeterminedHasAChance) {
-  SlidingWindow window = MakeWindow({1, 2});
+  SlidingWindow window = WindowOfPlanes({1, 2});
   window.planes[1].persistent = true;
   EXPECT_EQ(ExcessPlanes(window, Information({9, 3, 1, 8}), 3), std::vector{PlaneId{11}});
   window.planes[1].persistent = false;
@@ -60,7 +60,7 @@ TEST(PlaneBudgetTest, APlaneThatIsBeingDeterminedHasAChance) {
 }
 
 TEST(PlaneBudgetTest, ThePriorCounts) {
-  SlidingWindow window = MakeWindow({});
+  SlidingWindow window = WindowOfPlanes({});
   window.prior.blocks.push_back(MarginalPrior::Block::OfPlane(PlaneId{11}, 0));
   window.prior.H = 100 * Matrix3d::Identity();
   window.prior.b = Vector3d::Zero();

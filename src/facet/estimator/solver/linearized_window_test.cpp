@@ -10,23 +10,22 @@ namespace {
 
 using testing::TestWindow;
 
-const FactorNoise kNoise = testing::NoiseOfWidth(testing::kOptimumWidth);
-
 TEST(LinearizedWindowTest, CostIsTheSameWithAndWithoutLinearizing) {
   TestWindow test = testing::MakeOptimumWindow(52, 0);
   Rng rng(52);
-  testing::AddBalancedPrior(test, rng, kNoise);
+  testing::AddBalancedPrior(test, rng, testing::kOptimumNoise);
   testing::Disturb(test.window, {}, rng);
   LinearizedWindow linear;
-  testing::Linearize(test, kNoise, linear);
+  testing::Linearize(test, testing::kOptimumNoise, linear);
   FrameGeometry geometry(test.rig);
   geometry.Update(test.window.frames);
-  EXPECT_NEAR(WindowCost(test.window, geometry, kNoise), linear.cost, 1e-9 * linear.cost);
+  EXPECT_NEAR(
+      WindowCost(test.window, geometry, testing::kOptimumNoise), linear.cost, 1e-9 * linear.cost);
 }
 
 std::vector<Variable> CoupledWith(int frame, const TestWindow& test) {
   LinearizedWindow linear;
-  testing::Linearize(test, kNoise, linear);
+  testing::Linearize(test, testing::kOptimumNoise, linear);
   std::vector<Variable> all, coupled;
   for (int k = 0; k < static_cast<int>(test.window.planes.size()); ++k)
     all.push_back(Variable::Plane(k));
@@ -70,9 +69,9 @@ TEST(LinearizedWindowTest, SettledModesHaveNoColumns) {
   TestWindow test = testing::MakeTestWindow({}, rng);
   testing::AddCalibration(test, rng);
   LinearizedWindow with_modes, settled;
-  testing::Linearize(test, kNoise, with_modes);
+  testing::Linearize(test, testing::kOptimumNoise, with_modes);
   test.window.calibration->SettleModes(true);
-  testing::Linearize(test, kNoise, settled);
+  testing::Linearize(test, testing::kOptimumNoise, settled);
   const StateLayout& layout = settled.layout();
   ASSERT_EQ(layout.dim, with_modes.layout().dim);
   EXPECT_EQ(settled.cost, with_modes.cost);

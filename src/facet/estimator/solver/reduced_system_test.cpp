@@ -12,15 +12,13 @@ namespace {
 
 using testing::TestWindow;
 
-const FactorNoise kNoise = testing::NoiseOfWidth(testing::kOptimumWidth);
-
 // A disturbed window with one of the two priors, the balanced one if the seed is even.
 TestWindow MakeDisturbedWindow(std::uint64_t seed, int num_planes, bool has_calibration) {
   TestWindow test = testing::MakeOptimumWindow(seed, num_planes);
   Rng rng(seed);
   if (has_calibration) testing::AddCalibration(test, rng);
   if (seed % 2 == 0) {
-    testing::AddBalancedPrior(test, rng, kNoise);
+    testing::AddBalancedPrior(test, rng, testing::kOptimumNoise);
   } else {
     test.window.start_prior.emplace(FrameId{0}, test.truth[0].T_WB, StartOptions{});
   }
@@ -57,7 +55,7 @@ TEST(ReducedSystemTest, StepAndCovarianceEqualTheDenseSystem) {
     const MatrixXd inverse = s.asDiagonal() * scaled.inverse() * s.asDiagonal();
     LinearizedWindow linear;
     ReducedSystem reduced;
-    testing::Linearize(test, kNoise, linear);
+    testing::Linearize(test, testing::kOptimumNoise, linear);
     ASSERT_TRUE(reduced.Solve(0.0, linear));
     const VectorXd step = -inverse * dense.b;
     EXPECT_LT((reduced.step() - step).norm(), 1e-6 * step.norm());
@@ -92,7 +90,7 @@ TEST(ReducedSystemTest, WithAHeldCalibrationTheRestIsSolvedForWhereItIs) {
         -s.cwiseProduct((s.asDiagonal() * H * s.asDiagonal()).inverse() * s.cwiseProduct(b));
     LinearizedWindow linear;
     ReducedSystem reduced;
-    testing::Linearize(test, kNoise, linear, CalibrationStep::kHeld);
+    testing::Linearize(test, testing::kOptimumNoise, linear, CalibrationStep::kHeld);
     ASSERT_EQ(linear.layout().dim, static_cast<int>(others.size()));
     ASSERT_TRUE(reduced.Solve(0.0, linear));
     const auto in_sigmas = [&](const VectorXd& x) { return s.cwiseInverse().cwiseProduct(x); };

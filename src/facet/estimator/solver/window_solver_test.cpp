@@ -12,8 +12,6 @@ namespace {
 
 using testing::TestWindow;
 
-const FactorNoise kNoise = testing::NoiseOfWidth(testing::kOptimumWidth);
-
 // Everything that the newest frame sees is far beyond the loss' width, but it is the frame that is
 // wrong.
 TEST(WindowSolverTest, APoorPredictionOfTheNewestFrameIsMended) {
@@ -33,20 +31,20 @@ TEST(WindowSolverTest, APoorPredictionOfTheNewestFrameIsMended) {
 TEST(WindowSolverTest, CovarianceIsFreeOfDamping) {
   Rng rng(53);
   TestWindow test = testing::MakeOptimumWindow(53, 0);
-  testing::AddBalancedPrior(test, rng, kNoise);
+  testing::AddBalancedPrior(test, rng, testing::kOptimumNoise);
   SolverOptions options;
   options.loss_width = 0;
   options.min_cost_decrease = 0;  // at the optimum the solver then damps until nothing moves
   WindowSolver solver(test.rig, options);
-  solver.Solve(test.window, kNoise, 30);
+  solver.Solve(test.window, testing::kOptimumNoise, 30);
   const Matrix<15, 15> expected = [&] {
     LinearizedWindow linear;
     ReducedSystem reduced;
-    testing::Linearize(test, kNoise, linear);
+    testing::Linearize(test, testing::kOptimumNoise, linear);
     EXPECT_TRUE(reduced.Solve(1e-12, linear));
     return NewestFrameCovariance(reduced, linear.layout());
   }();
-  solver.Solve(test.window, kNoise, 5);
+  solver.Solve(test.window, testing::kOptimumNoise, 5);
   const Vector<15> scale = expected.diagonal().cwiseSqrt().cwiseInverse();
   const Matrix<15, 15> error = solver.NewestFrameCovariance() - expected;
   EXPECT_LT((scale.asDiagonal() * error * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-3);
@@ -55,17 +53,17 @@ TEST(WindowSolverTest, CovarianceIsFreeOfDamping) {
 TEST(WindowSolverTest, LandmarksKeepWhatIsKnownOfThem) {
   Rng rng(54);
   TestWindow test = testing::MakeOptimumWindow(54, 0);
-  testing::AddBalancedPrior(test, rng, kNoise);
+  testing::AddBalancedPrior(test, rng, testing::kOptimumNoise);
   testing::Disturb(test.window, {1e-4, 1e-3, 1e-3, 1e-4, 1e-4}, rng);
   WindowSolver solver(test.rig, SolverOptions{});
-  solver.Solve(test.window, kNoise, 5);
+  solver.Solve(test.window, testing::kOptimumNoise, 5);
   FrameGeometry geometry(test.rig);
   geometry.Update(test.window);
   int num_known = 0;
   for (const WindowLandmark& landmark : test.window.landmarks()) {
     if (!IsConstraining(landmark)) continue;
     LandmarkBlock block;
-    LinearizeLandmark(geometry, test.window.planes, landmark, kNoise, block);
+    LinearizeLandmark(geometry, test.window.planes, landmark, testing::kOptimumNoise, block);
     const LandmarkInformation& known = landmark.information;
     EXPECT_LT((known.V - block.V).norm(), 0.02 * block.V.norm());
     EXPECT_LT((known.basis_H - TangentBasis(landmark.bearing_H)).norm(), 1e-3);
@@ -89,11 +87,11 @@ TEST(WindowSolverTest, NeverRaisesTheCost) {
     SolverOptions options;
     options.loss_width = 0;
     WindowSolver solver(test.rig, options);
-    const SolveSummary summary = solver.Solve(test.window, kNoise, 10);
+    const SolveSummary summary = solver.Solve(test.window, testing::kOptimumNoise, 10);
     EXPECT_TRUE(summary.ok);
     EXPECT_LE(summary.final_cost, summary.initial_cost);
     LinearizedWindow linear;
-    testing::Linearize(test, kNoise, linear);
+    testing::Linearize(test, testing::kOptimumNoise, linear);
     EXPECT_NEAR(linear.cost, summary.final_cost, 1e-9 * summary.final_cost);
   }
 }

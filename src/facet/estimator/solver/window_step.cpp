@@ -12,7 +12,7 @@ namespace facet {
 namespace {
 
 // A landmark is never stepped nearer than this [1/m].
-constexpr double kMaxInverseDistance = 20.0;
+constexpr double kLargestInverseDistance = 20.0;
 
 std::vector<SE3> HostPoses(const SlidingWindow& window) {
   std::vector<SE3> hosts(window.frames.size());
@@ -28,7 +28,7 @@ void StepLandmark(const Vector3d& step,
                   const SlidingWindow& window,
                   WindowLandmark& landmark) {
   const SE3 new_host = window.LeftCameraAt(landmark.host);
-  const double rho = std::clamp(landmark.inverse_distance + step.z(), 0.0, kMaxInverseDistance);
+  const double rho = std::clamp(landmark.inverse_distance + step.z(), 0.0, kLargestInverseDistance);
   const Vector3d bearing = landmark.bearing_H + landmark.information.basis_H * step.head<2>();
   const Vector3d y_W = old_host.q * bearing + rho * (old_host.p - new_host.p);
   const double norm = y_W.norm();

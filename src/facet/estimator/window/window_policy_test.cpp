@@ -11,8 +11,8 @@ namespace facet {
 namespace {
 
 // Frames in a row along x; landmark l is seen in frames seen_in[l], with depth.
-SlidingWindow MakeWindow(const std::vector<double>& positions,
-                         const std::vector<std::vector<int>>& seen_in) {
+SlidingWindow WindowAt(const std::vector<double>& positions,
+                       const std::vector<std::vector<int>>& seen_in) {
   SlidingWindow window;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     WindowFrame frame;
@@ -48,27 +48,27 @@ int Count(const std::vector<char>& flags) {
 
 TEST(WindowPolicyTest, AFrameThatSharesNothingIsTheMostRedundant) {
   // Frame 2 sees only a landmark of its own.
-  SlidingWindow window = MakeWindow({0, 1, 2, 3, 4}, {{0, 1, 3, 4}, {0, 1, 3, 4}, {2}});
+  SlidingWindow window = WindowAt({0, 1, 2, 3, 4}, {{0, 1, 3, 4}, {0, 1, 3, 4}, {2}});
   EXPECT_EQ(MostRedundantFrame(window, 0, 3, 0.05), 2);
 }
 
 TEST(WindowPolicyTest, AFrameInACrowdIsTheMostRedundant) {
   // Frames 1 and 2 are close together; 1 is the farther from the newest.
-  SlidingWindow window = MakeWindow({0, 2.0, 2.05, 4, 6}, {AllFrames(5), AllFrames(5)});
+  SlidingWindow window = WindowAt({0, 2.0, 2.05, 4, 6}, {AllFrames(5), AllFrames(5)});
   EXPECT_EQ(MostRedundantFrame(window, 0, 3, 0.05), 1);
   EXPECT_EQ(MostRedundantFrame(window, 2, 3, 0.05), 2);
 }
 
 TEST(WindowPolicyTest, DuplicatesStandAtTheSamePlaceAndSeeTheSame) {
   const std::vector<std::vector<int>> all(10, AllFrames(3));
-  EXPECT_TRUE(IsDuplicate(MakeWindow({0, 0.001, 1}, all), 0));
-  EXPECT_FALSE(IsDuplicate(MakeWindow({0, 0.5, 1}, all), 0));
+  EXPECT_TRUE(IsDuplicate(WindowAt({0, 0.001, 1}, all), 0));
+  EXPECT_FALSE(IsDuplicate(WindowAt({0, 0.5, 1}, all), 0));
   std::vector<std::vector<int>> half = all;
   for (int l = 0; l < 5; ++l)
     half[l] = {0, 2};
-  EXPECT_FALSE(IsDuplicate(MakeWindow({0, 0.001, 1}, half), 0));
+  EXPECT_FALSE(IsDuplicate(WindowAt({0, 0.001, 1}, half), 0));
   // A frame that sees nothing has nothing to lose.
-  EXPECT_TRUE(IsDuplicate(MakeWindow({0, 1, 2}, {{0, 1}}), 2));
+  EXPECT_TRUE(IsDuplicate(WindowAt({0, 1, 2}, {{0, 1}}), 2));
 }
 
 TEST(WindowPolicyTest, NothingLeavesBeforeTheWindowIsFull) {
@@ -76,14 +76,14 @@ TEST(WindowPolicyTest, NothingLeavesBeforeTheWindowIsFull) {
   std::vector<double> positions(options.max_full_keyframes);
   for (std::size_t i = 0; i < positions.size(); ++i)
     positions[i] = 0.1 * static_cast<double>(i);
-  const SlidingWindow window = MakeWindow(positions, {AllFrames(options.max_full_keyframes)});
+  const SlidingWindow window = WindowAt(positions, {AllFrames(options.max_full_keyframes)});
   EXPECT_TRUE(PlanMarginalization(window, options).IsEmpty());
 }
 
 TEST(WindowPolicyTest, TheOldestMotionLeavesFirst) {
   WindowOptions options;
   options.max_full_keyframes = 3;
-  SlidingWindow window = MakeWindow({0, 1, 2, 3}, {AllFrames(4)});
+  SlidingWindow window = WindowAt({0, 1, 2, 3}, {AllFrames(4)});
   MarginalizationPlan plan = PlanMarginalization(window, options);
   EXPECT_EQ(plan.drop_motion, std::vector<char>({1, 0, 0, 0}));
   EXPECT_EQ(Count(plan.drop_frame) + Count(plan.drop_landmark), 0);
@@ -101,7 +101,7 @@ TEST(WindowPolicyTest, LandmarksLeaveWithTheirHostOrWhenLost) {
   options.max_pose_keyframes = 1;
   // Frame 1 shares least with the newest and goes.
   SlidingWindow window =
-      MakeWindow({0, 1, 2, 3}, {{0, 2, 3}, {0, 1, 2, 3}, {0, 2, 3}, {0, 1}, {1, 2}, {0, 2}});
+      WindowAt({0, 1, 2, 3}, {{0, 2, 3}, {0, 1, 2, 3}, {0, 2, 3}, {0, 1}, {1, 2}, {0, 2}});
   window.frames[0].has_motion = window.frames[1].has_motion = false;
   options.covisible_share = 0.5;
   const MarginalizationPlan plan = PlanMarginalization(window, options);

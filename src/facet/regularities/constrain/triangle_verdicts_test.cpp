@@ -6,15 +6,15 @@
 namespace facet {
 namespace {
 
-constexpr double kWall_m = 4;   // from the camera at the origin, along x
-constexpr double kFloor_m = 1;  // below it
+constexpr double kWallAhead_m = 4;  // from the camera at the origin, along x
+constexpr double kFloor_m = 1;      // below it
 
 /// A wall and a floor that meet; 2 m of each are known from there on, and 1 m to either side.
 class TriangleVerdictsTest : public ::testing::Test {
  protected:
   TriangleVerdictsTest() {
-    AddPlane(3, -Vector3d::UnitX(), {kWall_m, 0, 0}, {0, 1, 0}, {0, 0, 1});
-    AddPlane(7, Vector3d::UnitZ(), {kWall_m - 1, 0, -kFloor_m}, {0, 1, 0}, {1, 0, 0});
+    AddPlane(3, -Vector3d::UnitX(), {kWallAhead_m, 0, 0}, {0, 1, 0}, {0, 0, 1});
+    AddPlane(7, Vector3d::UnitZ(), {kWallAhead_m - 1, 0, -kFloor_m}, {0, 1, 0}, {1, 0, 0});
   }
 
   void AddPlane(
@@ -33,10 +33,10 @@ class TriangleVerdictsTest : public ::testing::Test {
   }
 
   static Vector3d OnWall(double y, double z, double before_m = 0) {
-    return {kWall_m - before_m, y, z};
+    return {kWallAhead_m - before_m, y, z};
   }
   static Vector3d OnFloor(double before_wall_m, double y) {
-    return {kWall_m - before_wall_m, y, -kFloor_m};
+    return {kWallAhead_m - before_wall_m, y, -kFloor_m};
   }
 
   // Of the first triangle; `more` stands beside it.
@@ -88,11 +88,11 @@ TEST_F(TriangleVerdictsTest, BesideUnknownSurfaceNothingIsABridge) {
 TEST_F(TriangleVerdictsTest, ASurfaceThatGoesOnIsNoBridge) {
   // The side of a box on the floor: below its edge on the floor, above another triangle.
   const std::vector<Vector3d> side = {
-      OnFloor(1, 0), OnFloor(1, 0.4), Vector3d(kWall_m - 1, 0.2, -kFloor_m + 0.3)};
+      OnFloor(1, 0), OnFloor(1, 0.4), Vector3d(kWallAhead_m - 1, 0.2, -kFloor_m + 0.3)};
   EXPECT_TRUE(Judge(side).is_bridge);
   std::vector<Vector3d> more = side;
-  more.push_back({kWall_m - 1, 0.4, -kFloor_m + 0.3});
-  more.push_back({kWall_m - 1, 0.3, -kFloor_m + 0.6});
+  more.push_back({kWallAhead_m - 1, 0.4, -kFloor_m + 0.3});
+  more.push_back({kWallAhead_m - 1, 0.3, -kFloor_m + 0.6});
   EXPECT_TRUE(Judge(more, {{2, 3, 4}}).is_bridge) << "it has only a corner in common";
   EXPECT_TRUE(Judge(more, {{1, 2, 4}}).is_bridge) << "this one leads from the floor as well";
   more[1].z() += 0.3;

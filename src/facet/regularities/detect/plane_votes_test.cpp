@@ -33,7 +33,7 @@ std::vector<Vote> WallVotesAt(double azimuth, const Vector3d& viewer_W, Rng& rng
   return votes;
 }
 
-void ExpectSweepFindsEveryWall(const Vector3d& viewer_W) {
+void ExpectVotesFindEveryWall(const Vector3d& viewer_W) {
   Rng rng(3);
   WallVotes votes;
   for (int degree = 0; degree <= 180; ++degree) {
@@ -52,11 +52,11 @@ void ExpectSweepFindsEveryWall(const Vector3d& viewer_W) {
 }
 
 TEST(WallVotesTest, FindEveryAzimuth) {
-  ExpectSweepFindsEveryWall(Vector3d(0.3, -0.2, 1));
+  ExpectVotesFindEveryWall(Vector3d(0.3, -0.2, 1));
 }
 
 TEST(WallVotesTest, DoNotCareWhereTheWorldBegins) {
-  ExpectSweepFindsEveryWall(Vector3d(50, -50, 20));
+  ExpectVotesFindEveryWall(Vector3d(50, -50, 20));
 }
 
 TEST(WallVotesTest, TakenBackLeaveNothing) {

@@ -12,7 +12,7 @@ namespace facet {
 namespace {
 
 const double kMinCosine = std::cos(15 * std::numbers::pi / 180);
-constexpr double kMinBand_m = 0.02;
+constexpr double kMinGrowthBand_m = 0.02;
 constexpr double kMaxBand_m = 0.08;
 
 // For each face of the pool its neighbours in the pool, across its sides.
@@ -99,7 +99,7 @@ class GrowingPlane {
     return std::all_of(face.corners.begin(), face.corners.end(), [&](int corner) {
       const FacePoint& point = faces.points[corner];
       const double distance = std::abs(plane.SignedDistance(point.p_W));
-      if (distance <= point.length_scale * kMinBand_m) return true;
+      if (distance <= point.length_scale * kMinGrowthBand_m) return true;
       return distance <= point.length_scale * kMaxBand_m &&
              distance <= 3 * point.SigmaAlong(plane.n);
     });

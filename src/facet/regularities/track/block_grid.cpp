@@ -8,12 +8,12 @@ namespace facet {
 
 namespace {
 
-struct Range {
+struct CellRange {
   std::int64_t first, size;
 };
 
 // With room for more on the side where it grows.
-Range Including(std::int64_t first, std::int64_t size, std::int64_t x, std::int64_t room) {
+CellRange Including(std::int64_t first, std::int64_t size, std::int64_t x, std::int64_t room) {
   if (size == 0) return {x, 1};
   if (x < first) return {x - room, first + size - (x - room)};
   if (x >= first + size) return {first, x + room + 1 - first};
@@ -28,13 +28,13 @@ std::uint32_t* BlockGrid::At(int x, int y) {
 }
 
 bool BlockGrid::Grow(int x, int y) {
-  const auto fits = [](const Range& columns, const Range& rows) {
+  const auto fits = [](const CellRange& columns, const CellRange& rows) {
     return columns.size <= kMaxBlocks && rows.size <= kMaxBlocks &&
            columns.size * rows.size <= kMaxBlocks;
   };
   // Half as much again each time, so that this is rare.
-  Range columns = Including(x_, width_, x, width_ / 2);
-  Range rows = Including(y_, height_, y, height_ / 2);
+  CellRange columns = Including(x_, width_, x, width_ / 2);
+  CellRange rows = Including(y_, height_, y, height_ / 2);
   if (!fits(columns, rows)) {
     columns = Including(x_, width_, x, 0);
     rows = Including(y_, height_, y, 0);

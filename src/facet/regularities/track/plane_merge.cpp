@@ -13,7 +13,7 @@ namespace facet {
 namespace {
 
 constexpr AgreementLimits kCoplanar = {1.5 * kDegree, 0.02};
-constexpr double kMaxChiSquare = 14.2;  // three sigmas, 3 degrees of freedom
+constexpr double kMaxMergeChiSquare = 14.2;  // three sigmas, 3 degrees of freedom
 
 void Merge(const MapSnapshot& map,
            TrackedPlane& older,
@@ -40,8 +40,8 @@ bool Agree(const PlaneEstimate& a,
   return AngleBetween(a.plane_W.n, b.plane_W.n) <= limits.max_angle &&
          std::abs(a.plane_W.SignedDistance(middle_b_W)) <= limits.max_offset_m &&
          std::abs(b.plane_W.SignedDistance(middle_a_W)) <= limits.max_offset_m &&
-         ChiSquare(a, b, middle_a_W, T_WB) <= kMaxChiSquare &&
-         ChiSquare(a, b, middle_b_W, T_WB) <= kMaxChiSquare;
+         ChiSquare(a, b, middle_a_W, T_WB) <= kMaxMergeChiSquare &&
+         ChiSquare(a, b, middle_b_W, T_WB) <= kMaxMergeChiSquare;
 }
 
 bool AreCoplanar(const TrackedPlane& a, const TrackedPlane& b, const SE3& T_WB) {

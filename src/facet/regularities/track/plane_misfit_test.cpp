@@ -66,11 +66,11 @@ int EndsAfter(MapAt map_at) {
   return 0;
 }
 
-const auto kFlat = [](double, double) { return 3.0; };
+const auto kLevel = [](double, double) { return 3.0; };
 const auto kStep = [](double y, double) { return y > 0 ? 3.05 : 2.95; };
 
 TEST(PlaneMisfitTest, NoiseAsExpectedEndsNoPlane) {
-  EXPECT_EQ(EndsAfter([](int k) { return Seen(kFlat, 0.022, k); }), 0);
+  EXPECT_EQ(EndsAfter([](int k) { return Seen(kLevel, 0.022, k); }), 0);
 }
 
 TEST(PlaneMisfitTest, APlaneBetweenTwoSurfacesEndsAfterThreeKeyframes) {
@@ -79,7 +79,7 @@ TEST(PlaneMisfitTest, APlaneBetweenTwoSurfacesEndsAfterThreeKeyframes) {
 
 TEST(PlaneMisfitTest, PassingTroubleEndsNoPlane) {
   EXPECT_EQ(
-      EndsAfter([](int k) { return k % 9 < 2 ? Seen(kStep, 0.01, k) : Seen(kFlat, 0.01, k); }), 0);
+      EndsAfter([](int k) { return k % 9 < 2 ? Seen(kStep, 0.01, k) : Seen(kLevel, 0.01, k); }), 0);
 }
 
 TEST(PlaneMisfitTest, LandmarksThatLieTogetherOnAnotherPlaneEndIt) {
@@ -130,7 +130,7 @@ TEST(PlaneMisfitTest, UnevenGroundIsTold) {
     EXPECT_EQ(out.unevenness.front().plane, PlaneId{0});
     return out.unevenness.front().sigma_m;
   };
-  EXPECT_EQ(unevenness_m(kFlat), 0);
+  EXPECT_EQ(unevenness_m(kLevel), 0);
   // A slope is none: it is of the plane that fits best.
   EXPECT_EQ(unevenness_m([](double y, double) { return 3 + 0.01 * y; }), 0);
   const auto waves = [](double y, double z) {
@@ -162,7 +162,7 @@ TEST(PlaneMisfitTest, ABendIsCounted) {
   EXPECT_GT(share(board_and_wall, 40), 0.9);
   EXPECT_GT(share(ground, 40), 0.9);
   EXPECT_LT(share(sagging, 40), 0.1) << "4.5 mm rms";
-  EXPECT_LT(share(kFlat, 40), 0.1);
+  EXPECT_LT(share(kLevel, 40), 0.1);
   EXPECT_EQ(share(ground, 9), -1);
 }
 
@@ -174,7 +174,7 @@ TEST(PlaneMisfitTest, FewLandmarksAndSingleOutliersAreNoEvidence) {
             }),
             0);
   EXPECT_EQ(EndsAfter([](int k) {
-              MapSnapshot map = Seen(kFlat, 0.01, k);
+              MapSnapshot map = Seen(kLevel, 0.01, k);
               map.landmarks[5].p_W.x() = 1e3;
               return map;
             }),
@@ -184,7 +184,7 @@ TEST(PlaneMisfitTest, FewLandmarksAndSingleOutliersAreNoEvidence) {
 TEST(PlaneMisfitTest, OneLandmarkThatStandsOffAllTheTimeEndsNoSmallPlane) {
   for (const double off_m : {0.05, 0.06, 0.08}) {
     EXPECT_EQ(EndsAfter([&](int k) {
-                MapSnapshot map = Seen(kFlat, 0.005, k);
+                MapSnapshot map = Seen(kLevel, 0.005, k);
                 map.landmarks.resize(8);
                 for (LandmarkEstimate& landmark : map.landmarks)
                   landmark.sigma_depth_m = 0.005;
@@ -232,7 +232,7 @@ TEST(PlaneMisfitTest, WhatIsNoNumberHasNoSay) {
 
 TEST(PlaneMisfitTest, LandmarksInALineDoNotTurnThePlane) {
   EXPECT_EQ(EndsAfter([](int k) {
-              MapSnapshot map = Seen(kFlat, 0.02, k);
+              MapSnapshot map = Seen(kLevel, 0.02, k);
               for (LandmarkEstimate& landmark : map.landmarks)
                 landmark.p_W.z() = 0.5 + 0.01 * landmark.p_W.z();
               return map;

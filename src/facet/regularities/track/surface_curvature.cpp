@@ -16,7 +16,7 @@ constexpr std::size_t kMinPoints = 10;
 constexpr double kMinSize_m = 0.006;
 // Right planes have 0.1 to 3.3 squared sigmas (3 degrees of freedom), things on a shelf 5 to 6, two
 // boards in one plane 9.
-constexpr double kMaxChiSquare = 4;
+constexpr double kMaxCurvatureChiSquare = 4;
 
 }  // namespace
 
@@ -53,7 +53,7 @@ std::optional<SurfaceCurvature> FitCurvature(std::span<const Vector3d> points_W,
 }
 
 bool IsCurved(const SurfaceCurvature& curvature) {
-  return curvature.chi_square > kMaxChiSquare && curvature.size_m > kMinSize_m;
+  return curvature.chi_square > kMaxCurvatureChiSquare && curvature.size_m > kMinSize_m;
 }
 
 }  // namespace facet

@@ -12,6 +12,9 @@ namespace facet::testing {
 /// Beyond this many sigma reprojections of these windows count ever less.
 inline constexpr double kOptimumWidth = 10.0;
 
+/// The noise of these windows.
+inline const FactorNoise kOptimumNoise = NoiseOfWidth(kOptimumWidth);
+
 /// To convergence, with the width of the loss that the noise says.
 SolverOptions ExactOptions();
 
