@@ -86,6 +86,7 @@ function(facet_add_test)
     target_link_libraries(${ARG_NAME} PRIVATE facet::${dep})
   endforeach()
   facet_use_precompiled(${ARG_NAME} test)
+  target_compile_options(${ARG_NAME} PRIVATE ${FACET_TEST_OPTIONS})
   set_target_properties(${ARG_NAME} PROPERTIES UNITY_BUILD ${FACET_UNITY} UNITY_BUILD_BATCH_SIZE 8)
   # Under sanitizers some tests take twenty times as long.
   if(FACET_SANITIZE)

@@ -3,6 +3,9 @@
 # header names what it uses all the same and compiles without (-D FACET_PCH=OFF).
 
 option(FACET_PCH "Precompile the headers that most sources include" ON)
+# What is tested is optimised as always; the tests themselves compile in three quarters of the time.
+# With -O1, GCC 12 warns of optional values that are empty.
+set(FACET_TEST_OPTIONS "$<$<CONFIG:Release>:-O1;-Wno-maybe-uninitialized>")
 
 # facet_precompile(core HEADERS ... LIBS ...): a target that other targets borrow the headers from. The headers are
 # in <>, which CMake does not turn into absolute paths: a compiler cache then serves other clones, too.
@@ -30,5 +33,6 @@ if(FACET_PCH)
   facet_precompile(json HEADERS ${core_headers} <nlohmann/json.hpp> LIBS nlohmann_json::nlohmann_json)
   if(FACET_BUILD_TESTS)
     facet_precompile(test HEADERS ${core_headers} <gmock/gmock.h> <gtest/gtest.h> LIBS GTest::gtest GTest::gmock)
+    target_compile_options(facet_precompiled_test PRIVATE ${FACET_TEST_OPTIONS})
   endif()
 endif()
