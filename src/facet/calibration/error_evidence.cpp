@@ -26,6 +26,24 @@ ErrorVerdict JudgeError(const CalibrationVector& error,
   return {u * u / (1 + a) - std::log1p(a), delta + u / (1 + a) * moved};
 }
 
+// One after the other: each has what is left by those before it.
+FreedEstimate FreeErrors(std::span<const CalibrationVector> errors,
+                         const CalibrationMatrix& before,
+                         const CalibrationVector& delta,
+                         const CalibrationMatrix& left) {
+  FreedEstimate freed{0, delta, left};
+  CalibrationMatrix now = before;
+  for (const CalibrationVector& error : errors) {
+    const ErrorVerdict verdict = JudgeError(error, now, freed.delta, freed.left);
+    freed.evidence += verdict.evidence;
+    freed.delta = verdict.delta;
+    const CalibrationVector pulled = now * error, moved = freed.left * pulled;
+    freed.left += moved * moved.transpose() / (1 + pulled.dot(error) - pulled.dot(moved));
+    now += RoomForError(error, now);
+  }
+  return freed;
+}
+
 CalibrationMatrix RoomForError(const CalibrationVector& error, const CalibrationMatrix& before) {
   const CalibrationVector pulled = before * error;
   return -pulled * pulled.transpose() / (1 + pulled.dot(error));

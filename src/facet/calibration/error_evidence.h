@@ -26,6 +26,20 @@ ErrorVerdict JudgeError(const CalibrationVector& error,
                         const CalibrationVector& delta,
                         const CalibrationMatrix& left);
 
+/// What becomes of an estimate if the calibration may also be wrong by several errors, each times a
+/// normal number of its own.
+struct FreedEstimate {
+  double evidence = 0;  ///< as in ErrorVerdict
+  CalibrationVector delta;
+  CalibrationMatrix left;
+};
+
+/// Arguments as for JudgeError.
+FreedEstimate FreeErrors(std::span<const CalibrationVector> errors,
+                         const CalibrationMatrix& before,
+                         const CalibrationVector& delta,
+                         const CalibrationMatrix& left);
+
 /// By how much less is believed if the calibration may also be wrong by `error` times a normal
 /// number: a change of information, negative semidefinite.
 CalibrationMatrix RoomForError(const CalibrationVector& error, const CalibrationMatrix& before);

@@ -3,6 +3,7 @@
 #include "facet/calibration/error_evidence.h"
 
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -98,6 +99,27 @@ TEST(ErrorVerdictTest, HasTheMeanOfTheWiderBelief) {
         (wider.inverse() + c.noise.inverse()).inverse() * c.noise.inverse() * m;
     const CalibrationVector found = JudgeError(c.error, c.before, c.Estimate(m), c.left).delta;
     EXPECT_LT((found - expected).norm(), 1e-6 * (1 + expected.norm())) << size;
+  }
+}
+
+TEST(FreeErrorsTest, AreTheEstimateAndTheDensityOfTheWiderBelief) {
+  for (const double size : {0.01, 1.0, 30.0}) {
+    Case c(11, 2, size);
+    CalibrationVector second;
+    for (double& x : second)
+      x = size * c.rng.Normal();
+    const std::vector<CalibrationVector> errors = {c.error, second};
+    const CalibrationVector m = Drawn(c.believed + c.noise, c.rng) + c.error - 2 * second;
+    CalibrationMatrix wider = c.believed;
+    for (const CalibrationVector& error : errors)
+      wider += error * error.transpose();
+    const CalibrationMatrix left = (wider.inverse() + c.noise.inverse()).inverse();
+    const CalibrationVector delta = left * c.noise.inverse() * m;
+    const double evidence = LogDensity(m, wider + c.noise) - LogDensity(m, c.believed + c.noise);
+    const FreedEstimate found = FreeErrors(errors, c.before, c.Estimate(m), c.left);
+    EXPECT_LT((found.delta - delta).norm(), 1e-6 * (1 + delta.norm())) << size;
+    EXPECT_LT((found.left - left).norm(), 1e-6 * left.norm()) << size;
+    EXPECT_NEAR(found.evidence, evidence, 1e-6 * (1 + std::abs(evidence))) << size;
   }
 }
 

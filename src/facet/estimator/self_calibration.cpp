@@ -10,6 +10,7 @@
 #include "facet/calibration/relative_covariance.h"
 #include "facet/calibration/rough_focal_lengths.h"
 #include "facet/calibration/rough_lenses.h"
+#include "facet/calibration/rough_mount.h"
 #include "facet/estimator/solver/calibration_walk.h"
 #include "facet/estimator/start/start_calibration.h"
 #include "facet/estimator/window/calibration_information.h"
@@ -176,6 +177,7 @@ void SelfCalibration::Keep(const SlidingWindow& window, const WindowSolver& solv
   unexpected_ = gross_of(BeyondRoom());
   std::erase_if(unexpected_, IsOfDistortion);
   std::erase_if(gross_deviations_, [&](const auto& d) { return !HasRoom(d.part); });
+  AddMount();
 }
 
 // Lenses that were found to be wrong may change once more: a focus that is knocked.
@@ -235,6 +237,7 @@ void SelfCalibration::Walk(SlidingWindow& window) {
       freed_at_ = now;
     }
     if (has_news) JudgeFocalLengths(window);
+    if (has_news) JudgeMount();
   }
   if (doubted_share_ != 0 && options_.lens) {
     GiveUpCare(window);
@@ -274,6 +277,25 @@ void SelfCalibration::JudgeFocalLengths(SlidingWindow& window) {
   const CalibrationVector rough = RoughFocalLengths(rig_);
   GiveRoom({&rough, 1}, window);
   room_.focal_lengths = true;
+}
+
+// It is only named: given room by this evidence, slow flights and halls became three times worse
+// (docs/notebook/calibration_online.md).
+void SelfCalibration::JudgeMount() {
+  rough_mount_.reset();
+  if (!options_.mount || HasRoom(CalibrationPart::kMount)) return;
+  const CalibrationMatrix before = InformationOf(kept_->possible);
+  auto rough = FindRoughMount(before, kept_->delta, kept_->covariance);
+  num_looks_at_mount_ = rough ? num_looks_at_mount_ + 1 : 0;
+  if (num_looks_at_mount_ >= kLooksAtRough) rough_mount_ = std::move(rough);
+}
+
+void SelfCalibration::AddMount() {
+  if (!rough_mount_) return;
+  for (CalibrationDeviation& d :
+       GrossDeviations(rig_, rough_mount_->delta, rough_mount_->left, *start_covariance_)) {
+    if (d.part == CalibrationPart::kMount) gross_deviations_.push_back(std::move(d));
+  }
 }
 
 // They have always been wrong. So this is as if it had been believed possible from the start, and

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "facet/calibration/calibration_deviation.h"
+#include "facet/calibration/error_evidence.h"
 #include "facet/estimator/calibration_care.h"
 #include "facet/estimator/estimator_options.h"
 #include "facet/estimator/estimator_result.h"
@@ -63,7 +64,8 @@ class SelfCalibration {
   void Doubt(Timestamp now, bool is_contradicted);
 
   /// What is wrong by more than a careful calibration leaves, as last kept, in parts that were
-  /// given room or have taken a large step, and have settled.
+  /// given room or have taken a large step, and have settled; and in the mount, as it would be if
+  /// it had room.
   const std::vector<CalibrationDeviation>& Gross() const { return gross_deviations_; }
 
   /// What is off in this part is as it was measured, not held back by what was believed.
@@ -116,6 +118,8 @@ class SelfCalibration {
   // Once each time something new was kept.
   void JudgeLenses(SlidingWindow& window);
   void JudgeFocalLengths(SlidingWindow& window);
+  void JudgeMount();
+  void AddMount();
   void JudgeCare(SlidingWindow& window);
   void GiveUpCare(SlidingWindow& window);
   void GiveRoom(std::span<const CalibrationVector> errors, SlidingWindow& window);
@@ -139,12 +143,13 @@ class SelfCalibration {
   double doubted_share_ = 0;
   std::array<int, kNumCalibrationParts> num_large_steps_{};
   // In turn, at parts that are rough.
-  int num_looks_at_lenses_ = 0, num_looks_at_focal_lengths_ = 0;
+  int num_looks_at_lenses_ = 0, num_looks_at_focal_lengths_ = 0, num_looks_at_mount_ = 0;
   Room room_;
   std::optional<Timestamp> first_kept_;
   std::optional<CalibrationVector> found_lenses_;  // once they have had room for long
   std::optional<Timestamp> freed_at_;  // when a part took the last step, or was given room
   std::vector<CalibrationDeviation> gross_deviations_;  // of parts that have had room for a while
+  std::optional<FreedEstimate> rough_mount_;            // which is called wrong without room
   std::vector<CalibrationDeviation> unexpected_;        // for which a part is to take a large step
   std::optional<Timestamp> contradicted_since_;
   bool is_doubted_ = false;

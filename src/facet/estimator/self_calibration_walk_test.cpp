@@ -356,6 +356,29 @@ TEST(RoomForLensesTest, AnotherDistortionIsFoundInSecondsAndNamed) {
   }
 }
 
+StereoRig WithTurnedMount(StereoRig rig, const Vector3d& turn_deg) {
+  for (SE3& T_BC : rig.T_BC)
+    T_BC = SE3(ExpSO3(kDegree * turn_deg), Vector3d::Zero()) * T_BC;
+  return rig;
+}
+
+TEST(RoughMountTest, ATurnIsNamedAndNothingIsGivenRoom) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SimulatedRun run = FlyWith(25, seed);
+    const FlightOutcome out =
+        Estimate(run, WithTurnedMount(*DrawCalibration(run.rig, seed), {0, 0.5, 0}));
+    EXPECT_THAT(out.gross, HasSubstr("cameras on the IMU about y")) << seed;
+    EXPECT_THAT(out.gross, Not(HasSubstr("focal length"))) << seed;
+  }
+}
+
+TEST(RoughMountTest, ACarefulOneIsNotNamed) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const SimulatedRun run = FlyWith(25, seed);
+    EXPECT_EQ(Estimate(run, *DrawCalibration(run.rig, seed)).gross, "") << seed;
+  }
+}
+
 // There is nothing that both have in common in half of such an error.
 TEST(RoomForFocalLengthsTest, OfOneCameraAloneTheyAreFoundAsWell) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
