@@ -12,6 +12,8 @@
 
 #include "facet/base/stage_timer.h"
 #include "facet/frontend/stereo_frontend.h"
+#include "facet/frontend/frontend_options.h"
+#include "facet/frontend/image_pyramid.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/plausibility/calibration_check.h"
 
@@ -23,6 +25,7 @@ void RunFrom(std::size_t begin,
              const ImuBuffer& imu,
              const std::vector<StereoFrame>& frames) {
   CalibrationCheck check(dataset.rig());
+  PyramidPair left;
   const double cpu_start_ms = ThreadCpuMs();
   std::string refusal;
   std::size_t i = begin + 1;
@@ -30,7 +33,8 @@ void RunFrom(std::size_t begin,
     const Duration offset = dataset.rig().time_offset;
     const ImuInterval interval = imu.Between(
         frames[i - 1].t + offset, frames[i].t + offset, Duration{21'000'000}, Duration{30'000'000});
-    refusal = check.Add(frames[i].left, interval);
+    left.Build(frames[i].left, FrontendOptions().klt.num_levels);
+    refusal = check.Add(&left, interval);
   }
   std::printf("%6.1f s: %s after %.2f s, %d images followed, %.0f ms CPU. %s\n",
               ToSeconds(frames[begin].t - frames[0].t),

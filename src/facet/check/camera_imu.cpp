@@ -61,9 +61,9 @@ class CameraImu : public Detector {
       gyro_.Add(sample.t, sample.gyro);
     before_.clear();
     if (turns_.size() >= kMostTurns) return;
+    pyramids_.Build(pair.left, images_.num_levels());
     if (!pair.follows || !is_following_) return Begin(pair);
-    const double share = images_.Follow(pair.left);
-    held_ = pair.left;
+    const double share = images_.Follow(pyramids_);
     if (ToSeconds(pair.t - begin_) < kTurn_s - 0.01 && share > kLeastShare) return;
     if (share > kUselessShare) {
       if (const auto rotation = images_.Estimate()) turns_.push_back({begin_, pair.t, *rotation});
@@ -94,8 +94,7 @@ class CameraImu : public Detector {
 
  private:
   void Begin(const ImagePair& pair) {
-    held_ = pair.left;
-    images_.Begin(held_);
+    images_.Begin(pyramids_.now);
     begin_ = pair.t;
     is_following_ = true;
   }
@@ -238,7 +237,7 @@ class CameraImu : public Detector {
 
   StereoRig rig_;
   ImageRotation images_;
-  cv::Mat held_;  // whose pixels images_ refers to
+  PyramidPair pyramids_;
   bool is_following_ = false;
   Timestamp begin_;
   std::optional<Timestamp> last_look_;

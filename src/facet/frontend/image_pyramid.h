@@ -3,6 +3,7 @@
 // image.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -30,6 +31,17 @@ class ImagePyramid {
  private:
   std::vector<cv::Mat> images_;
   std::vector<ImageLevel> levels_;
+};
+
+/// Of an image and of the one before it.
+struct PyramidPair {
+  ImagePyramid previous, now;
+
+  /// The next image.
+  void Build(const cv::Mat& image, int num_levels) {
+    std::swap(previous, now);
+    now.Build(image, num_levels);
+  }
 };
 
 }  // namespace facet

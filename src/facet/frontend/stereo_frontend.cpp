@@ -75,12 +75,9 @@ struct StereoFrontend::Impl {
   void FillObservations(FrontendResult& result);
   void FillDepths(const cv::Mat& left, FrontendResult& result, StageTimes& times);
 
-  struct Images {
-    ImagePyramid previous, now;
-  };
   /// Predicted from the gyroscope, and where known from the estimator.
   struct Motion {
-    SE3 T_Bprev_Bnow;                                   ///< since the image in Images::previous
+    SE3 T_Bprev_Bnow;                                   ///< since images.previous
     Quaterniond R_C_kf_prev = Quaterniond::Identity();  ///< left camera, since the last keyframe
   };
 
@@ -93,7 +90,7 @@ struct StereoFrontend::Impl {
   KeyframeStereo stereo;
   KeyframePolicy keyframe_policy;
   SupportPlaces support_places;
-  Images images;
+  PyramidPair images;
   Motion motion;
   std::int64_t next_frame = 0;
   std::optional<Timestamp> newest_t;
@@ -171,8 +168,7 @@ bool StereoFrontend::Impl::IsRepeated(const StereoFrame& frame,
 void StereoFrontend::Impl::FollowTracks(const cv::Mat& left,
                                         bool is_motion_known,
                                         FrontendResult& result) {
-  std::swap(images.previous, images.now);
-  images.now.Build(left, options.klt.num_levels);
+  images.Build(left, options.klt.num_levels);
   const SE3& T_BC = rig.T_BC[0];
   const SE3 T_Cprev_Cnow = T_BC.Inverse() * motion.T_Bprev_Bnow * T_BC;
   if (!images.previous.empty()) {
@@ -307,6 +303,10 @@ StereoFrontend::StereoFrontend(const StereoRig& rig, const FrontendOptions& opti
     : impl_(std::make_unique<Impl>(rig, FitToImage(options, rig.cameras[0]))) {}
 
 StereoFrontend::~StereoFrontend() = default;
+
+const PyramidPair& StereoFrontend::left_images() const {
+  return impl_->images;
+}
 
 const StereoRig& StereoFrontend::rig() const {
   return impl_->rig;

@@ -16,6 +16,7 @@
 #include "facet/camera/stereo_rig.h"
 #include "facet/frontend/depth_query.h"
 #include "facet/frontend/frontend_options.h"
+#include "facet/frontend/image_pyramid.h"
 #include "facet/frontend/keyframe_policy.h"
 #include "facet/frontend/right_image_findings.h"
 #include "facet/frontend/tracking_summary.h"
@@ -95,6 +96,9 @@ class StereoFrontend {
   /// kept and sought in the next frame; the hints of both frames are composed. A frame that is not
   /// after the newest one gives empty observations and leaves the tracks and the hints as they are.
   FrontendResult Process(const StereoFrame& frame, const FrontendHint& hint, StageTimes& times);
+
+  /// The left images that were used last; they reference their pixels.
+  const PyramidPair& left_images() const;
 
   /// The calibration in use: the one that was given, until one that was hinted at moves points
   /// noticeably against it.

@@ -80,7 +80,7 @@ TrackedFrame FrontStage::Track(const StereoFrame& frame, MotionPrediction predic
   tracked.warning = WatchAxes(tracked.imu);
   const std::string of_right_image = JudgeRightImage(frame.t, tracked.frontend.right);
   if (!of_right_image.empty()) tracked.warning = of_right_image;
-  tracked.refusal = CheckSensors(frame, tracked);
+  tracked.refusal = CheckSensors(tracked);
   ForgetOldImu();
   return tracked;
 }
@@ -126,7 +126,7 @@ std::string FrontStage::FollowTurn(const StereoTurn& turn) {
          ", which is made from here on; fasten it and calibrate again";
 }
 
-std::string FrontStage::CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked) {
+std::string FrontStage::CheckSensors(const TrackedFrame& tracked) {
   if (!check_calibration_) return {};
   const FrontendResult& seen = tracked.frontend;
   std::optional<ImuInterval> on_earth;
@@ -135,7 +135,7 @@ std::string FrontStage::CheckSensors(const StereoFrame& frame, const TrackedFram
   std::string dead = dead_imu_.Add(imu.samples, seen.observations.features);
   if (!dead.empty()) return dead;
   const bool is_usable = seen.image_ok && !seen.is_repeated && !seen.is_blank;
-  const std::string wrong = calibration_.Add(is_usable ? frame.left : cv::Mat(), imu);
+  const std::string wrong = calibration_.Add(is_usable ? &frontend_.left_images() : nullptr, imu);
   return wrong.empty() ? wrong : kWrongCalibration + wrong;
 }
 

@@ -61,7 +61,7 @@ class FrontStage {
   std::string WatchAxes(const ImuInterval& imu);
   std::string JudgeRightImage(Timestamp t, const RightImageFindings& found);
   std::string FollowTurn(const StereoTurn& turn);
-  std::string CheckSensors(const StereoFrame& frame, const TrackedFrame& tracked);
+  std::string CheckSensors(const TrackedFrame& tracked);
   void ForgetOldImu();
 
   Duration time_offset_;

@@ -33,7 +33,7 @@ Turn Integrate(const std::vector<ImuSample>& samples) {
 CalibrationCheck::CalibrationCheck(const StereoRig& rig)
     : images_(std::in_place, rig.cameras[0]), gyroscope_(rig.T_BC[0].q) {}
 
-std::string CalibrationCheck::Add(const cv::Mat& left, const ImuInterval& imu) {
+std::string CalibrationCheck::Add(const PyramidPair* left, const ImuInterval& imu) {
   if (is_decided_) return {};
   std::string text = specific_force_.Add(imu.samples);
   if (!text.empty()) {
@@ -46,20 +46,20 @@ std::string CalibrationCheck::Add(const cv::Mat& left, const ImuInterval& imu) {
   return text;
 }
 
-std::string CalibrationCheck::FromImages(const cv::Mat& left, const ImuInterval& imu) {
+std::string CalibrationCheck::FromImages(const PyramidPair* left, const ImuInterval& imu) {
   if (gyroscope_.IsConvinced() || num_followed_ > kMaxFollowed) {
     images_.reset();
     return {};
   }
   const Turn moved = Integrate(imu.samples);
-  if (left.empty() || imu.has_hole || moved.duration_s <= 0) {
+  if (left == nullptr || imu.has_hole || moved.duration_s <= 0) {
     is_following_ = false;
     return {};
   }
   std::string text;
   const bool was_following = is_following_;
   if (is_following_) {
-    const double share = images_->Follow(left);
+    const double share = images_->Follow(*left);
     ++num_followed_;
     turn_.gyro_B += moved.angle;
     turn_.duration_s += moved.duration_s;
@@ -68,7 +68,7 @@ std::string CalibrationCheck::FromImages(const cv::Mat& left, const ImuInterval&
     if (share > kUselessShare) text = EndTurn();
   }
   if (text.empty() && gyroscope_.IsOfUse(moved.angle / moved.duration_s)) {
-    if (!was_following || !images_->BeginAgain()) images_->Begin(left);
+    if (!was_following || !images_->BeginAgain()) images_->Begin(left->now);
     is_following_ = true;
     turn_ = SharedTurn();
   }

@@ -7,8 +7,6 @@
 #include <optional>
 #include <string>
 
-#include <opencv2/core.hpp>
-
 #include "facet/camera/stereo_rig.h"
 #include "facet/imu/imu_buffer.h"
 #include "facet/plausibility/gyroscope_check.h"
@@ -23,17 +21,18 @@ class CalibrationCheck {
  public:
   explicit CalibrationCheck(const StereoRig& rig);
 
-  /// After every frame, with the IMU since the frame before. `left`: empty if the image cannot be
-  /// used or is repeated; its pixels are referenced until the next call. Returns why the
-  /// calibration cannot be right and what to do, once; otherwise empty. Never changes its mind.
-  std::string Add(const cv::Mat& left, const ImuInterval& imu);
+  /// After every frame, with the IMU since the frame before. `left`: null if the image cannot be
+  /// used or is repeated; otherwise `previous` is the image of the last frame whose image could.
+  /// Returns why the calibration cannot be right and what to do, once; otherwise empty. Never
+  /// changes its mind.
+  std::string Add(const PyramidPair* left, const ImuInterval& imu);
 
   /// Nothing more is to be learnt, or too much was tried.
   bool IsDone() const { return is_decided_; }
   int num_followed() const { return num_followed_; }  ///< images since the beginning
 
  private:
-  std::string FromImages(const cv::Mat& left, const ImuInterval& imu);
+  std::string FromImages(const PyramidPair* left, const ImuInterval& imu);
   std::string EndTurn();
 
   std::optional<ImageRotation> images_;  ///< until nothing more is to be learnt from them

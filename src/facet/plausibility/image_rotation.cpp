@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/plausibility/image_rotation.h"
 
-#include <utility>
+#include <algorithm>
 
 namespace facet {
 namespace {
@@ -36,16 +36,15 @@ ImageRotation::ImageRotation(const CameraModel& left)
       tracks_(kNumTracks),
       first_(kNumTracks) {}
 
-void ImageRotation::Begin(const cv::Mat& left) {
-  now_.Build(left, options_.klt.num_levels);
+void ImageRotation::Begin(const ImagePyramid& left) {
   num_begun_ = num_followed_ = 0;
   for (Track& track : tracks_)
     track.id = LandmarkId{};
-  const int level = detection_level_;
+  const int level = std::min(detection_level_, left.num_levels() - 1);
   for (const Vector2d& px :
-       detector_.Detect(now_.image(level), now_.level(level), {}, kNumTracks)) {
+       detector_.Detect(left.image(level), left.level(level), {}, kNumTracks)) {
     const auto slot = static_cast<std::size_t>(num_begun_);
-    if (!tracker_.Begin(now_, (1 << level) * px, tracks_[slot])) continue;
+    if (!tracker_.Begin(left, (1 << level) * px, tracks_[slot])) continue;
     tracks_[slot].id = LandmarkId{num_begun_++};
     first_[slot] = tracks_[slot].Bearing();
   }
@@ -60,10 +59,8 @@ bool ImageRotation::BeginAgain() {
   return true;
 }
 
-double ImageRotation::Follow(const cv::Mat& left) {
-  std::swap(previous_, now_);
-  now_.Build(left, options_.klt.num_levels);
-  const TrackingSummary summary = tracker_.Advance(previous_, now_, SE3(), tracks_);
+double ImageRotation::Follow(const PyramidPair& left) {
+  const TrackingSummary summary = tracker_.Advance(left.previous, left.now, SE3(), tracks_);
   num_followed_ = summary.num_tracked;
   return num_begun_ == 0 ? 0 : static_cast<double>(num_followed_) / num_begun_;
 }

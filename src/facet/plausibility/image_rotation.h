@@ -6,8 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include <opencv2/core.hpp>
-
 #include "facet/frontend/feature_detector.h"
 #include "facet/frontend/frontend_options.h"
 #include "facet/frontend/image_pyramid.h"
@@ -16,18 +14,21 @@
 
 namespace facet {
 
-/// Not thread-safe. References the pixels of the newest image until the next call.
+/// Not thread-safe.
 class ImageRotation {
  public:
   explicit ImageRotation(const CameraModel& left);
 
+  /// Of pyramids that are made for it alone.
+  int num_levels() const { return options_.klt.num_levels; }
+
   /// Detects corners in the image that an interval begins with.
-  void Begin(const cv::Mat& left);
+  void Begin(const ImagePyramid& left);
   /// The newest image begins an interval, with the corners that were followed to it; false if too
   /// few of them are left.
   bool BeginAgain();
-  /// Follows them to the next image. Returns which share is left.
-  double Follow(const cv::Mat& left);
+  /// Follows them from the image of the last call to the next one. Returns which share is left.
+  double Follow(const PyramidPair& left);
   /// From the first image of the interval to the newest one; empty if too few corners are left.
   std::optional<TwoViewRotation> Estimate() const;
 
@@ -37,7 +38,6 @@ class ImageRotation {
   TemporalTracker tracker_;
   int detection_level_;  // of the pyramid
   FeatureDetector detector_;
-  ImagePyramid previous_, now_;
   std::vector<Track> tracks_;
   std::vector<Vector3d> first_;  // bearings where the tracks began
   int num_begun_ = 0;

@@ -24,6 +24,15 @@ class ImageRotationTest : public ::testing::Test {
         });
   }
 
+  void Begin(double angle) {
+    left_.Build(ImageAt(angle), images_.num_levels());
+    images_.Begin(left_.now);
+  }
+  double Follow(double angle) {
+    left_.Build(ImageAt(angle), images_.num_levels());
+    return images_.Follow(left_);
+  }
+
   /// Of the newest image against the first one of its interval, about the vertical axis.
   double Turned() const {
     const auto rotation = images_.Estimate();
@@ -34,29 +43,30 @@ class ImageRotationTest : public ::testing::Test {
   const CameraModel camera_ = EurocRig().cameras[0];
   const testing::WaveTexture texture_{1};
   ImageRotation images_{camera_};
+  PyramidPair left_;
 };
 
 TEST_F(ImageRotationTest, MeasuresATurnFromWhereItBegan) {
-  images_.Begin(ImageAt(0));
-  EXPECT_GT(images_.Follow(ImageAt(kTurn)), 0.7);
+  Begin(0);
+  EXPECT_GT(Follow(kTurn), 0.7);
   EXPECT_NEAR(std::abs(Turned()), kTurn, kTolerance);
-  EXPECT_GT(images_.Follow(ImageAt(2 * kTurn)), 0.6);
+  EXPECT_GT(Follow(2 * kTurn), 0.6);
   EXPECT_NEAR(std::abs(Turned()), 2 * kTurn, kTolerance);
 }
 
 TEST_F(ImageRotationTest, BeginsAgainWithTheCornersThatItHas) {
   EXPECT_FALSE(images_.BeginAgain()) << "there are none";
-  images_.Begin(ImageAt(0));
+  Begin(0);
   EXPECT_FALSE(images_.BeginAgain()) << "none was followed";
-  images_.Follow(ImageAt(kTurn));
+  Follow(kTurn);
   ASSERT_TRUE(images_.BeginAgain());
-  EXPECT_GT(images_.Follow(ImageAt(2 * kTurn)), 0.7);
+  EXPECT_GT(Follow(2 * kTurn), 0.7);
   EXPECT_NEAR(std::abs(Turned()), kTurn, kTolerance) << "from the second image on";
 }
 
 TEST_F(ImageRotationTest, DoesNotBeginAgainWithTooFewCorners) {
-  images_.Begin(ImageAt(0));
-  EXPECT_LT(images_.Follow(ImageAt(1)), 0.3) << "of another part of the world";
+  Begin(0);
+  EXPECT_LT(Follow(1), 0.3) << "of another part of the world";
   EXPECT_FALSE(images_.BeginAgain());
 }
 
@@ -75,8 +85,11 @@ TEST(SmallImageRotationTest, HasCornersEnough) {
     });
   };
   ImageRotation images(camera);
-  images.Begin(image(0));
-  EXPECT_GT(images.Follow(image(3)), 0.7);
+  PyramidPair left;
+  left.Build(image(0), images.num_levels());
+  images.Begin(left.now);
+  left.Build(image(3), images.num_levels());
+  EXPECT_GT(images.Follow(left), 0.7);
   EXPECT_TRUE(images.Estimate());
 }
 
