@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/calibration/error_evidence.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace facet {
@@ -38,7 +39,8 @@ FreedEstimate FreeErrors(std::span<const CalibrationVector> errors,
     freed.evidence += verdict.evidence;
     freed.delta = verdict.delta;
     const CalibrationVector pulled = now * error, moved = freed.left * pulled;
-    freed.left += moved * moved.transpose() / (1 + pulled.dot(error) - pulled.dot(moved));
+    const double a = std::max(pulled.dot(error) - pulled.dot(moved), 0.0);  // as in JudgeError
+    freed.left += moved * moved.transpose() / (1 + a);
     now += RoomForError(error, now);
   }
   return freed;

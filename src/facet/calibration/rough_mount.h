@@ -14,10 +14,12 @@ namespace facet {
 /// and a shift along each.
 std::vector<CalibrationVector> RoughMountErrors();
 
-/// What the calibration is if the mount may be that wrong; empty unless what was measured says so.
-/// `before`: the information of what was believed; `delta` and `left`: mean and covariance with
-/// that belief and all that was measured.
-std::optional<FreedEstimate> FindRoughMount(const CalibrationMatrix& before,
+/// What the calibration is if the mount may be that wrong; empty unless what was measured says so,
+/// also when all other errors of a rough rig may be there. `before`: the information of
+/// what was believed; `delta` and `left`: mean and covariance with that belief and all that was
+/// measured.
+std::optional<FreedEstimate> FindRoughMount(const StereoRig& rig,
+                                            const CalibrationMatrix& before,
                                             const CalibrationVector& delta,
                                             const CalibrationMatrix& left);
 

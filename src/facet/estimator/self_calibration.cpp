@@ -36,6 +36,9 @@ constexpr int kMaxLargeSteps = 3;
 constexpr double kLeastShare = 1e-12;
 // Since the first look; and until lenses that were given room are as they will be.
 constexpr Duration kLensesAreJudged{15'000'000'000}, kIsFound{20'000'000'000};
+// It shows in motion only; later, what lenses and IMU do beside their models has added up. And
+// after something else was found.
+constexpr Duration kMountIsJudged{60'000'000'000}, kMountSettles{10'000'000'000};
 // In turn, before something is given room.
 constexpr int kLooksAtRough = 2;
 // Beside the parameters that were learnt, before which nothing surprises.
@@ -142,6 +145,7 @@ SelfCalibration::SelfCalibration(const StereoRig& rig, const CalibrationOptions&
 
 void SelfCalibration::Begin(SlidingWindow& window) {
   if (!start_covariance_) return;
+  ForgetMount();
   window.calibration.emplace(rig_, *start_covariance_);
   if (!kept_) return;
   window.calibration->SetDelta(kept_->delta);
@@ -223,7 +227,8 @@ std::optional<CalibrationMatrix> SelfCalibration::LargeStep() {
 }
 
 void SelfCalibration::Walk(SlidingWindow& window) {
-  if (!window.calibration || is_doubted_) return;
+  if (!window.calibration) return;
+  if (is_doubted_) return ForgetMount();
   const Timestamp now = window.frames.back().x.t;
   const bool has_news = kept_ && judged_ != kept_->t;
   if (has_news) judged_ = kept_->t;
@@ -279,22 +284,38 @@ void SelfCalibration::JudgeFocalLengths(SlidingWindow& window) {
   room_.focal_lengths = true;
 }
 
+void SelfCalibration::ForgetMount() {
+  rough_mount_.reset();
+  num_looks_at_mount_ = 0;
+}
+
 // It is only named: given room by this evidence, slow flights and halls became three times worse
 // (docs/notebook/calibration_online.md).
 void SelfCalibration::JudgeMount() {
+  if (!IsMountJudged()) return ForgetMount();
   rough_mount_.reset();
-  if (!options_.mount || HasRoom(CalibrationPart::kMount)) return;
-  const CalibrationMatrix before = InformationOf(kept_->possible);
-  auto rough = FindRoughMount(before, kept_->delta, kept_->covariance);
+  auto rough =
+      FindRoughMount(rig_, InformationOf(kept_->possible), kept_->delta, kept_->covariance);
   num_looks_at_mount_ = rough ? num_looks_at_mount_ + 1 : 0;
   if (num_looks_at_mount_ >= kLooksAtRough) rough_mount_ = std::move(rough);
+}
+
+// Not while something else is being found. What a former run has measured has no size that only a
+// rough rig exceeds.
+bool SelfCalibration::IsMountJudged() const {
+  return options_.mount && !rig_.covariance && !HasRoom(CalibrationPart::kMount) &&
+         kept_->t - *first_kept_ <= kMountIsJudged && (room_.lenses || num_looks_at_lenses_ == 0) &&
+         (room_.focal_lengths || num_looks_at_focal_lengths_ == 0) &&
+         (!freed_at_ || kept_->t - *freed_at_ >= kMountSettles);
 }
 
 void SelfCalibration::AddMount() {
   if (!rough_mount_) return;
   for (CalibrationDeviation& d :
        GrossDeviations(rig_, rough_mount_->delta, rough_mount_->left, *start_covariance_)) {
-    if (d.part == CalibrationPart::kMount) gross_deviations_.push_back(std::move(d));
+    if (d.part != CalibrationPart::kMount) continue;
+    d.what += " (made good in part)";
+    gross_deviations_.push_back(std::move(d));
   }
 }
 

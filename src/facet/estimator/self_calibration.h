@@ -119,6 +119,8 @@ class SelfCalibration {
   void JudgeLenses(SlidingWindow& window);
   void JudgeFocalLengths(SlidingWindow& window);
   void JudgeMount();
+  bool IsMountJudged() const;
+  void ForgetMount();
   void AddMount();
   void JudgeCare(SlidingWindow& window);
   void GiveUpCare(SlidingWindow& window);
@@ -148,9 +150,10 @@ class SelfCalibration {
   std::optional<Timestamp> first_kept_;
   std::optional<CalibrationVector> found_lenses_;  // once they have had room for long
   std::optional<Timestamp> freed_at_;  // when a part took the last step, or was given room
-  std::vector<CalibrationDeviation> gross_deviations_;  // of parts that have had room for a while
-  std::optional<FreedEstimate> rough_mount_;            // which is called wrong without room
-  std::vector<CalibrationDeviation> unexpected_;        // for which a part is to take a large step
+  // Of parts that have had room for a while, and of the mount.
+  std::vector<CalibrationDeviation> gross_deviations_;
+  std::optional<FreedEstimate> rough_mount_;      // which is called wrong without room
+  std::vector<CalibrationDeviation> unexpected_;  // for which a part is to take a large step
   std::optional<Timestamp> contradicted_since_;
   bool is_doubted_ = false;
 };

@@ -79,7 +79,7 @@ std::string CalibrationWatch::Add(const CalibrationEvidence& evidence) {
   if (!is_new) return {};
   return "the calibration is off by more than a careful one is: " +
          InWords(evidence.gross_deviations) +
-         "; this was estimated and the run goes on, but calibrate again";
+         "; this was estimated and the run goes on with it, but calibrate again";
 }
 
 std::string CalibrationWatch::FromStretch(const CalibrationEvidence& evidence) {
