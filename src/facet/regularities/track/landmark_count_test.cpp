@@ -6,7 +6,7 @@
 namespace facet {
 namespace {
 
-constexpr PlaneId kWall{3}, kFloor{4};
+constexpr PlaneId kCountedWall{3}, kFloor{4};
 
 std::vector<LandmarkEstimate> Landmarks(
     std::initializer_list<std::pair<int, std::vector<PlaneId>>> list) {
@@ -21,25 +21,30 @@ std::vector<LandmarkEstimate> Landmarks(
 
 TEST(LandmarkCountTest, CountsEachLandmarkOnce) {
   LandmarkCount count;
-  count.Update(Landmarks({{1, {kWall}}, {2, {}}, {5, {kFloor, kWall}}, {6, {kFloor}}}), kWall);
+  count.Update(
+      Landmarks({{1, {kCountedWall}}, {2, {}}, {5, {kFloor, kCountedWall}}, {6, {kFloor}}}),
+      kCountedWall);
   EXPECT_EQ(count.num(), 2);
-  count.Update(Landmarks({{1, {}}, {2, {kWall}}, {5, {kWall}}, {6, {}}}), kWall);
+  count.Update(Landmarks({{1, {}}, {2, {kCountedWall}}, {5, {kCountedWall}}, {6, {}}}),
+               kCountedWall);
   EXPECT_EQ(count.num(), 3);
-  count.Update(Landmarks({{1, {kWall}}, {2, {kWall}}, {6, {}}}), kWall);  // 1 is back, 5 is gone
+  count.Update(Landmarks({{1, {kCountedWall}}, {2, {kCountedWall}}, {6, {}}}),
+               kCountedWall);  // 1 is back, 5 is gone
   EXPECT_EQ(count.num(), 3);
-  count.Update(Landmarks({{7, {kWall}}}), kWall);
+  count.Update(Landmarks({{7, {kCountedWall}}}), kCountedWall);
   EXPECT_EQ(count.num(), 4);
 }
 
 TEST(LandmarkCountTest, WhatLayOnBothPartsCountsOnce) {
   LandmarkCount wall, part;
-  wall.Update(Landmarks({{1, {kWall}}, {2, {kWall}}}), kWall);
+  wall.Update(Landmarks({{1, {kCountedWall}}, {2, {kCountedWall}}}), kCountedWall);
   const auto landmarks = Landmarks({{2, {kFloor}}, {3, {kFloor}}});
-  wall.Update(landmarks, kWall);
+  wall.Update(landmarks, kCountedWall);
   part.Update(landmarks, kFloor);
   wall.Add(part);
   EXPECT_EQ(wall.num(), 3);
-  wall.Update(Landmarks({{2, {kWall}}, {3, {kWall}}}), kWall);  // what was handed over is known
+  wall.Update(Landmarks({{2, {kCountedWall}}, {3, {kCountedWall}}}),
+              kCountedWall);  // what was handed over is known
   EXPECT_EQ(wall.num(), 3);
 }
 
