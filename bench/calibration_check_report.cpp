@@ -11,9 +11,9 @@
 #include <opencv2/core/utility.hpp>
 
 #include "facet/base/stage_timer.h"
-#include "facet/frontend/stereo_frontend.h"
 #include "facet/frontend/frontend_options.h"
 #include "facet/frontend/image_pyramid.h"
+#include "facet/frontend/stereo_frontend.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/plausibility/calibration_check.h"
 

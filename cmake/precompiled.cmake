@@ -3,7 +3,7 @@
 # header names what it uses all the same and compiles without (-D FACET_PCH=OFF).
 
 option(FACET_PCH "Precompile the headers that most sources include" ON)
-# Tests compile in three quarters of the time. What libraries have in their sources is optimised as always; inline
+# So that tests compile faster. What libraries have in their sources is optimised as always; inline
 # functions that a test uses, too, may be the test's. With -O1, GCC 12 warns of optional values that are empty.
 set(FACET_TEST_OPTIONS "$<$<CONFIG:Release>:-O1;$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>>")
 
