@@ -14,7 +14,6 @@
 #include "facet/estimator/solver/calibration_walk.h"
 #include "facet/estimator/start/start_calibration.h"
 #include "facet/estimator/window/calibration_information.h"
-#include "facet/geometry/angles.h"
 
 namespace facet {
 
@@ -55,13 +54,10 @@ CalibrationMatrix BaselineCovariance(const StereoRig& rig, double share) {
 // the baseline free, the size of the world would rest on the accelerometer alone.
 CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
   constexpr double kBaseline = 0.02;
-  constexpr double kMountTurn = 0.5 * kDegree, kMount_m = 0.01, kTime_s = 0.01;
+  constexpr double kTime_s = 0.01;
   CalibrationMatrix covariance = CalibrationMatrix::Zero();
   const auto add = [&](const CalibrationVector& sigmas) {
     covariance += sigmas * sigmas.transpose();
-  };
-  const auto add_each = [&](int first, int count, double sigma) {
-    covariance.diagonal().segment(first, count).array() += sigma * sigma;
   };
   switch (part) {
     case CalibrationPart::kLenses:
@@ -73,11 +69,11 @@ CalibrationMatrix RoughCovariance(CalibrationPart part, const StereoRig& rig) {
       covariance = BaselineCovariance(rig, kBaseline);
       break;
     case CalibrationPart::kMount:
-      add_each(kMountRotation, 3, kMountTurn);
-      add_each(kMountTranslation, 3, kMount_m);
+      for (const CalibrationVector& error : RoughMountErrors())
+        add(error);
       break;
     case CalibrationPart::kClock:
-      add_each(kTimeOffset, 1, kTime_s);
+      add(kTime_s * CalibrationVector::Unit(kTimeOffset));
       break;
     case CalibrationPart::kDistortion:
       break;  // has room with all that lenses do, or none
