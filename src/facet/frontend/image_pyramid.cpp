@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/frontend/image_pyramid.h"
 
-#include <opencv2/imgproc.hpp>
-
 #include "facet/base/check.h"
 
 namespace facet {
@@ -26,7 +24,7 @@ void ImagePyramid::Build(const cv::Mat& image, int num_levels) {
   for (std::size_t l = 1; l < images_.size(); ++l) {
     const cv::Mat& above = images_[l - 1];
     if (above.cols < 2 * kMinSide || above.rows < 2 * kMinSide) break;
-    cv::pyrDown(above, images_[l]);  // keeps the buffer when the size is unchanged
+    halver_.Halve(above, images_[l]);
     levels_.push_back(View(images_[l]));
   }
 }

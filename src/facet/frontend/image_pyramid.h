@@ -8,6 +8,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "facet/frontend/halved_image.h"
 #include "facet/frontend/patch_kernels.h"
 
 namespace facet {
@@ -29,6 +30,7 @@ class ImagePyramid {
   const ImageLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
 
  private:
+  ImageHalver halver_;
   std::vector<cv::Mat> images_;
   std::vector<ImageLevel> levels_;
 };
