@@ -2,7 +2,6 @@
 #include "facet/imu/preintegration.h"
 
 #include "facet/base/check.h"
-#include "facet/geometry/so3.h"
 
 namespace facet {
 
@@ -52,42 +51,13 @@ void ImuPreintegration::Add(const ImuSample& sample, const StepNoise& noise) {
   step_noise_.push_back(noise);
 }
 
-// Midpoint rule: mean rate, and the mean of the accelerations at both ends turned into the first
-// body frame. Its linearisation in (theta, p, v), in the noise of the mean measurements and in the
-// biases is in docs/math.md, section 2.
+// Its linearisation in (theta, p, v), in the noise of the mean measurements and in the biases is in
+// docs/math.md, section 2.
 void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b, const StepNoise& step_noise) {
-  const double dt = ToSeconds(b.t - a.t);
-  const Vector3d gyro = 0.5 * (a.gyro + b.gyro);
-  const Vector3d w = gyro - gyro_scale_.cwiseProduct(gyro) - bias_.b_g;
-  const Vector3d a0 = a.accel - bias_.b_a;
-  const Vector3d a1 = b.accel - bias_.b_a;
-  const Quaterniond q_step = ExpSO3(w * dt);
-  const Quaterniond q_end = (dR_ * q_step).normalized();
-  const Matrix3d R_step_T = q_step.toRotationMatrix().transpose();
-  const Matrix3d R0 = dR_.toRotationMatrix();
-  const Matrix3d R1 = q_end.toRotationMatrix();
-  const Vector3d acceleration = 0.5 * (R0 * a0 + R1 * a1);
-
-  // d acceleration / d theta, / d gyro, / d accel.
-  const Matrix3d J_theta_w = RightJacobianSO3(w * dt) * dt;
-  const Matrix3d half_R1_hat = 0.5 * R1 * Hat(a1);
-  const Matrix3d J_acc_theta = -0.5 * R0 * Hat(a0) - half_R1_hat * R_step_T;
-  const Matrix3d J_acc_w = -half_R1_hat * J_theta_w;
-  const Matrix3d J_acc_a = 0.5 * (R0 + R1);
-
-  Matrix<9, 9> A = Matrix<9, 9>::Identity();
-  A.block<3, 3>(0, 0) = R_step_T;
-  A.block<3, 3>(3, 0) = 0.5 * dt * dt * J_acc_theta;
-  A.block<3, 3>(3, 6) = dt * Matrix3d::Identity();
-  A.block<3, 3>(6, 0) = dt * J_acc_theta;
-
-  Matrix<9, 6> B;
-  B.block<3, 3>(0, 0) = J_theta_w;
-  B.block<3, 3>(0, 3).setZero();
-  B.block<3, 3>(3, 0) = 0.5 * dt * dt * J_acc_w;
-  B.block<3, 3>(3, 3) = 0.5 * dt * dt * J_acc_a;
-  B.block<3, 3>(6, 0) = dt * J_acc_w;
-  B.block<3, 3>(6, 3) = dt * J_acc_a;
+  const StepMeasurement measured = MeasureStep(a, b, bias_, gyro_scale_);
+  const MidpointStep step(motion_.dR, measured);
+  const StepJacobian jacobian(measured, step);
+  const double dt = measured.dt;
 
   // Variance of the mean measurement over the step. Neighbouring steps share a sample, yet count as
   // independent: summed over a chain of intervals that gives every sample its full weight.
@@ -103,33 +73,30 @@ void ImuPreintegration::Step(const ImuSample& a, const ImuSample& b, const StepN
   variance.head<3>() += b.gyro_doubt.cwiseAbs2();
   variance.tail<3>() += b.accel_doubt.cwiseAbs2();
 
-  covariance_ = A * covariance_ * A.transpose() + B * variance.asDiagonal() * B.transpose();
+  const Matrix<9, 6> B = jacobian.B();
+  jacobian.Propagate(covariance_);
+  covariance_.transposeInPlace();
+  jacobian.Propagate(covariance_);
+  const Matrix<6, 9> noise = variance.asDiagonal() * B.transpose();
+  covariance_ += jacobian.OfMeasurement(noise);
   // Inside a hole the acceleration may also have come early or late: (p, v) are not tied together.
   const double sigma_p_gap = gap_a * dt * dt / std::sqrt(12.0);
   covariance_.block<3, 3>(3, 3).diagonal().array() +=
       integration * integration * dt + sigma_p_gap * sigma_p_gap;
-  J_bias_ = A * J_bias_ - B;
-  J_scale_ = A * J_scale_ - B.leftCols<3>() * gyro.asDiagonal();
+  jacobian.Propagate(J_bias_);
+  J_bias_ -= B;
+  const Vector3d gyro = 0.5 * (a.gyro + b.gyro);
+  jacobian.Propagate(J_scale_);
+  J_scale_ -= B.leftCols<3>() * gyro.asDiagonal();
 
-  dp_ += dv_ * dt + 0.5 * dt * dt * acceleration;
-  dv_ += dt * acceleration;
-  dR_ = q_end;
-  dt_s_ += dt;
+  motion_.Add(dt, step);
 }
 
 NavState ImuPreintegration::Predict(const NavState& start) const {
   Vector<6> db;
   db << start.bias.b_g - bias_.b_g, start.bias.b_a - bias_.b_a;
-  const Vector<9> correction = J_bias_ * db;
-  const Vector3d g_W = this->g_W();
-
-  NavState end = start;
+  NavState end = motion_.From(start, g_W(), J_bias_ * db);
   if (!samples_.empty()) end.t = start.t + (samples_.back().t - samples_.front().t);
-  const Quaterniond& q_WB = start.T_WB.q;
-  end.T_WB.q = (q_WB * dR_ * ExpSO3(correction.head<3>())).normalized();
-  end.T_WB.p +=
-      start.v_WB * dt_s_ + 0.5 * dt_s_ * dt_s_ * g_W + q_WB * (dp_ + correction.segment<3>(3));
-  end.v_WB += g_W * dt_s_ + q_WB * (dv_ + correction.tail<3>());
   return end;
 }
 

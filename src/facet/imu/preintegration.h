@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "facet/imu/imu_types.h"
+#include "facet/imu/imu_motion.h"
 
 namespace facet {
 
@@ -34,9 +34,8 @@ struct StepNoise {
   double max_step_s = 0.021;  ///< a longer step is a hole
 };
 
-/// The motion between two stamps as the IMU saw it, in the body frame at the first of them and
-/// without gravity: dR = R_i^T R_j, dv = R_i^T (v_j - v_i - g T), dp = R_i^T (p_j - p_i - v_i T -
-/// g T^2 / 2). Not thread-safe.
+/// The motion between two stamps as the IMU saw it (see ImuMotion), with its covariance and how it
+/// depends on biases and scale. Not thread-safe.
 ///
 /// The samples are kept, so that the integral can be redone about another bias and two neighbouring
 /// intervals can be joined exactly.
@@ -63,15 +62,15 @@ class ImuPreintegration {
   void Reintegrate(const ImuBias& bias, const Vector3d& gyro_scale);
 
   /// Length of the interval [s].
-  double dt() const { return dt_s_; }
+  double dt() const { return motion_.dt_s; }
   const ImuBias& bias() const { return bias_; }
   const Vector3d& gyro_scale() const { return gyro_scale_; }
   const std::vector<ImuSample>& samples() const { return samples_; }
   /// Gravity of the world in which the IMU moved.
   Vector3d g_W() const { return parameters_.g_W(); }
-  const Quaterniond& dR() const { return dR_; }
-  const Vector3d& dp() const { return dp_; }
-  const Vector3d& dv() const { return dv_; }
+  const Quaterniond& dR() const { return motion_.dR; }
+  const Vector3d& dp() const { return motion_.dp; }
+  const Vector3d& dv() const { return motion_.dv; }
 
   /// Covariance of (theta, p, v), theta perturbing dR on the right. Zero for an empty interval.
   const Matrix<9, 9>& Covariance() const { return covariance_; }
@@ -96,10 +95,7 @@ class ImuPreintegration {
   ImuParameters parameters_;
   std::vector<ImuSample> samples_;
   std::vector<StepNoise> step_noise_;  // of the step that ends at the sample of the same index
-  double dt_s_ = 0;
-  Quaterniond dR_ = Quaterniond::Identity();
-  Vector3d dp_ = Vector3d::Zero();
-  Vector3d dv_ = Vector3d::Zero();
+  ImuMotion motion_;
   Matrix<9, 9> covariance_ = Matrix<9, 9>::Zero();
   Matrix<9, 6> J_bias_ = Matrix<9, 6>::Zero();
   Matrix<9, 3> J_scale_ = Matrix<9, 3>::Zero();

@@ -169,22 +169,19 @@ FrontendHint FrontStage::MakeHint(const ImuInterval& now) {
   FrontendHint hint;
   if (!has_previous_ || imu_.empty()) return hint;
   const Duration gap = FromSeconds(max_gap_s_), extrapolation = FromSeconds(kMaxExtrapolation_s);
-  ImuParameters parameters;
-  parameters.gravity = gravity_;
-  ImuPreintegration motion(has_feedback_ ? feedback_.front().state.bias : ImuBias(), parameters);
-  motion.Integrate(now.samples);
-  hint.R_prev_now = motion.dR();
+  const ImuMotion motion =
+      IntegrateMotion(now.samples, has_feedback_ ? feedback_.front().state.bias : ImuBias());
+  hint.R_prev_now = motion.dR;
   if (!feedback_.empty() && IsOldEnough(feedback_.front())) hint.rig = feedback_.front().rig;
   if (!has_feedback_) return hint;
 
   const Feedback& feedback = feedback_.front();
   const ImuInterval since = imu_.Between(feedback.state.t, previous_t_, gap, extrapolation);
   if (since.samples.empty()) return hint;
-  ImuPreintegration to_previous(feedback.state.bias, parameters);
-  to_previous.Integrate(since.samples);
-  NavState previous = to_previous.Predict(feedback.state);
-  previous.t = previous_t_;
-  const NavState next = motion.Predict(previous);
+  const Vector3d g_W(0, 0, -gravity_);
+  const ImuMotion to_previous = IntegrateMotion(since.samples, feedback.state.bias);
+  const NavState previous = to_previous.From(feedback.state, g_W);
+  const NavState next = motion.From(previous, g_W);
   hint.p_prev_now = previous.T_WB.q.conjugate() * (next.T_WB.p - previous.T_WB.p);
 
   const SE3 T_C0W = (previous.T_WB * feedback.T_BC0).Inverse();
