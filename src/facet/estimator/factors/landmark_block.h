@@ -20,10 +20,13 @@ namespace facet {
 struct LandmarkBlock {
   struct View {
     int frame = 0;
-    Matrix<6, 6> H;  ///< pose-pose
-    Vector<6> b;     ///< gradient
     Matrix<6, 3> W;  ///< pose-landmark
     Matrix<6, 3> Y;  ///< W L^-T, filled by Eliminate
+  };
+  /// What a view says of its pose alone.
+  struct PoseSquare {
+    Matrix<6, 6> H;
+    Vector<6> b;  ///< gradient
   };
   /// The row that ties the landmark to a plane, not squared: its products have rank one.
   struct PlaneView {
@@ -41,6 +44,8 @@ struct LandmarkBlock {
   };
   int index = -1;  ///< of the landmark in the window
   std::vector<View> views;
+  /// Of the same views. Only AddDiagonal needs them: who keeps many blocks lends one buffer to all.
+  std::vector<PoseSquare> pose_squares;
   int num_views = 0;
   std::array<PlaneView, PlaneLinks::kMax> plane_views;
   int num_plane_views = 0;
@@ -54,6 +59,7 @@ struct LandmarkBlock {
   /// Empty, with room for so many views. Keeps the storage.
   void Clear(std::size_t max_views) {
     if (views.size() < max_views) views.resize(max_views);
+    if (pose_squares.size() < max_views) pose_squares.resize(max_views);
     num_views = num_plane_views = 0;
     lens.clear();
     V.setZero();

@@ -59,7 +59,7 @@ TEST(ProjectionFactorTest, GradientIsThatOfThePapersCost) {
               return Cost(problem, moved, point);
             },
             6);
-        EXPECT_LT((0.1 * block.views[v].b - pose_gradient).norm(),
+        EXPECT_LT((0.1 * block.pose_squares[v].b - pose_gradient).norm(),
                   1e-5 * (1 + pose_gradient.norm()));
       }
       for (const Measurement& m : problem.measurements) {
@@ -80,8 +80,8 @@ TEST(ProjectionFactorTest, InformationIsThatOf1Point8Pixels) {
   LinearizeLandmark(GeometryOf(problem), {}, problem.landmark, kNoise, projection);
   const double ratio = std::pow(kPixelSigma / 1.8, 2);
   EXPECT_LT((projection.V - ratio * smart.V).norm(), 1e-12 * smart.V.norm());
-  EXPECT_LT((projection.views[0].H - ratio * smart.views[0].H).norm(),
-            1e-12 * smart.views[0].H.norm());
+  EXPECT_LT((projection.pose_squares[0].H - ratio * smart.pose_squares[0].H).norm(),
+            1e-12 * smart.pose_squares[0].H.norm());
   // A camera whose pixels are worse changes nothing: the paper's noise is one number.
   for (WindowObservation& o : problem.landmark.observations) {
     o.rays[1].whitening *= 0.25;

@@ -112,10 +112,11 @@ void AddView(const WindowObservation& obs, const VisionRow* rows, LandmarkBlock&
   } else {
     BestKernels().square_two_rows(rows, G);
   }
+  LandmarkBlock::PoseSquare& square = block.pose_squares[block.num_views];
+  square.H = Eigen::Map<const Matrix<6, 6>>(G.H);
+  square.b = Eigen::Map<const Vector<6>>(G.b);
   LandmarkBlock::View& view = block.views[block.num_views++];
   view.frame = obs.frame;
-  view.H = Eigen::Map<const Matrix<6, 6>>(G.H);
-  view.b = Eigen::Map<const Vector<6>>(G.b);
   view.W = Eigen::Map<const Matrix<6, 3>>(G.W);
   const Eigen::Map<const Matrix<4, 3>> V(G.V);
   block.V += V.topRows<3>();

@@ -63,9 +63,9 @@ TEST(ReprojectionFactorTest, BlocksAreTheGaussNewtonBlocksOfTheWorldParameters) 
         V += rows.J_landmark.transpose() * rows.J_landmark;
         b += rows.J_landmark.transpose() * rows.r;
       }
-      EXPECT_LT(RelativeError(block.views[v].H, H_view), 1e-8);
+      EXPECT_LT(RelativeError(block.pose_squares[v].H, H_view), 1e-8);
       EXPECT_LT(RelativeError(block.views[v].W, W_view), 1e-8);
-      EXPECT_LT(RelativeError(block.views[v].b, b_view), 1e-8);
+      EXPECT_LT(RelativeError(block.pose_squares[v].b, b_view), 1e-8);
     }
     EXPECT_LT(RelativeError(block.V, V), 1e-8);
     EXPECT_LT(RelativeError(block.b, b), 1e-8);
@@ -96,7 +96,8 @@ TEST(ReprojectionFactorTest, GradientIsThatOfTheRobustCost) {
         minus[block.views[v].frame] = Moved(problem.poses[block.views[v].frame], -e);
         const double numeric =
             (problem.Cost(plus, point) - problem.Cost(minus, point)) / (2 * kStep);
-        EXPECT_NEAR(block.views[v].b(k), numeric, 1e-5 * (1 + block.views[v].b.norm()));
+        EXPECT_NEAR(
+            block.pose_squares[v].b(k), numeric, 1e-5 * (1 + block.pose_squares[v].b.norm()));
       }
     }
   }
@@ -120,7 +121,8 @@ TEST(ReprojectionFactorTest, APointBehindACameraHasNoRowsAndABoundedCost) {
   EXPECT_FALSE(ReprojectionError(geometry, problem.landmark, last, 0));
   const LandmarkBlock block = Linearized(problem);
   const LandmarkBlock::View& view = block.views[block.num_views - 1];
-  EXPECT_EQ(view.H.norm() + view.b.norm() + view.W.norm(), 0);
+  const LandmarkBlock::PoseSquare& square = block.pose_squares[block.num_views - 1];
+  EXPECT_EQ(square.H.norm() + square.b.norm() + view.W.norm(), 0);
   EXPECT_TRUE(std::isfinite(block.cost));
   EXPECT_DOUBLE_EQ(block.cost,
                    LandmarkCost(geometry, {}, problem.landmark, testing::NoiseOfWidth(kWidth)));

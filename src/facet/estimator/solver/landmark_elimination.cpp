@@ -92,10 +92,10 @@ void SubtractLens(const LandmarkBlock& block,
 }  // namespace
 
 void AddDiagonal(const LandmarkBlock& block, const StateLayout& layout, MatrixXd& H, VectorXd& b) {
-  for (const LandmarkBlock::View& view : ViewsOf(block)) {
-    const int column = layout.pose_column[view.frame];
-    H.block<6, 6>(column, column) += view.H;
-    b.segment<6>(column) += view.b;
+  for (int v = 0; v < block.num_views; ++v) {
+    const int column = layout.pose_column[block.views[v].frame];
+    H.block<6, 6>(column, column) += block.pose_squares[v].H;
+    b.segment<6>(column) += block.pose_squares[v].b;
   }
   for (const LandmarkBlock::PlaneView& view : PlaneViewsOf(block)) {
     const int column = layout.plane_column[view.plane];

@@ -72,7 +72,7 @@ double ScaledError(const LandmarkBlock& block, const Reduced& a, const Reduced& 
   VectorXd weight = VectorXd::Constant(a.b.size(), 1e30);
   for (int v = 0; v < block.num_views; ++v) {
     weight.segment<6>(6 * block.views[v].frame) =
-        block.views[v].H.diagonal().cwiseMax(1.0).cwiseSqrt();
+        block.pose_squares[v].H.diagonal().cwiseMax(1.0).cwiseSqrt();
   }
   // Columns that no row touches must be zero in both.
   for (int i = 0; i < weight.size(); ++i) {

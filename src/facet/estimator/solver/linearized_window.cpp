@@ -67,9 +67,11 @@ void AddLandmarks(const SlidingWindow& window,
     if (!IsConstraining(landmarks[l])) continue;
     LandmarkBlock& block = linear.landmarks[linear.num_landmarks++];
     block.index = static_cast<int>(l);
+    block.pose_squares.swap(linear.pose_squares);
     LinearizeLandmark(geometry, window.planes, landmarks[l], noise, block, lens);
     linear.cost += block.cost;
     AddDiagonal(block, layout, H, b);
+    block.pose_squares.swap(linear.pose_squares);
   }
   if (is_apart) AddLensSums(linear.lens_sums, layout, H, b);
 }
