@@ -8,9 +8,6 @@
 namespace facet {
 namespace {
 
-// FAST compares with a circle of radius 3.
-constexpr int kFastRadius = 3;
-
 // The strength of a corner is how well shift, rotation and scale of its patch can be estimated.
 constexpr int kStrengthParameters = 4;
 
@@ -43,24 +40,21 @@ void FeatureDetector::MarkOccupied(const cv::Mat& image, std::span<const Vector2
   }
 }
 
-bool FeatureDetector::BestCorner(const cv::Rect& cell, const ImageLevel& level, Candidate& best) {
+bool FeatureDetector::BestCorner(const ImageLevel& level, Candidate& best) {
   // FAST's own response prefers isolated dots; the information of the patch is what counts.
   constexpr std::size_t kMaxTried = 4;
-  const auto stronger = [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
-    if (a.response != b.response) return a.response > b.response;
-    return a.pt.y != b.pt.y ? a.pt.y < b.pt.y : a.pt.x < b.pt.x;
+  const auto stronger = [](const FastCorner& a, const FastCorner& b) {
+    if (a.score != b.score) return a.score > b.score;
+    return a.y != b.y ? a.y < b.y : a.x < b.x;
   };
-  std::erase_if(corners_, [&](const cv::KeyPoint& corner) {
-    const cv::Point p(static_cast<int>(corner.pt.x) + cell.x,
-                      static_cast<int>(corner.pt.y) + cell.y);
-    return mask_.at<unsigned char>(p) == 0;
+  std::erase_if(corners_, [&](const FastCorner& corner) {
+    return mask_.at<unsigned char>(corner.y, corner.x) == 0;
   });
   const auto tried = static_cast<std::ptrdiff_t>(std::min(kMaxTried, corners_.size()));
   std::partial_sort(corners_.begin(), corners_.begin() + tried, corners_.end(), stronger);
   best.strength = 0;
   for (auto corner = corners_.begin(); corner != corners_.begin() + tried; ++corner) {
-    const float x = corner->pt.x + static_cast<float>(cell.x);
-    const float y = corner->pt.y + static_cast<float>(cell.y);
+    const auto x = static_cast<float>(corner->x), y = static_cast<float>(corner->y);
     tracker_.ExtractLevel(level, x, y, scratch_);
     if (!scratch_.is_valid || scratch_.min_eigenvalue <= best.strength) continue;
     best.strength = scratch_.min_eigenvalue;
@@ -69,17 +63,11 @@ bool FeatureDetector::BestCorner(const cv::Rect& cell, const ImageLevel& level, 
   return best.strength >= options_.min_eigenvalue;
 }
 
-bool FeatureDetector::SearchCell(const cv::Mat& image,
-                                 const ImageLevel& level,
-                                 const cv::Rect& cell,
-                                 int threshold) {
-  const cv::Rect grown(cell.x - kFastRadius,
-                       cell.y - kFastRadius,
-                       cell.width + 2 * kFastRadius,
-                       cell.height + 2 * kFastRadius);
-  cv::FAST(image(grown), corners_, threshold, true);
+bool FeatureDetector::SearchCell(const ImageLevel& level, const cv::Rect& cell, int threshold) {
+  const std::span<const FastCorner> found = fast_.Find(level, cell, threshold);
+  corners_.assign(found.begin(), found.end());
   Candidate best;
-  if (BestCorner(grown, level, best)) candidates_.push_back(best);
+  if (BestCorner(level, best)) candidates_.push_back(best);
   return !corners_.empty();
 }
 
@@ -111,16 +99,16 @@ std::span<const Vector2d> FeatureDetector::Detect(const cv::Mat& image,
                                                   int max_points) {
   points_.clear();
   candidates_.clear();
-  if (max_points <= 0) return points_;
+  if (max_points <= 0 || level.width < FastCorners::kMinWidth) return points_;
   MarkOccupied(image, occupied);
   ListEmptyCells(image, occupied);
   std::erase_if(empty_cells_, [&](const cv::Rect& cell) {
-    return SearchCell(image, level, cell, options_.fast_threshold);
+    return SearchCell(level, cell, options_.fast_threshold);
   });
   // Weaker corners are only needed where there are not enough strong ones.
   if (static_cast<int>(candidates_.size()) < max_points) {
     for (const cv::Rect& cell : empty_cells_) {
-      SearchCell(image, level, cell, kWeakFastThreshold);
+      SearchCell(level, cell, kWeakFastThreshold);
     }
   }
   // Stable: equal strengths stay in the order of the cells.

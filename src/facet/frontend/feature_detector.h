@@ -5,9 +5,8 @@
 #include <span>
 #include <vector>
 
-#include <opencv2/features2d.hpp>
-
 #include "facet/base/types.h"
+#include "facet/frontend/fast_corners.h"
 #include "facet/frontend/patch_tracker.h"
 
 namespace facet {
@@ -38,18 +37,16 @@ class FeatureDetector {
   void MarkOccupied(const cv::Mat& image, std::span<const Vector2d> occupied);
   void ListEmptyCells(const cv::Mat& image, std::span<const Vector2d> occupied);
   /// Adds the cell's best corner to candidates_. False: there was no corner at all to choose from.
-  bool SearchCell(const cv::Mat& image,
-                  const ImageLevel& level,
-                  const cv::Rect& cell,
-                  int threshold);
-  bool BestCorner(const cv::Rect& cell, const ImageLevel& level, Candidate& best);
+  bool SearchCell(const ImageLevel& level, const cv::Rect& cell, int threshold);
+  bool BestCorner(const ImageLevel& level, Candidate& best);
 
   DetectorOptions options_;
   PatchTracker tracker_;
   cv::Mat mask_;                      // 255 where a new point may be
   std::vector<unsigned char> taken_;  // by cell
   std::vector<cv::Rect> empty_cells_;
-  std::vector<cv::KeyPoint> corners_;
+  FastCorners fast_;
+  std::vector<FastCorner> corners_;
   std::vector<Candidate> candidates_;
   std::vector<Vector2d> points_;
   PatchTemplate scratch_;
