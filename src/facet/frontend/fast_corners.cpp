@@ -140,7 +140,7 @@ void FastCorners::FillScores(const ImageLevel& image, const cv::Rect& cell, int 
 std::span<const FastCorner> FastCorners::Find(const ImageLevel& image,
                                               const cv::Rect& cell,
                                               int threshold) {
-  FACET_CHECK(threshold >= 1 && threshold <= 254) << threshold;
+  FACET_CHECK(threshold >= 1 && threshold <= 255) << threshold;
   FACET_CHECK(image.width >= kMinWidth) << image.width;
   FACET_CHECK(cell.x >= kRadius && cell.y >= kRadius &&
               cell.x + cell.width + kRadius <= image.width &&

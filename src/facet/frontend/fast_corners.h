@@ -29,7 +29,7 @@ class FastCorners {
   static constexpr int kMinWidth = 16 + 2 * kRadius;
 
   /// Row by row; valid until the next call. CHECKs that the image has kRadius pixels around the
-  /// cell and is at least kMinWidth wide, and that the threshold is 1 to 254.
+  /// cell and is at least kMinWidth wide, and that the threshold is 1 to 255.
   std::span<const FastCorner> Find(const ImageLevel& image, const cv::Rect& cell, int threshold);
 
  private:

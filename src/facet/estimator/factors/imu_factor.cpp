@@ -112,6 +112,31 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured,
   return out;
 }
 
+// The rows of the motion have nothing to do with the biases at its end, those of the biases only
+// with the same bias at both ends.
+ImuSquares Square(const Matrix<15, 15>& sqrt_info, const ImuResidual& linear, const Vector<15>& r) {
+  constexpr int kUsed = 24, kBiases_i = 9, kBiases_j = 24;
+  const Matrix<9, 9> root = sqrt_info.topLeftCorner<9, 9>();
+  ImuSquares out;
+  out.J.leftCols<15>() = root.lazyProduct(linear.J_i.topRows<9>());
+  out.J.middleCols<9>(15) = root.lazyProduct(linear.J_j.topLeftCorner<9, 9>());
+  out.J.rightCols<6>().setZero();
+  const Matrix<kUsed, 9> transposed = out.J.leftCols<kUsed>().transpose();
+  out.H.setZero();
+  out.H.topLeftCorner<kUsed, kUsed>() = transposed.lazyProduct(transposed.transpose());
+  out.b << transposed.lazyProduct(r.head<9>()), Vector<6>::Zero();
+  const Vector<6> of_biases = sqrt_info.diagonal().tail<6>();
+  const Vector<6> information = of_biases.cwiseAbs2(),
+                  gradient = of_biases.cwiseProduct(r.tail<6>());
+  out.H.diagonal().segment<6>(kBiases_i) += information;
+  out.H.diagonal().segment<6>(kBiases_j) += information;
+  out.H.block<6, 6>(kBiases_i, kBiases_j).diagonal() -= information;
+  out.H.block<6, 6>(kBiases_j, kBiases_i).diagonal() -= information;
+  out.b.segment<6>(kBiases_i) -= gradient;
+  out.b.segment<6>(kBiases_j) += gradient;
+  return out;
+}
+
 namespace {
 
 // Of a consumer's sensor, which the model does not have: the accelerometer's scale, misalignment,
@@ -162,15 +187,15 @@ double ImuFactor::AddTo(NormalEquations& equations) const {
   const ImuLink& link = *frame_j_.imu_link;
   const Vector<15> r = Error();
   const ImuResidual linear = LinearizeImu(link.measured, frame_i_.lin, frame_j_.lin, gyro_scale_);
-  Matrix<15, 30> J;
-  J.leftCols<15>() = link.sqrt_info * linear.J_i;
-  J.rightCols<15>() = link.sqrt_info * linear.J_j;
+  const ImuSquares squares = Square(link.sqrt_info, linear, r);
   const std::initializer_list<Variable> states = {
       Variable::Pose(j_ - 1), Variable::Motion(j_ - 1), Variable::Pose(j_), Variable::Motion(j_)};
-  equations.AddRows(states, J, r);
+  equations.AddSquares(states, squares.H, squares.b);
   if (equations.layout.calibration_column >= 0) {
-    const Matrix<15, 3> J_scale = link.sqrt_info * linear.J_scale;
-    equations.AddCalibrationColumns(kGyroScale, J_scale, r, states, J);
+    const Matrix<9, 3> J_scale =
+        link.sqrt_info.topLeftCorner<9, 9>().lazyProduct(linear.J_scale.topRows<9>());
+    const Vector<9> of_motion = r.head<9>();
+    equations.AddCalibrationColumns(kGyroScale, J_scale, of_motion, states, squares.J);
   }
   return 0.5 * r.squaredNorm();
 }

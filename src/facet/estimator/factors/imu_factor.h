@@ -29,6 +29,16 @@ ImuResidual LinearizeImu(const ImuPreintegration& measured,
                          const NavState& j,
                          const Vector3d& gyro_scale);
 
+/// A link's rows times their noise, and their normal equations in theta p v b_g b_a of both states.
+struct ImuSquares {
+  Matrix<9, 30> J;  ///< of theta p v; those of the biases are in H and b only
+  Matrix<30, 30> H;
+  Vector<30> b;  ///< gradient
+};
+
+/// `r`: the residual that counts, times its noise; `linear`: where the derivatives are taken.
+ImuSquares Square(const Matrix<15, 15>& sqrt_info, const ImuResidual& linear, const Vector<15>& r);
+
 /// How far the two states are from the measured motion: RMS of its whitened errors, those of the
 /// rotation (1.5 times) or those of position and velocity, whichever is larger. What 0.3 % of the
 /// measured motion explains is no error. Infinite if not a number.

@@ -61,6 +61,24 @@ TEST(ImuFactorTest, JacobiansMatchNumericDerivatives) {
   }
 }
 
+// Against the dense products.
+TEST(ImuFactorTest, SquaresAreThoseOfAllRows) {
+  Rng rng(8);
+  const ImuPreintegration imu = RandomInterval(0.3, rng);
+  const Matrix<15, 15> sqrt_info = ImuSqrtInfo(imu, testing::DefaultBiasWalk());
+  const NavState i = RandomState(rng), j = RandomState(rng);
+  const ImuResidual linear = LinearizeImu(imu, i, j, Vector3d(0.01, 0.02, -0.01));
+  const Vector<15> r = sqrt_info * linear.r;
+  Matrix<15, 30> J;
+  J << sqrt_info * linear.J_i, sqrt_info * linear.J_j;
+  const ImuSquares squares = Square(sqrt_info, linear, r);
+  const Matrix<30, 30> H = J.transpose() * J;
+  const Vector<30> b = J.transpose() * r;
+  EXPECT_LT((squares.H - H).norm(), 1e-12 * H.norm());
+  EXPECT_LT((squares.b - b).norm(), 1e-12 * b.norm());
+  EXPECT_LT((squares.J - J.topRows<9>()).norm(), 1e-12 * J.norm());
+}
+
 // What a gyroscope measures while it does not turn is noise: it says nothing of the scale.
 TEST(ImuFactorTest, NoiseOfTheAnglesIsNoDerivativeByTheScale) {
   const Vector3d noise(0.01, -0.02, 0.03);

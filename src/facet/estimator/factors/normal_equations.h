@@ -27,6 +27,14 @@ struct NormalEquations {
   void AddRows(std::initializer_list<Variable> variables, const Jacobian& J, const Residual& r) {
     const MatrixXd JtJ = J.transpose() * J;
     const VectorXd Jtr = J.transpose() * r;
+    AddSquares(variables, JtJ, Jtr);
+  }
+
+  /// The same, squared already: J^T J and J^T r.
+  template <class Square, class Gradient>
+  void AddSquares(std::initializer_list<Variable> variables,
+                  const Square& JtJ,
+                  const Gradient& Jtr) {
     int row = 0;
     for (const Variable& v : variables) {
       const int size = SizeOf(v.kind);

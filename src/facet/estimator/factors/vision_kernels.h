@@ -2,6 +2,7 @@
 // The inner loops of the back end, for the processor that the program runs on.
 #pragma once
 
+#include "facet/estimator/factors/elimination_kernel.h"
 #include "facet/estimator/factors/lens_kernel.h"
 #include "facet/estimator/factors/row_kernel.h"
 #include "facet/estimator/factors/schur_kernel.h"
@@ -34,6 +35,12 @@ struct VisionKernels {
   /// SubtractOuterProduct of two poses.
   void (*subtract_poses)(const double* A, const double* B, double* h, long column_stride);
   LensKernels with_modes, without_modes;
+  /// Of a motion: SolveNineColumns and SubtractNineColumns.
+  void (*solve_motion)(const double* L, const double* inverse_diagonal, const NineColumns& X);
+  void (*subtract_motion)(const NineColumns& A,
+                          const NineColumns& B,
+                          double* h,
+                          long column_stride);
 
   const LensKernels& lens(bool has_modes) const { return has_modes ? with_modes : without_modes; }
 };
@@ -44,7 +51,9 @@ constexpr VisionKernels MakeVisionKernels() {
           SquareRows<kLanes, 4>,
           SubtractOuterProduct<kLanes, 6>,
           MakeLensKernels<kLanes, kNumLensModes>(),
-          MakeLensKernels<kLanes, 0>()};
+          MakeLensKernels<kLanes, 0>(),
+          SolveNineColumns<kLanes>,
+          SubtractNineColumns<kLanes>};
 }
 
 /// Two numbers at a time: on every processor.

@@ -121,6 +121,57 @@ TEST_P(VisionKernelsTest, OuterProductsAreSubtractedInABlockOfAMatrix) {
   EXPECT_LT(LowerError(H, expected), 1e-12);
 }
 
+TEST_P(VisionKernelsTest, AMotionIsEliminated) {
+  Rng rng(5);
+  for (const int rows : {1, 2, 3, 7, 8, 21, 40}) {
+    Matrix<kEliminated, kEliminated> L;
+    Fill(L, rng);
+    L = MatrixXd(L.triangularView<Eigen::Lower>());
+    L.diagonal() = L.diagonal().cwiseAbs().array() + 1;
+    const Vector<kEliminated> inverse_diagonal = L.diagonal().cwiseInverse();
+    Eigen::Matrix<double, Eigen::Dynamic, kEliminated> X(rows + 3, kEliminated);
+    Fill(X, rng);
+    const MatrixXd before = X;
+    kernels_.solve_motion(L.data(), inverse_diagonal.data(), {&X(2, 0), X.outerStride(), rows});
+    EXPECT_LT((X.middleRows(2, rows) * L.transpose() - before.middleRows(2, rows)).norm(), 1e-11);
+    EXPECT_EQ(X.topRows(2), before.topRows(2));
+    EXPECT_EQ(X.bottomRows(1), before.bottomRows(1));
+
+    MatrixXd H(rows + 20, rows + 20);
+    Fill(H, rng);
+    MatrixXd expected = H;
+    const NineColumns some{&X(2, 0), X.outerStride(), rows}, others{&X(0, 0), X.outerStride(), 2};
+    kernels_.subtract_motion(some, others, &H(9, 3), H.outerStride());
+    expected.block(9, 3, rows, 2) -= X.middleRows(2, rows) * X.topRows(2).transpose();
+    EXPECT_LT((H - expected).norm(), 1e-11 * expected.norm());
+    kernels_.subtract_motion(some, some, &H(6, 6), H.outerStride());
+    expected.block(6, 6, rows, rows) -= X.middleRows(2, rows) * X.middleRows(2, rows).transpose();
+    EXPECT_LT(LowerError(H, expected), 1e-11 * expected.norm());
+  }
+}
+
+TEST(VisionKernelsBitsTest, FourAtATimeEliminateAMotionWithTheBitsOfTwo) {
+  if (QuadKernels() == nullptr) GTEST_SKIP() << "this processor does not do four numbers at a time";
+  Rng rng(6);
+  Matrix<kEliminated, kEliminated> L;
+  Fill(L, rng);
+  const Vector<kEliminated> inverse_diagonal = L.diagonal().cwiseInverse();
+  Matrix<23, kEliminated> start;
+  Fill(start, rng);
+  const auto all = [&](const VisionKernels& kernels) {
+    Matrix<23, kEliminated> X = start;
+    MatrixXd H = MatrixXd::Ones(23, 23);
+    const NineColumns columns{X.data(), 23, 23};
+    kernels.solve_motion(L.data(), inverse_diagonal.data(), columns);
+    kernels.subtract_motion(columns, columns, H.data(), 23);
+    H.triangularView<Eigen::StrictlyUpper>().setZero();
+    VectorXd bits(X.size() + H.size());
+    bits << X.reshaped(), H.reshaped();
+    return bits;
+  };
+  EXPECT_EQ(all(PairKernels()), all(*QuadKernels()));
+}
+
 TEST(VisionKernelsBitsTest, FourAtATimeGiveTheBitsOfTwo) {
   if (QuadKernels() == nullptr) GTEST_SKIP() << "this processor does not do four numbers at a time";
   Rng rng(4);

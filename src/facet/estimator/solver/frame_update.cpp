@@ -256,11 +256,9 @@ void FrameUpdater::AddImu(const ImuLink& imu,
                           System& system) {
   const ImuResidual linear =
       LinearizeImu(imu.measured, reference, frame, imu.measured.gyro_scale());
-  Matrix<15, 30> J;
-  J.leftCols<15>().noalias() = imu.sqrt_info * linear.J_i;
-  J.rightCols<15>().noalias() = imu.sqrt_info * linear.J_j;
-  system.H.noalias() += J.transpose() * J;
-  system.b.noalias() += J.transpose() * (imu.sqrt_info * linear.r);
+  const ImuSquares squares = Square(imu.sqrt_info, linear, imu.sqrt_info * linear.r);
+  system.H += squares.H;
+  system.b += squares.b;
 }
 
 FrameUpdateResult FrameUpdater::Update(const std::vector<PreparedObservation>& observations,

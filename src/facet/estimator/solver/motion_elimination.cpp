@@ -3,11 +3,14 @@
 
 #include <Eigen/Cholesky>
 
+#include "facet/estimator/factors/vision_kernels.h"
+
 namespace facet {
 
 namespace {
 
 constexpr int kMotion = SizeOf(Variable::Kind::kMotion);
+static_assert(kMotion == kEliminated);
 
 // IMU factors know the last parameters of the calibration only, the gyroscope's scale. What the
 // prior knows of a motion touches all.
@@ -26,16 +29,26 @@ void MotionElimination::FindNeighbours(int frame,
   const int num_frames = static_cast<int>(layout.pose_column.size());
   const int num_planes = static_cast<int>(layout.plane_column.size());
   motion.neighbours.clear();
+  // Neighbours that lie side by side are one block.
+  const auto add = [&](int column, int size) {
+    if (!motion.neighbours.empty()) {
+      Block& last = motion.neighbours.back();
+      if (last.column + last.size == column) {
+        last.size += size;
+        return;
+      }
+    }
+    motion.neighbours.push_back({column, size});
+  };
   const auto add_if_coupled = [&](Variable variable) {
-    if (!coupled.Contains(variable)) return;
-    motion.neighbours.push_back({layout.ColumnOf(variable), SizeOf(variable.kind)});
+    if (coupled.Contains(variable)) add(layout.ColumnOf(variable), SizeOf(variable.kind));
   };
   for (int k = 0; k < num_planes; ++k)
     add_if_coupled(Variable::Plane(k));
   const int calibration = layout.calibration_column;
   if (calibration >= 0 && coupled.Contains(Variable::Calibration())) {
     const int first = TouchesGyroScaleOnly(H, motion.column, calibration) ? kGyroScale : 0;
-    motion.neighbours.push_back({calibration + first, kNumCalibration - first});
+    add(calibration + first, kNumCalibration - first);
   }
   for (int i = 0; i < num_frames; ++i)
     add_if_coupled(Variable::Pose(i));
@@ -53,43 +66,45 @@ void MotionElimination::CoupleNeighbours(int frame) {
 
 namespace {
 
-// The columns of H between a motion and its neighbours, from the lower triangle.
-template <class Block, class Columns>
-void CollectColumns(const std::vector<Block>& neighbours,
-                    int column,
-                    const MatrixXd& H,
-                    Columns& columns) {
-  int offset = 0;
+// The rows of H between a motion and its neighbours, from the lower triangle.
+template <class Block, class Rows>
+void CollectRows(const std::vector<Block>& neighbours, int column, const MatrixXd& H, Rows& rows) {
+  int row = 0;
   for (const Block& block : neighbours) {
-    if (block.column < column) {
-      columns.middleCols(offset, block.size) = H.block(column, block.column, kMotion, block.size);
+    if (block.column > column) {
+      rows.middleRows(row, block.size) = H.block(block.column, column, block.size, kMotion);
     } else {
-      columns.middleCols(offset, block.size) =
-          H.block(block.column, column, block.size, kMotion).transpose();
+      rows.middleRows(row, block.size) =
+          H.block(column, block.column, kMotion, block.size).transpose();
     }
-    offset += block.size;
+    row += block.size;
   }
 }
 
-}  // namespace
-
-void MotionElimination::SubtractSchur(const Eliminated& motion, MatrixXd& H, VectorXd& b) {
-  const auto size = motion.X.cols();
-  update_.setZero(size, size);
-  update_.selfadjointView<Eigen::Lower>().rankUpdate(motion.X.transpose());
+template <class Block>
+void SubtractSchur(const std::vector<Block>& neighbours,
+                   Eigen::Matrix<double, Eigen::Dynamic, kMotion>& X,
+                   const Vector<kMotion>& y,
+                   MatrixXd& H,
+                   VectorXd& b) {
+  const auto rows_of = [&X](int row, int size) {
+    return NineColumns{X.data() + row, X.outerStride(), size};
+  };
   int row = 0;
-  for (const Block& r : motion.neighbours) {
-    b.segment(r.column, r.size).noalias() -=
-        motion.X.middleCols(row, r.size).transpose() * motion.y;
+  for (const Block& r : neighbours) {
+    b.segment(r.column, r.size).noalias() -= X.middleRows(row, r.size) * y;
     int column = 0;
-    for (const Block& c : motion.neighbours) {
+    for (const Block& c : neighbours) {
       if (column > row) break;
-      H.block(r.column, c.column, r.size, c.size) -= update_.block(row, column, r.size, c.size);
+      BestKernels().subtract_motion(
+          rows_of(row, r.size), rows_of(column, c.size), &H(r.column, c.column), H.outerStride());
       column += c.size;
     }
     row += r.size;
   }
 }
+
+}  // namespace
 
 bool MotionElimination::Eliminate(const StateLayout& layout,
                                   const std::vector<VariableSet>& coupled,
@@ -112,11 +127,13 @@ bool MotionElimination::Eliminate(const StateLayout& layout,
     const Eigen::LLT<Matrix<9, 9>> factor(H.block<kMotion, kMotion>(column, column));
     if (factor.info() != Eigen::Success) return false;
     motion.L = factor.matrixL();
-    motion.X.resize(kMotion, size);
-    CollectColumns(motion.neighbours, column, H, motion.X);
-    motion.L.triangularView<Eigen::Lower>().solveInPlace(motion.X);
+    motion.X.resize(size, kMotion);
+    CollectRows(motion.neighbours, column, H, motion.X);
+    const Vector<kMotion> inverse_diagonal = motion.L.diagonal().cwiseInverse();
+    BestKernels().solve_motion(
+        motion.L.data(), inverse_diagonal.data(), {motion.X.data(), size, size});
     motion.y = motion.L.triangularView<Eigen::Lower>().solve(b.segment<kMotion>(column));
-    SubtractSchur(motion, H, b);
+    SubtractSchur(motion.neighbours, motion.X, motion.y, H, b);
     CoupleNeighbours(k);
   }
   return true;
@@ -128,8 +145,8 @@ void MotionElimination::BackSubstitute(VectorXd& step) const {
     Vector<9> rhs = -motion.y;
     int offset = 0;
     for (const Block& block : motion.neighbours) {
-      rhs.noalias() -=
-          motion.X.middleCols(offset, block.size) * step.segment(block.column, block.size);
+      rhs.noalias() -= motion.X.middleRows(offset, block.size).transpose() *
+                       step.segment(block.column, block.size);
       offset += block.size;
     }
     step.segment<9>(motion.column) = motion.L.transpose().triangularView<Eigen::Upper>().solve(rhs);

@@ -35,7 +35,7 @@ class MotionElimination {
     int column = 0;
     std::vector<Block> neighbours;
     Matrix<9, 9> L;
-    Eigen::Matrix<double, 9, Eigen::Dynamic> X;  // L^-1 H(motion, neighbours)
+    Eigen::Matrix<double, Eigen::Dynamic, 9> X;  // H(neighbours, motion) L^-T
     Vector<9> y;                                 // L^-1 b(motion)
   };
 
@@ -43,13 +43,11 @@ class MotionElimination {
                       const StateLayout& layout,
                       const MatrixXd& H,
                       Eliminated& motion) const;
-  void SubtractSchur(const Eliminated& motion, MatrixXd& H, VectorXd& b);
   void CoupleNeighbours(int frame);
 
   std::vector<Eliminated> eliminated_;
   int num_eliminated_ = 0;
   std::vector<VariableSet> coupled_;  // grows while motions are eliminated
-  MatrixXd update_;
 };
 
 }  // namespace facet
