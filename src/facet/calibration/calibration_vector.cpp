@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/calibration/calibration_vector.h"
 
+#include <cstdio>
+
 #include "facet/geometry/so3.h"
 
 namespace facet {
@@ -27,16 +29,60 @@ bool SaysNothingOfLensModes(const CalibrationMatrix& covariance) {
   return covariance.diagonal().segment(kLensModes, 2 * kNumLensModes).isZero(0);
 }
 
+namespace {
+
+// Standard deviations that a calibration may have: far more than any that has been seen, far less
+// than what would still be of use.
+struct Bounds {
+  double least, most;
+  const char* unit;
+};
+
+Bounds BoundsOf(int parameter) {
+  constexpr Bounds kPixels{1e-6, 1e3, " px"}, kLength{1e-8, 10, " m"}, kAngle{1e-9, 3, " rad"},
+      kTime{1e-9, 1, " s"}, kShare{1e-9, 1, ""}, kDistortion{1e-9, 10, ""};
+  if (parameter < kStereoRotation) return parameter % kNumIntrinsics < 4 ? kPixels : kDistortion;
+  if (parameter < kStereoTranslation) return kAngle;
+  if (parameter < kLensModes) return kLength;
+  if (parameter < kMountRotation) return kPixels;
+  if (parameter < kMountTranslation) return kAngle;
+  if (parameter < kTimeOffset) return kLength;
+  return parameter == kTimeOffset ? kTime : kShare;
+}
+
+std::string OutOfBounds(const CalibrationVector& sigmas) {
+  for (int k = 0; k < kNumCalibration; ++k) {
+    const Bounds bounds = BoundsOf(k);
+    if (sigmas(k) >= bounds.least && sigmas(k) <= bounds.most) continue;
+    char text[200];
+    std::snprintf(text,
+                  sizeof(text),
+                  "the standard deviation of %s is %.3g%s, where %.0g to %.0g are possible",
+                  kCalibrationNames[static_cast<std::size_t>(k)],
+                  sigmas(k),
+                  bounds.unit,
+                  bounds.least,
+                  bounds.most);
+    return text;
+  }
+  return "";
+}
+
+}  // namespace
+
 std::string WhatIsWrong(const CalibrationMatrix& of_all) {
   CalibrationMatrix covariance = of_all;
   if (SaysNothingOfLensModes(of_all))
     covariance.diagonal().segment(kLensModes, 2 * kNumLensModes).setOnes();
-  const CalibrationVector scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  if (!covariance.allFinite()) return "a covariance has finite numbers";
+  if (!(covariance.diagonal().minCoeff() > 0)) return "a covariance has a positive diagonal";
+  const CalibrationVector sigmas = covariance.diagonal().cwiseSqrt();
+  if (const std::string problem = OutOfBounds(sigmas); !problem.empty()) return problem;
+  const CalibrationVector scale = sigmas.cwiseInverse();
   const CalibrationMatrix correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
   if (!((correlation - correlation.transpose()).cwiseAbs().maxCoeff() < 1e-6))
     return "a covariance is symmetric";
-  if (!(covariance.diagonal().minCoeff() > 0) || correlation.ldlt().vectorD().minCoeff() <= 0)
-    return "a covariance is positive definite";
+  if (correlation.ldlt().vectorD().minCoeff() <= 0) return "a covariance is positive definite";
   return "";
 }
 

@@ -48,7 +48,7 @@ CalibrationVector CalibrationDifference(const StereoRig& from, const StereoRig& 
 void ForgetLensModes(CalibrationMatrix& covariance);
 bool SaysNothingOfLensModes(const CalibrationMatrix& covariance);
 
-/// Why the matrix can be no covariance, for a message; empty if it can.
+/// Why the matrix can be no covariance of a calibration, for a message; empty if it can.
 std::string WhatIsWrong(const CalibrationMatrix& covariance);
 
 }  // namespace facet

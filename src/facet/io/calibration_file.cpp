@@ -7,6 +7,8 @@
 #include <optional>
 #include <system_error>
 
+#include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 #include "facet/io/basalt_calibration.h"
 #include "facet/io/calibration_yaml.h"
 #include "facet/io/errors.h"
@@ -49,13 +51,40 @@ Duration ReadTimeOffset(const YamlFile& yaml, const YAML::Node& camera) {
   return FromSeconds(offset_s);
 }
 
+/// Of two transforms that are both given, the one from the camera before is not used. Where they
+/// are of different calibrations the user has to say which one counts.
+void CheckAgainstCameraBefore(const YamlFile& yaml,
+                              const YAML::Node& camera,
+                              const SE3& T_BC,
+                              const SE3& T_BC_before) {
+  constexpr double kMaxAngle = 0.002, kMaxDistance_m = 0.001;
+  const SE3 T_chain = ReadRigid(yaml, camera, "T_cn_cnm1");
+  const SE3 difference = T_chain * (T_BC.Inverse() * T_BC_before).Inverse();
+  const double angle = LogSO3(difference.q).norm(), distance_m = difference.p.norm();
+  if (angle < kMaxAngle && distance_m < kMaxDistance_m) return;
+  char text[300];
+  std::snprintf(
+      text,
+      sizeof(text),
+      "'T_cn_cnm1' contradicts the cameras' transforms to the IMU by %.2f deg and %.1f mm: "
+      "they are of different calibrations; delete the wrong one",
+      angle / kDegree,
+      1e3 * distance_m);
+  yaml.Fail(camera["T_cn_cnm1"], text);
+}
+
 /// T_BC of one camera of a camchain; `T_BC_before` is that of the camera before it, if there is
 /// one.
 SE3 ReadKalibrExtrinsics(const YamlFile& yaml,
                          const YAML::Node& camera,
                          const std::optional<SE3>& T_BC_before) {
-  if (YamlFile::Has(camera, "T_cam_imu")) return ReadRigid(yaml, camera, "T_cam_imu").Inverse();
-  if (YamlFile::Has(camera, "T_imu_cam")) return ReadRigid(yaml, camera, "T_imu_cam");
+  for (const char* key : {"T_cam_imu", "T_imu_cam"}) {
+    if (!YamlFile::Has(camera, key)) continue;
+    const SE3 T = ReadRigid(yaml, camera, key), T_BC = key[2] == 'c' ? T.Inverse() : T;
+    if (T_BC_before && YamlFile::Has(camera, "T_cn_cnm1"))
+      CheckAgainstCameraBefore(yaml, camera, T_BC, *T_BC_before);
+    return T_BC;
+  }
   if (T_BC_before && YamlFile::Has(camera, "T_cn_cnm1")) {
     return *T_BC_before * ReadRigid(yaml, camera, "T_cn_cnm1").Inverse();
   }

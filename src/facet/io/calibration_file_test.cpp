@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "facet/geometry/angles.h"
+#include "facet/geometry/so3.h"
 #include "facet/io/errors.h"
 #include "facet/testing/io/test_sequence.h"
 
@@ -127,6 +129,29 @@ TEST_F(CalibrationFileTest, KalibrIsTheInverseConvention) {
     EXPECT_THAT(kalibr.source,
                 AllOf(HasSubstr("T_cam_imu maps IMU to camera"), HasSubstr("t_cam +0.0125")));
   }
+}
+
+TEST_F(CalibrationFileTest, KalibrTransformsThatContradictEachOtherAreRefused) {
+  const StereoRig rig = FindCalibration(Mav0(), {}).rig;
+  WriteText(folder_ / "imu.yaml", kKalibrImu);
+  const auto error_with = [&](const SE3& T_C1C0) {
+    const std::string second = "  T_cam_imu:\n" + MatrixText(rig.T_BC[1].Inverse()) +
+                               "  T_cn_cnm1:\n" + MatrixText(T_C1C0);
+    WriteText(folder_ / "chain.yaml", Camchain(rig, second));
+    try {
+      FindCalibration(Mav0(), {folder_ / "chain.yaml", {}});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(error_with(rig.T_C1C0()), "");
+  const SE3 turn(ExpSO3({0, 0.5 * kDegree, 0}), Vector3d::Zero());
+  EXPECT_THAT(error_with(turn * rig.T_C1C0()), HasSubstr("contradicts"));
+  EXPECT_THAT(error_with(turn * rig.T_C1C0()), HasSubstr("by 0.50 deg and 0.0 mm"));
+  SE3 moved = rig.T_C1C0();
+  moved.p.x() += 0.002;
+  EXPECT_THAT(error_with(moved), HasSubstr("and 2.0 mm"));
 }
 
 TEST_F(CalibrationFileTest, KalibrFilesAreFoundInTheSequence) {

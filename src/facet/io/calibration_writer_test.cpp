@@ -109,7 +109,11 @@ TEST_F(CalibrationWriterTest, ACovarianceThatIsNoneIsRefused) {
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e-06, 4e-07")),
               HasSubstr("symmetric"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [-1e-06, 3e-07")),
-              HasSubstr("positive"));
+              HasSubstr("positive diagonal"));
+  EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e+12, 3e-07")),
+              HasSubstr("the standard deviation of cam0_fx is 1e+06 px"));
+  EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e-18, 3e-07")),
+              HasSubstr("the standard deviation of cam0_fx is 1e-09 px"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07,", "- [1e-06,")),
               HasSubstr("52 x 52 has 2704"));
   EXPECT_EQ(ErrorOf(good), "");
