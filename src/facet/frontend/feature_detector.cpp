@@ -28,7 +28,7 @@ int NumCells(const cv::Size& image, const DetectorOptions& options) {
 }
 
 FeatureDetector::FeatureDetector(const DetectorOptions& options, const KltOptions& klt)
-    : options_(options), tracker_(klt, kStrengthParameters) {}
+    : options_(options), tracker_(klt, kStrengthParameters), scratch_(1, kStrengthParameters) {}
 
 void FeatureDetector::MarkOccupied(const cv::Mat& image, std::span<const Vector2d> occupied) {
   mask_.create(image.size(), CV_8UC1);
@@ -55,9 +55,10 @@ bool FeatureDetector::BestCorner(const ImageLevel& level, Candidate& best) {
   best.strength = 0;
   for (auto corner = corners_.begin(); corner != corners_.begin() + tried; ++corner) {
     const auto x = static_cast<float>(corner->x), y = static_cast<float>(corner->y);
-    tracker_.ExtractLevel(level, x, y, scratch_);
-    if (!scratch_.is_valid || scratch_.min_eigenvalue <= best.strength) continue;
-    best.strength = scratch_.min_eigenvalue;
+    PatchTemplate& patch = scratch_.levels.front();
+    tracker_.ExtractLevel(level, x, y, patch);
+    if (!patch.is_valid || patch.min_eigenvalue <= best.strength) continue;
+    best.strength = patch.min_eigenvalue;
     best.px = Vector2d(x, y);
   }
   return best.strength >= options_.min_eigenvalue;

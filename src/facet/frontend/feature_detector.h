@@ -49,7 +49,7 @@ class FeatureDetector {
   std::vector<FastCorner> corners_;
   std::vector<Candidate> candidates_;
   std::vector<Vector2d> points_;
-  PatchTemplate scratch_;
+  PatchPyramid scratch_;  // one level
 };
 
 }  // namespace facet

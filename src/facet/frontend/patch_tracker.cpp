@@ -117,7 +117,7 @@ void ExtractTemplate(
   patch.translation_cov = half_trace;
   patch.min_eigenvalue = 1 / (max_variance * kWeightSum);
   const float to_gain = 1 / contrast2;
-  kernels.combine(contrast, &to_gain, 1, patch.rows.data());
+  kernels.combine(contrast, &to_gain, 1, patch.rows);
   for (int k = 0; k < N; ++k) {
     std::array<float, N + 2> factors{};
     for (int j = 0; j < N; ++j) {
@@ -126,7 +126,7 @@ void ExtractTemplate(
       factors[N] -= inverse(k, j) * on_contrast[sj] / contrast2;
       factors[N + 1] -= inverse(k, j) * on_offset[sj] / kWeightSum;
     }
-    kernels.combine(rows.data(), factors.data(), N + 2, patch.rows.data() + (1 + k) * kPatchSize);
+    kernels.combine(rows.data(), factors.data(), N + 2, patch.rows + (1 + k) * kPatchSize);
   }
   patch.is_valid = true;
 }
@@ -156,6 +156,16 @@ void Compose(const float* d, int num_parameters, PatchWarp& warp) {
 
 }  // namespace
 
+PatchPyramid::PatchPyramid(int num_levels, int num_parameters)
+    : levels(static_cast<std::size_t>(num_levels)),
+      rows_(static_cast<std::size_t>(num_levels * (1 + num_parameters))) {
+  static_assert(sizeof(Row) == kPatchSize * sizeof(float), "rows follow each other");
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    levels[l].num_rows = 1 + num_parameters;
+    levels[l].rows = rows_[l * static_cast<std::size_t>(1 + num_parameters)].values;
+  }
+}
+
 PatchWarp ToLevel(PatchWarp warp, int level) {
   const float scale = 1.0F / static_cast<float>(1 << level);
   warp.x *= scale;
@@ -182,7 +192,8 @@ PatchTracker::PatchTracker(const KltOptions& options, int num_parameters, double
 
 void PatchTracker::Extract(
     const ImagePyramid& image, float x, float y, LevelRange range, PatchPyramid& patch) const {
-  for (int l = range.finest; l <= std::min(range.coarsest, image.num_levels() - 1); ++l) {
+  const int num_levels = std::min(image.num_levels(), static_cast<int>(patch.levels.size()));
+  for (int l = range.finest; l <= std::min(range.coarsest, num_levels - 1); ++l) {
     const float scale = 1.0F / static_cast<float>(1 << l);
     ExtractLevel(image.level(l), x * scale, y * scale, patch.levels[static_cast<std::size_t>(l)]);
   }
@@ -192,6 +203,7 @@ void PatchTracker::ExtractLevel(const ImageLevel& image,
                                 float x,
                                 float y,
                                 PatchTemplate& patch) const {
+  FACET_CHECK(patch.num_rows > num_parameters_) << patch.num_rows << " rows";
   patch.is_valid = false;
   if (!CanSampleGradient(image, x, y)) return;
   switch (num_parameters_) {
@@ -213,7 +225,7 @@ float PatchTracker::Similarity(const PatchTemplate& patch,
   PatchRow value;
   kernels_->sample(image, warp, value.data());
   float gain = 0, sum = 0, squares = 0;
-  kernels_->dot_rows(value.data(), patch.rows.data(), 1, &gain);
+  kernels_->dot_rows(value.data(), patch.rows, 1, &gain);
   kernels_->moments(value.data(), kWeights.data(), &sum, &squares);
   const float variance = squares - sum * sum / kWeightSum;
   return variance > 1 ? gain * patch.norm / std::sqrt(variance) : -1;
@@ -241,7 +253,7 @@ bool PatchTracker::AlignLevel(const PatchTemplate& patch,
     } else {
       kernels_->sample(image, warp, value.data());
     }
-    kernels_->dot_rows(value.data(), patch.rows.data(), 1 + num_parameters_, product.data());
+    kernels_->dot_rows(value.data(), patch.rows, 1 + num_parameters_, product.data());
     const float gain = product[0];
     if (!(gain > kMinGain)) return false;
     std::array<float, kMaxWarpParameters> update{};
@@ -267,7 +279,9 @@ Alignment PatchTracker::Align(const PatchPyramid& patch,
                               PatchWarp& warp) const {
   Alignment result;
   PatchWarp refined = warp;
-  const int coarsest = std::min(range.coarsest, image.num_levels() - 1);
+  const int num_levels = std::min(image.num_levels(), static_cast<int>(patch.levels.size()));
+  const int coarsest = std::min(range.coarsest, num_levels - 1);
+  if (coarsest < range.finest) return result;
   for (int l = coarsest; l >= range.finest; --l) {
     const PatchTemplate& level = patch.levels[static_cast<std::size_t>(l)];
     const ImageLevel& pixels = image.level(l);

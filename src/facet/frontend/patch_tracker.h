@@ -4,8 +4,8 @@
 // dot products with precomputed rows).
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <vector>
 
 #include "facet/frontend/frontend_options.h"
 #include "facet/frontend/image_pyramid.h"
@@ -23,19 +23,33 @@ struct PatchTemplate {
   float translation_cov =
       0;  ///< variance of the position per variance of a grey value, mean of x and y
   float min_eigenvalue = 0;  ///< of the information on the position, per sample [(grey/px)^2]
-  /// Row 0 gives the gain, rows 1.. the update of the warp parameters times the gain.
-  alignas(32) std::array<float, (1 + kMaxWarpParameters) * kPatchSize> rows;
+  /// Row 0 gives the gain, rows 1.. the update of the warp parameters times the gain. Aligned, in
+  /// the memory of a PatchPyramid.
+  float* rows = nullptr;
+  int num_rows = 0;
 };
 
-/// A patch on all levels, taken at one point of one image.
+/// A patch on some levels, taken at one point of one image.
 struct PatchPyramid {
-  std::array<PatchTemplate, kMaxPyramidLevels> levels;
+  /// With room for the finest so many levels, and for trackers with at most so many parameters.
+  explicit PatchPyramid(int num_levels = kMaxPyramidLevels,
+                        int num_parameters = kMaxWarpParameters);
+  PatchPyramid(PatchPyramid&&) = default;
+  PatchPyramid& operator=(PatchPyramid&&) = default;
+
+  std::vector<PatchTemplate> levels;
 
   void Invalidate() {
     for (PatchTemplate& level : levels)
       level.is_valid = false;
   }
   bool IsValid(int level) const { return levels[static_cast<std::size_t>(level)].is_valid; }
+
+ private:
+  struct alignas(32) Row {
+    float values[kPatchSize];
+  };
+  std::vector<Row> rows_;
 };
 
 /// The outcome of an alignment.
@@ -60,12 +74,12 @@ class PatchTracker {
   /// An alignment ends when an update moves the patch by less than `min_update_px`.
   PatchTracker(const KltOptions& options, int num_parameters, double min_update_px = 0.01);
 
-  /// Takes the patch around (x, y) of level 0, on the levels of `range`; the others stay as they
-  /// are.
+  /// Takes the patch around (x, y) of level 0, on those levels of `range` that it has; the others
+  /// stay as they are.
   void Extract(
       const ImagePyramid& image, float x, float y, LevelRange range, PatchPyramid& patch) const;
 
-  /// Takes one level; (x, y) in pixels of that level.
+  /// Takes one level; (x, y) in pixels of that level. CHECKs that it has room.
   void ExtractLevel(const ImageLevel& image, float x, float y, PatchTemplate& patch) const;
 
   /// Refines the warp (in level-0 pixels) from patch to image. Levels where the patch is invalid or

@@ -148,7 +148,8 @@ TEST(PatchTracker, RefusesFlatAndOutsidePatches) {
   const cv::Mat image(kHeight, kWidth, CV_8UC1, cv::Scalar(80));
   flat.Build(image, 1);
   const PatchTracker tracker(KltOptions{}, 4);
-  PatchTemplate patch;
+  PatchPyramid pyramid(1, 4);
+  PatchTemplate& patch = pyramid.levels.front();
   tracker.ExtractLevel(flat.level(0), 100, 100, patch);
   EXPECT_FALSE(patch.is_valid);
   const cv::Mat noise = NoiseImage(kWidth, kHeight, 3);
@@ -165,6 +166,20 @@ TEST(PatchTracker, RefusesFlatAndOutsidePatches) {
   tracker.ExtractLevel(flat.level(0), nan, 100, patch);
   EXPECT_FALSE(patch.is_valid);
   EXPECT_FALSE(CanSample(flat.level(0), {1, 0, 0, 1, nan, 5}));
+}
+
+TEST(PatchTracker, APyramidHasRoomForSomeLevelsAndParameters) {
+  const cv::Mat noise = NoiseImage(kWidth, kHeight, 3);
+  ImagePyramid image;
+  image.Build(noise, 3);
+  const PatchTracker tracker(KltOptions{}, 4);
+  PatchPyramid two_levels(2, 4), few_parameters(2, 3);
+  tracker.Extract(image, 100, 100, {2, 0}, two_levels);
+  EXPECT_TRUE(two_levels.IsValid(0) && two_levels.IsValid(1));
+  PatchWarp warp;
+  warp.x = warp.y = 100;
+  EXPECT_TRUE(tracker.Align(two_levels, image, {2, 0}, warp).ok);
+  EXPECT_THROW(tracker.Extract(image, 100, 100, {0, 0}, few_parameters), CheckError);
 }
 
 TEST(PatchTracker, ChecksItsOptions) {

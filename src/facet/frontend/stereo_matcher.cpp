@@ -45,7 +45,9 @@ StereoMatcher::StereoMatcher(const StereoRig& rig, const FrontendOptions& option
       T_C1C0_(rig.T_C1C0()),
       options_(options.stereo),
       tracker_(options.klt, kParameters),
-      near_tracker_(options.klt, kNearParameters, kNearMinUpdate_px) {}
+      near_tracker_(options.klt, kNearParameters, kNearMinUpdate_px),
+      patch_(options.klt.num_levels, kParameters),
+      back_(options.klt.num_levels, kParameters) {}
 
 void StereoMatcher::Calibrate(const StereoRig& rig) {
   right_camera_ = rig.cameras[1];

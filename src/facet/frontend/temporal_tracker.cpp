@@ -30,13 +30,23 @@ constexpr double kRetryLostRatio = 0.5;
 // Points this near to the border of the image are lost.
 constexpr int kBorder_px = 4;
 
+std::unique_ptr<PatchPyramid> NewReference() {
+  return std::make_unique<PatchPyramid>(1 + kReferenceLevels.coarsest, kReferenceParameters);
+}
+
 }  // namespace
 
 TemporalTracker::TemporalTracker(const CameraModel& camera, const FrontendOptions& options)
     : camera_(camera),
       options_(options),
       frame_tracker_(options.klt, kFrameParameters),
-      reference_tracker_(options.klt, kReferenceParameters) {}
+      reference_tracker_(options.klt, kReferenceParameters),
+      scratch_(NewPatch()),
+      new_reference_(NewReference()) {}
+
+std::unique_ptr<PatchPyramid> TemporalTracker::NewPatch() const {
+  return std::make_unique<PatchPyramid>(options_.klt.num_levels, kFrameParameters);
+}
 
 void TemporalTracker::Calibrate(const CameraModel& camera, std::span<Track> tracks) {
   const auto same_pixel = [&](const Vector3d& bearing) {
@@ -61,6 +71,10 @@ bool TemporalTracker::Begin(const ImagePyramid& now, const Vector2d& px, Track& 
   const std::optional<PixelBearing> ray = camera_.BearingOf(px);
   if (!ray) return false;
   const auto x = static_cast<float>(px.x()), y = static_cast<float>(px.y());
+  if (!track.patch) {
+    track.patch = NewPatch();
+    track.reference = NewReference();
+  }
   track.patch->Invalidate();
   track.reference->Invalidate();
   frame_tracker_.Extract(now, x, y, {kStartLevel, 0}, *track.patch);

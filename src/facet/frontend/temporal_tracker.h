@@ -44,6 +44,7 @@ class TemporalTracker {
     const ImagePyramid& now;
   };
 
+  std::unique_ptr<PatchPyramid> NewPatch() const;
   std::optional<Prediction> Predict(const SE3& T_now_prev, const Track& track) const;
   /// Seeks the lost tracks once more where they were, as if nothing had moved.
   void RetryInPlace(const Images& images, std::span<Track> tracks, TrackingSummary& summary);
@@ -75,8 +76,8 @@ class TemporalTracker {
   FrontendOptions options_;
   PatchTracker frame_tracker_;
   PatchTracker reference_tracker_;
-  std::unique_ptr<PatchPyramid> scratch_ = std::make_unique<PatchPyramid>();
-  std::unique_ptr<PatchPyramid> new_reference_ = std::make_unique<PatchPyramid>();
+  std::unique_ptr<PatchPyramid> scratch_;
+  std::unique_ptr<PatchPyramid> new_reference_;
   PatchWarp new_reference_warp_;
   std::vector<std::size_t> lost_;  // slots
 };

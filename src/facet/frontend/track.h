@@ -27,10 +27,10 @@ struct Track {
   std::optional<Vector3d> drift;
   /// Bearing in the last keyframe that saw the point there.
   std::optional<Vector3d> keyframe_bearing;
-  /// Patch in the newest image, around px.
-  std::unique_ptr<PatchPyramid> patch = std::make_unique<PatchPyramid>();
+  /// Patch in the newest image, around px; null in a slot that was never used.
+  std::unique_ptr<PatchPyramid> patch;
   /// Patch that px is aligned with, from the frame where the track began or was refreshed.
-  std::unique_ptr<PatchPyramid> reference = std::make_unique<PatchPyramid>();
+  std::unique_ptr<PatchPyramid> reference;
   PatchWarp reference_warp;  ///< from the reference to the newest image
   /// The reference was taken anew in the newest image, at a place a little beside the earlier one.
   bool is_renewed = false;
