@@ -40,12 +40,12 @@ void UseLandmarks(const MarginalizationPlan& plan,
   const StateLayout& layout = equations.layout;
   FrameGeometry geometry(rig);
   geometry.Update(window);
-  MatrixXd lower = MatrixXd::Zero(layout.dim, layout.dim);
+  // Landmarks have nothing to do with motions, whose columns come last.
+  MatrixXd lower = MatrixXd::Zero(layout.dense_dim, layout.dense_dim);
   LandmarkBlock block;
   LensSums sums;
   LensSums* const lens = window.calibration ? &sums : nullptr;
-  VectorXd of_landmarks = VectorXd::Zero(lens != nullptr ? layout.dim : 0);
-  VectorXd& b = lens != nullptr ? of_landmarks : equations.b;
+  VectorXd b = VectorXd::Zero(layout.dense_dim);
   if (lens != nullptr) sums.Clear(window.frames.size());
   for (std::size_t l = 0; l < window.landmarks().size(); ++l) {
     const WindowLandmark& landmark = window.landmarks()[l];
@@ -63,9 +63,10 @@ void UseLandmarks(const MarginalizationPlan& plan,
     used.touched.Insert(Variable::Calibration());
     AddLensSums(sums, layout, lower, b);
     FillMountColumns(MountJacobiansOf(window, geometry), layout, lower, b);
-    equations.b += b;
   }
-  equations.H += lower.selfadjointView<Eigen::Lower>();
+  equations.b.head(layout.dense_dim) += b;
+  equations.H.topLeftCorner(layout.dense_dim, layout.dense_dim) +=
+      lower.selfadjointView<Eigen::Lower>();
 }
 
 // Columns of the variables that are touched, the leaving ones apart.
