@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "facet/calibration/calibration_vector.h"
@@ -42,8 +43,13 @@ struct LandmarkBlock {
     Matrix<kNumLensColumns, 3> Y;  ///< W L^-T, filled by Eliminate
     bool has_modes = true;         ///< otherwise the rows of the lenses' modes are zero
   };
+  LandmarkBlock() = default;
+  LandmarkBlock(LandmarkBlock&&) = default;
+  LandmarkBlock& operator=(LandmarkBlock&&) = default;
+
   int index = -1;  ///< of the landmark in the window
-  std::vector<View> views;
+  /// In the block's own memory, or in that of someone who keeps many blocks.
+  std::span<View> views;
   /// Of the same views. Only AddDiagonal needs them: who keeps many blocks lends one buffer to all.
   std::vector<PoseSquare> pose_squares;
   int num_views = 0;
@@ -58,7 +64,10 @@ struct LandmarkBlock {
 
   /// Empty, with room for so many views. Keeps the storage.
   void Clear(std::size_t max_views) {
-    if (views.size() < max_views) views.resize(max_views);
+    if (views.size() < max_views) {
+      own_views_.resize(max_views);
+      views = own_views_;
+    }
     if (pose_squares.size() < max_views) pose_squares.resize(max_views);
     num_views = num_plane_views = 0;
     lens.clear();
@@ -66,6 +75,9 @@ struct LandmarkBlock {
     b.setZero();
     cost = 0;
   }
+
+ private:
+  std::vector<View> own_views_;
 };
 
 /// What all landmarks say of lenses and stereo pair, before their elimination.

@@ -45,6 +45,13 @@ void AddMeasurements(const SlidingWindow& window,
     linear.measured[k] += on_diagonal(k);
 }
 
+std::size_t NumViews(const SlidingWindow& window) {
+  std::size_t num = 0;
+  for (const WindowLandmark& landmark : window.landmarks())
+    num += IsConstraining(landmark) ? landmark.observations.size() : 0;
+  return num;
+}
+
 void AddLandmarks(const SlidingWindow& window,
                   const FrameGeometry& geometry,
                   const FactorNoise& noise,
@@ -63,10 +70,14 @@ void AddLandmarks(const SlidingWindow& window,
   const auto& landmarks = window.landmarks();
   linear.num_landmarks = 0;
   if (linear.landmarks.size() < landmarks.size()) linear.landmarks.resize(landmarks.size());
+  linear.views.resize(NumViews(window));
+  std::span<LandmarkBlock::View> views = linear.views;
   for (std::size_t l = 0; l < landmarks.size(); ++l) {
     if (!IsConstraining(landmarks[l])) continue;
     LandmarkBlock& block = linear.landmarks[linear.num_landmarks++];
     block.index = static_cast<int>(l);
+    block.views = views.first(landmarks[l].observations.size());
+    views = views.subspan(block.views.size());
     block.pose_squares.swap(linear.pose_squares);
     LinearizeLandmark(geometry, window.planes, landmarks[l], noise, block, lens);
     linear.cost += block.cost;

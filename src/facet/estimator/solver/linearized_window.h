@@ -20,6 +20,7 @@ struct LinearizedWindow {
   /// The constraining landmarks, in the order of the window: the first num_landmarks.
   std::vector<LandmarkBlock> landmarks;
   int num_landmarks = 0;
+  std::vector<LandmarkBlock::View> views;               ///< all of theirs
   std::vector<LandmarkBlock::PoseSquare> pose_squares;  ///< the buffer that is lent to them
   /// What the landmarks add to frames, planes, lenses and stereo pair before their elimination
   /// (lower triangle of the dense columns), and the frames' mount Jacobians: only if the
