@@ -80,6 +80,8 @@ StereoDataset::StereoDataset(RecordingFiles files) : files_(std::move(files)) {
   CheckOverlap();
   FindSampleBits();
   RequireReadablePair();
+  reader_ =
+      ImageReader();  // runs have readers of their own, and its buffers are as large as images
 }
 
 void StereoDataset::PairImages() {
