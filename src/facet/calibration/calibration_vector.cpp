@@ -31,16 +31,20 @@ bool SaysNothingOfLensModes(const CalibrationMatrix& covariance) {
 
 namespace {
 
-// Standard deviations that a calibration may have: far more than any that has been seen, far less
-// than what would still be of use.
-struct Bounds {
-  double least, most;
+// A standard deviation may be so small, in the unit of its parameter: what an estimator holds has
+// 1e-7.
+constexpr double kLeastSigma = 1e-9;
+
+// And so large: what would still be of some use. Coefficients of distortion are powers of an angle,
+// of which a narrow lens knows next to nothing.
+struct Most {
+  double sigma;
   const char* unit;
 };
 
-Bounds BoundsOf(int parameter) {
-  constexpr Bounds kPixels{1e-6, 1e3, " px"}, kLength{1e-8, 10, " m"}, kAngle{1e-9, 3, " rad"},
-      kTime{1e-9, 1, " s"}, kShare{1e-9, 1, ""}, kDistortion{1e-9, 10, ""};
+Most MostOf(int parameter) {
+  constexpr Most kPixels{1e3, " px"}, kLength{10, " m"}, kAngle{3, " rad"}, kTime{1, " s"},
+      kShare{1, ""}, kDistortion{1e6, ""};
   if (parameter < kStereoRotation) return parameter % kNumIntrinsics < 4 ? kPixels : kDistortion;
   if (parameter < kStereoTranslation) return kAngle;
   if (parameter < kLensModes) return kLength;
@@ -52,17 +56,17 @@ Bounds BoundsOf(int parameter) {
 
 std::string OutOfBounds(const CalibrationVector& sigmas) {
   for (int k = 0; k < kNumCalibration; ++k) {
-    const Bounds bounds = BoundsOf(k);
-    if (sigmas(k) >= bounds.least && sigmas(k) <= bounds.most) continue;
+    const Most most = MostOf(k);
+    if (sigmas(k) >= kLeastSigma && sigmas(k) <= most.sigma) continue;
     char text[200];
     std::snprintf(text,
                   sizeof(text),
                   "the standard deviation of %s is %.3g%s, where %.0g to %.0g are possible",
                   kCalibrationNames[static_cast<std::size_t>(k)],
                   sigmas(k),
-                  bounds.unit,
-                  bounds.least,
-                  bounds.most);
+                  most.unit,
+                  kLeastSigma,
+                  most.sigma);
     return text;
   }
   return "";

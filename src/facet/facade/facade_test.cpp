@@ -431,7 +431,7 @@ TEST(FacadeErrorTest, SaysWhatIsWrong) {
   absurd.covariance = {1, 2, 3};
   EXPECT_THAT(ErrorOf(absurd), HasSubstr("covariance: neither empty"));
   absurd.covariance.assign(kNumCalibration * kNumCalibration, 0);
-  EXPECT_THAT(ErrorOf(absurd), HasSubstr("covariance: a covariance is positive definite"));
+  EXPECT_THAT(ErrorOf(absurd), HasSubstr("covariance: a covariance has a positive diagonal"));
   api::Odometry::Options options;
   options.overrides = {"frontend.klt.simd=neon512"};
   EXPECT_THAT(ErrorOf(TestCalibration(), options), HasSubstr("frontend.klt.simd"));

@@ -11,6 +11,8 @@
 namespace facet {
 namespace {
 
+static_assert(std::endian::native == std::endian::little, "the low byte is the first lane");
+
 constexpr int kLanes = 16, kCircle = 16;
 typedef std::uint8_t Bytes __attribute__((vector_size(kLanes)));  // NOLINT: g++ needs a typedef
 

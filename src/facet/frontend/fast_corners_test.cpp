@@ -55,11 +55,13 @@ TEST(FastCornersTest, AreThoseOfOpenCvWithTheirScores) {
   }
 }
 
-TEST(FastCornersTest, SearchUpToTheBorderAndReadNothingBeyondIt) {
+TEST(FastCornersTest, AreFoundUpToTheBorderAndInPartsOfImages) {
   Rng rng(2);
   for (const int cols : {22, 23, 37, 38, 39, 54}) {
-    cv::Mat image = Clutter(cols, 30, rng);
+    const cv::Mat image = Clutter(cols, 30, rng);
     ExpectThoseOfOpenCv(image, cv::Rect(3, 3, cols - 6, 24), 10);
+    const cv::Mat larger = Clutter(cols + 9, 40, rng);
+    ExpectThoseOfOpenCv(larger(cv::Rect(5, 4, cols, 30)), cv::Rect(3, 3, cols - 6, 24), 10);
   }
 }
 

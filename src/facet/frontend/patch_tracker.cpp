@@ -2,6 +2,7 @@
 #include "facet/frontend/patch_tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -162,7 +163,8 @@ PatchPyramid::PatchPyramid(int num_levels, int num_parameters)
   static_assert(sizeof(Row) == kPatchSize * sizeof(float), "rows follow each other");
   for (std::size_t l = 0; l < levels.size(); ++l) {
     levels[l].num_rows = 1 + num_parameters;
-    levels[l].rows = rows_[l * static_cast<std::size_t>(1 + num_parameters)].values;
+    levels[l].rows = reinterpret_cast<float*>(rows_.data()) +
+                     l * static_cast<std::size_t>(levels[l].num_rows * kPatchSize);
   }
 }
 

@@ -83,7 +83,8 @@ class PatchTracker {
   void ExtractLevel(const ImageLevel& image, float x, float y, PatchTemplate& patch) const;
 
   /// Refines the warp (in level-0 pixels) from patch to image. Levels where the patch is invalid or
-  /// leaves the image are skipped; the finest level must succeed. The warp is unchanged on failure.
+  /// leaves the image are skipped; the finest level must be there and succeed. The warp is
+  /// unchanged on failure.
   Alignment Align(const PatchPyramid& patch,
                   const ImagePyramid& image,
                   LevelRange range,

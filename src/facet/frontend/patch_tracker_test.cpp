@@ -179,6 +179,10 @@ TEST(PatchTracker, APyramidHasRoomForSomeLevelsAndParameters) {
   PatchWarp warp;
   warp.x = warp.y = 100;
   EXPECT_TRUE(tracker.Align(two_levels, image, {2, 0}, warp).ok);
+  EXPECT_FALSE(tracker.Align(two_levels, image, {2, 2}, warp).ok);
+  ImagePyramid one_level;
+  one_level.Build(noise, 1);
+  EXPECT_FALSE(tracker.Align(two_levels, one_level, {1, 1}, warp).ok);
   EXPECT_THROW(tracker.Extract(image, 100, 100, {0, 0}, few_parameters), CheckError);
 }
 

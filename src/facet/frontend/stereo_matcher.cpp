@@ -122,7 +122,8 @@ void StereoMatcher::Search(const Track& track,
                            const ImagePyramid& right) {
   samples_.clear();
   candidates_.clear();
-  int level = std::min(kSearchLevel, right.num_levels() - 1);
+  const int num_levels = std::min(right.num_levels(), static_cast<int>(patch_.levels.size()));
+  int level = std::min(kSearchLevel, num_levels - 1);
   const auto x = static_cast<float>(track.px.x()), y = static_cast<float>(track.px.y());
   tracker_.Extract(left, x, y, {level, kSeededLevel + 1}, patch_);
   while (level > 0 && !patch_.IsValid(level))

@@ -26,7 +26,8 @@ struct ImuMotion {
                 const Vector<9>& correction = Vector<9>::Zero()) const;
 };
 
-/// Midpoint rule, about a bias. CHECKs that the samples are in order of time.
+/// Midpoint rule, about a bias; the gyroscope counts without a scale. CHECKs that the samples are
+/// in order of time.
 ImuMotion IntegrateMotion(std::span<const ImuSample> samples, const ImuBias& bias);
 
 }  // namespace facet

@@ -51,40 +51,45 @@ Duration ReadTimeOffset(const YamlFile& yaml, const YAML::Node& camera) {
   return FromSeconds(offset_s);
 }
 
-/// Of two transforms that are both given, the one from the camera before is not used. Where they
-/// are of different calibrations the user has to say which one counts.
-void CheckAgainstCameraBefore(const YamlFile& yaml,
-                              const YAML::Node& camera,
-                              const SE3& T_BC,
-                              const SE3& T_BC_before) {
+/// The transform from the camera before is not used where that from the IMU is given, too; empty if
+/// they say the same, otherwise a warning.
+std::string ContradictionWithCameraBefore(const YamlFile& yaml,
+                                          const YAML::Node& camera,
+                                          const SE3& T_BC,
+                                          const SE3& T_BC_before) {
   constexpr double kMaxAngle = 0.002, kMaxDistance_m = 0.001;
   const SE3 T_chain = ReadRigid(yaml, camera, "T_cn_cnm1");
   const SE3 difference = T_chain * (T_BC.Inverse() * T_BC_before).Inverse();
   const double angle = LogSO3(difference.q).norm(), distance_m = difference.p.norm();
-  if (angle < kMaxAngle && distance_m < kMaxDistance_m) return;
+  if (angle < kMaxAngle && distance_m < kMaxDistance_m) return "";
   char text[300];
-  std::snprintf(
-      text,
-      sizeof(text),
-      "'T_cn_cnm1' contradicts the cameras' transforms to the IMU by %.2f deg and %.1f mm: "
-      "they are of different calibrations; delete the wrong one",
-      angle / kDegree,
-      1e3 * distance_m);
-  yaml.Fail(camera["T_cn_cnm1"], text);
+  std::snprintf(text,
+                sizeof(text),
+                ": 'T_cn_cnm1' contradicts the cameras' transforms to the IMU by %.2f deg and "
+                "%.1f mm and is not used; if it is the newer one, delete T_cam_imu (or T_imu_cam) "
+                "of this camera",
+                angle / kDegree,
+                1e3 * distance_m);
+  return yaml.Where(camera["T_cn_cnm1"]) + text;
 }
 
 /// T_BC of one camera of a camchain; `T_BC_before` is that of the camera before it, if there is
 /// one.
 SE3 ReadKalibrExtrinsics(const YamlFile& yaml,
                          const YAML::Node& camera,
-                         const std::optional<SE3>& T_BC_before) {
-  for (const char* key : {"T_cam_imu", "T_imu_cam"}) {
-    if (!YamlFile::Has(camera, key)) continue;
-    const SE3 T = ReadRigid(yaml, camera, key), T_BC = key[2] == 'c' ? T.Inverse() : T;
-    if (T_BC_before && YamlFile::Has(camera, "T_cn_cnm1"))
-      CheckAgainstCameraBefore(yaml, camera, T_BC, *T_BC_before);
-    return T_BC;
+                         const std::optional<SE3>& T_BC_before,
+                         std::vector<std::string>& warnings) {
+  std::optional<SE3> T_BC;
+  if (YamlFile::Has(camera, "T_cam_imu")) {
+    T_BC = ReadRigid(yaml, camera, "T_cam_imu").Inverse();
+  } else if (YamlFile::Has(camera, "T_imu_cam")) {
+    T_BC = ReadRigid(yaml, camera, "T_imu_cam");
   }
+  if (T_BC && T_BC_before && YamlFile::Has(camera, "T_cn_cnm1")) {
+    const std::string warning = ContradictionWithCameraBefore(yaml, camera, *T_BC, *T_BC_before);
+    if (!warning.empty()) warnings.push_back(warning);
+  }
+  if (T_BC) return *T_BC;
   if (T_BC_before && YamlFile::Has(camera, "T_cn_cnm1")) {
     return *T_BC_before * ReadRigid(yaml, camera, "T_cn_cnm1").Inverse();
   }
@@ -185,7 +190,7 @@ Calibration ReadKalibrCalibration(const fs::path& camchain, const fs::path& imu_
     const YAML::Node camera = yaml.Require(yaml.root(), "cam" + std::to_string(i));
     result.rig.cameras[i] = ReadCamera(yaml, camera);
     result.rig.lens_modes[i] = ReadLensModes(yaml, camera);
-    result.rig.T_BC[i] = ReadKalibrExtrinsics(yaml, camera, T_BC_before);
+    result.rig.T_BC[i] = ReadKalibrExtrinsics(yaml, camera, T_BC_before, result.warnings);
     T_BC_before = result.rig.T_BC[i];
     offsets[i] = ReadTimeOffset(yaml, camera);
   }

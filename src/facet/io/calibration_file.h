@@ -3,9 +3,9 @@
 //
 // EuRoC: one sensor.yaml per sensor; T_BS maps the sensor to the body.
 // Kalibr: camchain.yaml with T_cam_imu, which maps the IMU to the camera (the inverse), T_cn_cnm1,
-// which maps the previous camera to this one, and timeshift_cam_imu; and imu.yaml with the noise
-// densities. OpenVINS's T_imu_cam (camera to IMU) is understood too. Our body is the IMU, whatever
-// the file says.
+// which maps the previous camera to this one (where T_cam_imu is given, too, it is compared only),
+// and timeshift_cam_imu; and imu.yaml with the noise densities. OpenVINS's T_imu_cam (camera to
+// IMU) is understood too. Our body is the IMU, whatever the file says.
 #pragma once
 
 #include <filesystem>

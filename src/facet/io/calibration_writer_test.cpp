@@ -112,8 +112,8 @@ TEST_F(CalibrationWriterTest, ACovarianceThatIsNoneIsRefused) {
               HasSubstr("positive diagonal"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e+12, 3e-07")),
               HasSubstr("the standard deviation of cam0_fx is 1e+06 px"));
-  EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e-18, 3e-07")),
-              HasSubstr("the standard deviation of cam0_fx is 1e-09 px"));
+  EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e-20, 3e-07")),
+              HasSubstr("the standard deviation of cam0_fx is 1e-10 px"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07,", "- [1e-06,")),
               HasSubstr("52 x 52 has 2704"));
   EXPECT_EQ(ErrorOf(good), "");

@@ -80,8 +80,8 @@ StereoDataset::StereoDataset(RecordingFiles files) : files_(std::move(files)) {
   CheckOverlap();
   FindSampleBits();
   RequireReadablePair();
-  reader_ =
-      ImageReader();  // runs have readers of their own, and its buffers are as large as images
+  // Runs have readers of their own, and its buffers are as large as images.
+  reader_ = ImageReader();
 }
 
 void StereoDataset::PairImages() {

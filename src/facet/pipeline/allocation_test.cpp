@@ -107,13 +107,13 @@ TEST(Allocation, AFrameBetweenKeyframesNeedsFew) {
   options.mesh.map.enabled = false;
   const Counts counts = CountWhenWarm(options);
   ASSERT_GE(counts.others.size(), 10U);
-  EXPECT_LE(MedianOf(counts.others, "between keyframes"), 45);
+  EXPECT_LE(MedianOf(counts.others, "between keyframes"), 30);
 }
 
 TEST(Allocation, AKeyframeNeedsSome) {
   const Counts counts = CountWhenWarm(VioOptions{});
   ASSERT_GE(counts.keyframes.size(), 3U);
-  EXPECT_LE(MedianOf(counts.keyframes, "keyframes"), 1500);
+  EXPECT_LE(MedianOf(counts.keyframes, "keyframes"), 650);
 }
 
 #else

@@ -36,7 +36,8 @@ struct ImuSquares {
   Vector<30> b;  ///< gradient
 };
 
-/// `r`: the residual that counts, times its noise; `linear`: where the derivatives are taken.
+/// `r`: the residual that counts, times its noise; `linear`: where the derivatives are taken;
+/// `sqrt_info`: of ImuSqrtInfo, whose biases are apart from the motion and from each other.
 ImuSquares Square(const Matrix<15, 15>& sqrt_info, const ImuResidual& linear, const Vector<15>& r);
 
 /// How far the two states are from the measured motion: RMS of its whitened errors, those of the

@@ -45,7 +45,7 @@ struct LandmarkBlock {
   };
   LandmarkBlock() = default;
   LandmarkBlock(LandmarkBlock&&) = default;
-  LandmarkBlock& operator=(LandmarkBlock&&) = default;
+  LandmarkBlock& operator=(LandmarkBlock&&) = default;  ///< what is moved from is not used again
 
   int index = -1;  ///< of the landmark in the window
   /// In the block's own memory, or in that of someone who keeps many blocks.

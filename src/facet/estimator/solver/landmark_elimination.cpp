@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "facet/base/check.h"
 #include "facet/estimator/factors/vision_kernels.h"
 
 namespace facet {
@@ -92,6 +93,7 @@ void SubtractLens(const LandmarkBlock& block,
 }  // namespace
 
 void AddDiagonal(const LandmarkBlock& block, const StateLayout& layout, MatrixXd& H, VectorXd& b) {
+  FACET_CHECK(std::ssize(block.pose_squares) >= block.num_views) << "they are lent to others";
   for (int v = 0; v < block.num_views; ++v) {
     const int column = layout.pose_column[block.views[v].frame];
     H.block<6, 6>(column, column) += block.pose_squares[v].H;
