@@ -10,14 +10,23 @@ namespace facet {
 
 namespace {
 
+void EraseFigures(std::string& text) {
+  std::erase_if(text, [](unsigned char c) {
+    return std::isdigit(c) != 0 || c == '.' || c == '-' || c == '+';
+  });
+}
+
+// The first words, and a list between ": " and "; ", both without figures.
 std::string KindOf(const std::string& text) {
   constexpr int kNumWords = 6;
   std::istringstream stream(text);
   std::string kind, word;
-  for (int i = 0; i < kNumWords && stream >> word; ++i) {
-    std::erase_if(word, [](unsigned char c) { return std::isdigit(c) != 0; });
+  for (int i = 0; i < kNumWords && stream >> word; ++i)
     kind += word + ' ';
-  }
+  const std::size_t begin = text.find(": "), end = text.find("; ", begin);
+  if (begin != std::string::npos && end != std::string::npos)
+    kind += text.substr(begin, end - begin);
+  EraseFigures(kind);
   return kind;
 }
 

@@ -26,7 +26,8 @@ struct Occurrences {
 /// Not thread-safe.
 class WarningLog {
  public:
-  /// Texts are of the same kind if their first words are the same but for figures.
+  /// Texts are of the same kind if their first words are the same but for figures, and so is what
+  /// they list between ": " and "; ".
   void Add(Timestamp t, const std::string& text);
 
   /// In the order in which they came first; those that came again with " (3 times, the last at

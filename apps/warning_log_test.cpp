@@ -30,6 +30,19 @@ TEST(WarningLogTest, OtherWordsAreAnotherKind) {
   EXPECT_EQ(log.Texts(kBegin).size(), 2u);
 }
 
+// What is found wrong later must not be swallowed by what was found first.
+TEST(WarningLogTest, ALongerListIsAnotherKind) {
+  WarningLog log;
+  const std::string begin = "the calibration is off by more than a careful one is: ",
+                    end = "; this was estimated";
+  log.Add(kBegin, begin + "focal length +1.0 %" + end);
+  log.Add(kBegin, begin + "focal length +0.97 %, time offset -10 ms" + end);
+  log.Add(kBegin, begin + "focal length -0.98 %, time offset +9.9 ms" + end);
+  const std::vector<std::string> texts = log.Texts(kBegin);
+  ASSERT_EQ(texts.size(), 2u);
+  EXPECT_THAT(texts[1], ::testing::HasSubstr("time offset -10 ms; this was estimated (2 times"));
+}
+
 TEST(OccurrencesTest, NothingHappensAtNoTime) {
   Occurrences gaps;
   gaps.Add(kBegin + FromSeconds(4), 2);

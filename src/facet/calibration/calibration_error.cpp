@@ -2,6 +2,8 @@
 #include "facet/calibration/calibration_error.h"
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -53,6 +55,25 @@ void CompareDisparities(const StereoRig& estimate, const StereoRig& truth, Calib
   out.vertical_rms_px = std::sqrt(squares.y() / num);
 }
 
+std::optional<double> NeesOf(const CalibrationVector& all_errors, const CalibrationMatrix& of_all) {
+  std::vector<int> estimated;
+  for (const auto& [first, count] : {std::pair(0, kNumRigParameters),
+                                     std::pair(kLensModes, 2 * kNumLensModes),
+                                     std::pair(kMountRotation, 6),
+                                     std::pair(kTimeOffset, 1),
+                                     std::pair(kGyroScale, 3)}) {
+    if (AreHeld(of_all, first, count)) continue;
+    for (int k = 0; k < count; ++k)
+      estimated.push_back(first + k);
+  }
+  if (estimated.empty()) return std::nullopt;
+  const MatrixXd covariance = of_all(estimated, estimated);
+  const VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const MatrixXd correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const VectorXd z = scale.cwiseProduct(all_errors(estimated));
+  return z.dot(correlation.ldlt().solve(z)) / static_cast<double>(estimated.size());
+}
+
 }  // namespace
 
 CalibrationError CompareCalibrations(const StereoRig& estimate, const StereoRig& truth) {
@@ -61,11 +82,7 @@ CalibrationError CompareCalibrations(const StereoRig& estimate, const StereoRig&
   CompareDisparities(estimate, truth, out);
   if (estimate.covariance) {
     FACET_CHECK(estimate.covariance->rows() == kNumCalibration);
-    const CalibrationMatrix covariance = *estimate.covariance;
-    const CalibrationVector scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
-    const CalibrationMatrix correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
-    const CalibrationVector z = scale.cwiseProduct(out.error);
-    out.nees = z.dot(correlation.ldlt().solve(z)) / kNumCalibration;
+    out.nees = NeesOf(out.error, *estimate.covariance);
   }
   return out;
 }

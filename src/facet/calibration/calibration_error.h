@@ -14,7 +14,8 @@ struct CalibrationError {
   /// image that the right one shows: mean and root mean square along the rows, and the latter
   /// across them.
   double disparity_mean_px = 0, disparity_rms_px = 0, vertical_rms_px = 0;
-  /// Squared errors over the stated covariance, per parameter; empty without a covariance.
+  /// Squared errors over the stated covariance, per parameter; groups that were held do not count.
+  /// Empty without a covariance, or if all were held.
   std::optional<double> nees;
 };
 

@@ -50,5 +50,19 @@ TEST(CalibrationErrorTest, TheCovarianceIsInTheSameOrder) {
   EXPECT_NEAR(*CompareCalibrations(rig, EurocRig()).nees, 4.0 / kNumCalibration, 1e-6);
 }
 
+TEST(CalibrationErrorTest, WhatWasHeldHasNoNees) {
+  StereoRig rig = EurocRig();
+  rig.time_offset = rig.time_offset + Duration{2'000'000};
+  CalibrationMatrix covariance = CalibrationMatrix::Identity();
+  covariance.topLeftCorner<kNumLensColumns, kNumLensColumns>() *= kHeldSigma * kHeldSigma;
+  covariance(kTimeOffset, kTimeOffset) = 1e-6;
+  rig.covariance = std::make_shared<const MatrixXd>(covariance);
+  constexpr int kNumEstimated = kNumCalibration - kNumLensColumns;
+  EXPECT_NEAR(*CompareCalibrations(rig, EurocRig()).nees, 4.0 / kNumEstimated, 1e-6);
+  rig.covariance =
+      std::make_shared<const MatrixXd>(kHeldSigma * kHeldSigma * CalibrationMatrix::Identity());
+  EXPECT_FALSE(CompareCalibrations(rig, EurocRig()).nees);
+}
+
 }  // namespace
 }  // namespace facet

@@ -29,6 +29,12 @@ bool SaysNothingOfLensModes(const CalibrationMatrix& covariance) {
   return covariance.diagonal().segment(kLensModes, 2 * kNumLensModes).isZero(0);
 }
 
+bool AreHeld(const CalibrationMatrix& covariance, int first, int count) {
+  constexpr double kMargin = 3;
+  return covariance.diagonal().segment(first, count).maxCoeff() <
+         kMargin * kMargin * kHeldSigma * kHeldSigma;
+}
+
 namespace {
 
 // A standard deviation may be so small, in the unit of its parameter: what an estimator holds has

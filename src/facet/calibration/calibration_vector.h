@@ -48,6 +48,13 @@ CalibrationVector CalibrationDifference(const StereoRig& from, const StereoRig& 
 void ForgetLensModes(CalibrationMatrix& covariance);
 bool SaysNothingOfLensModes(const CalibrationMatrix& covariance);
 
+/// 1-sigma of a parameter that a run holds, in its unit: far below what anything can measure.
+inline constexpr double kHeldSigma = 1e-7;
+
+/// Whether so many parameters from `first` on were held by the run that wrote the covariance: it
+/// says nothing of how well they are known.
+bool AreHeld(const CalibrationMatrix& covariance, int first, int count);
+
 /// Why the matrix can be no covariance of a calibration, for a message; empty if it can: it has to
 /// be symmetric and positive definite, with standard deviations from 1e-9 (in any unit) to 1000 px,
 /// 10 m, 3 rad, 1 s and, of coefficients of distortion, a million.

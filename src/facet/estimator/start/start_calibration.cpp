@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "facet/calibration/board_calibration.h"
 #include "facet/geometry/angles.h"
@@ -10,9 +11,6 @@
 namespace facet {
 
 namespace {
-
-// 1-sigma of what is held, in the units of the parameter: far below what anything can measure.
-constexpr double kHeldSigma = 1e-7;
 
 // As far as a rig's own covariance is trusted: it was another day.
 constexpr double kOtherDay = 0.1;
@@ -36,12 +34,20 @@ CalibrationMatrix OfACarefulCalibration(const StereoRig& rig, const CalibrationO
   return covariance;
 }
 
+// What the former run held or did not have is as after a careful calibration.
 CalibrationMatrix WithFormerRun(const CalibrationMatrix& careful, const CalibrationMatrix& former) {
   CalibrationMatrix covariance = kOtherDay * kOtherDay * careful + former;
-  constexpr int kNumModes = 2 * kNumLensModes;
-  if (SaysNothingOfLensModes(former)) {
-    covariance.block<kNumModes, kNumModes>(kLensModes, kLensModes) =
-        careful.block<kNumModes, kNumModes>(kLensModes, kLensModes);
+  const auto forget = [&](int first, int count) {
+    covariance.middleRows(first, count).setZero();
+    covariance.middleCols(first, count).setZero();
+    covariance.block(first, first, count, count) = careful.block(first, first, count, count);
+  };
+  if (SaysNothingOfLensModes(former)) forget(kLensModes, 2 * kNumLensModes);
+  for (const auto& [first, count] : {std::pair(0, kNumLensColumns),
+                                     std::pair(kMountRotation, 6),
+                                     std::pair(kTimeOffset, 1),
+                                     std::pair(kGyroScale, 3)}) {
+    if (AreHeld(former, first, count)) forget(first, count);
   }
   return covariance;
 }
