@@ -348,7 +348,7 @@ def main():
     suite, scenes = read_suite(arguments.suite)
     if arguments.scene:
         scenes = [scene for scene in scenes if any(text in scene.name for text in arguments.scene)]
-    arguments.draws = arguments.draws or suite["draws"]
+    arguments.draws = suite["draws"] if arguments.draws is None else arguments.draws
     arguments.variant = arguments.variant or ("ab" if arguments.what == "make" else "a")
     if arguments.what == "make":
         make(arguments, suite, scenes)

@@ -193,6 +193,15 @@ void EvaluateCalibration(const fs::path& result,
   if (truth.calibration.empty() || !fs::is_directory(result) || !fs::exists(file)) return;
   const StereoRig estimate = ReadKalibrCalibration(file, {}).rig;
   const StereoRig exact = ReadEurocCalibration(truth.calibration, {}).rig;
+  for (std::size_t c = 0; c < 2; ++c) {
+    const CameraIntrinsics &a = estimate.cameras[c].intrinsics(),
+                           &b = exact.cameras[c].intrinsics();
+    if (a.distortion == b.distortion && a.width == b.width && a.height == b.height) continue;
+    evaluation.warnings.push_back(file.string() + ": camera " + std::to_string(c) +
+                                  " has another model of distortion or size of the image than " +
+                                  truth.calibration.string() + "; the calibration is not judged");
+    return;
+  }
   evaluation.calibration = CompareCalibrations(estimate, exact);
 }
 

@@ -10,7 +10,10 @@
 
 #include "facet/eval/evaluation_json.h"
 #include "facet/geometry/so3.h"
+#include "facet/io/calibration_file.h"
+#include "facet/io/calibration_writer.h"
 #include "facet/io/errors.h"
+#include "facet/testing/io/test_sequence.h"
 
 namespace facet {
 namespace {
@@ -89,6 +92,25 @@ TEST_F(RunEvaluationTest, PerfectRunHasNoErrorAndTheRightCoverage) {
   EXPECT_LT(evaluation.causal.ate_m.max, 1e-8);
   EXPECT_DOUBLE_EQ(*evaluation.coverage, 0.9);
   EXPECT_FALSE(evaluation.keyframes);
+}
+
+TEST_F(RunEvaluationTest, ACalibrationOfAnotherLensModelIsNotJudged) {
+  for (const char* sensor : {"cam0", "cam1", "imu0"})
+    fs::create_directories(sequence() / "truth" / sensor);
+  Write("seq/truth/cam0/sensor.yaml", TestCameraYaml(0));
+  Write("seq/truth/cam1/sensor.yaml", TestCameraYaml(1));
+  Write("seq/truth/imu0/sensor.yaml", TestImuYaml());
+  StereoRig rig = ReadEurocCalibration(sequence() / "truth", {}).rig;
+  WriteText(result() / "calibration.yaml", CalibrationYaml(rig));
+  EXPECT_TRUE(Evaluate().calibration.has_value());
+  CameraIntrinsics k = rig.cameras[1].intrinsics();
+  k.distortion = DistortionModel::kEquidistant;
+  k.coefficients = {};
+  rig.cameras[1] = CameraModel(k);
+  WriteText(result() / "calibration.yaml", CalibrationYaml(rig));
+  const RunEvaluation evaluation = Evaluate();
+  EXPECT_FALSE(evaluation.calibration.has_value());
+  EXPECT_THAT(evaluation.warnings, ElementsAre(HasSubstr("camera 1 has another model")));
 }
 
 TEST_F(RunEvaluationTest, QuaternionsInTheWrongOrderGiveAWarning) {
