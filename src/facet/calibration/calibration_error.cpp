@@ -2,12 +2,12 @@
 #include "facet/calibration/calibration_error.h"
 
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
 
 #include "facet/base/check.h"
+#include "facet/calibration/calibration_groups.h"
 #include "facet/calibration/lens_modes.h"
 
 namespace facet {
@@ -57,13 +57,9 @@ void CompareDisparities(const StereoRig& estimate, const StereoRig& truth, Calib
 
 std::optional<double> NeesOf(const CalibrationVector& all_errors, const CalibrationMatrix& of_all) {
   std::vector<int> estimated;
-  for (const auto& [first, count] : {std::pair(0, kNumRigParameters),
-                                     std::pair(kLensModes, 2 * kNumLensModes),
-                                     std::pair(kMountRotation, 6),
-                                     std::pair(kTimeOffset, 1),
-                                     std::pair(kGyroScale, 3)}) {
-    if (AreHeld(of_all, first, count)) continue;
-    for (int k = 0; k < count; ++k)
+  for (const auto& [first, size] : kCalibrationGroups) {
+    if (AreHeld(of_all, first, size)) continue;
+    for (int k = 0; k < size; ++k)
       estimated.push_back(first + k);
   }
   if (estimated.empty()) return std::nullopt;

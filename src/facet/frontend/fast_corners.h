@@ -21,8 +21,8 @@ struct FastCorner {
 /// Finds pixels of which nine neighbours in a row, on a circle of radius 3, are all brighter or all
 /// darker by more than a threshold, and whose score is higher than those of the eight pixels around
 /// them. What lies outside the part that is searched has no score. Corners and scores are those of
-/// OpenCV's FAST with non-maximum suppression, which takes twice as long for 40 x 40 pixels. Keeps
-/// its buffers; not thread-safe.
+/// OpenCV's FAST with non-maximum suppression, which is made for whole images. Keeps its buffers;
+/// not thread-safe.
 class FastCorners {
  public:
   static constexpr int kRadius = 3;

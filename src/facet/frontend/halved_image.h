@@ -11,7 +11,7 @@ namespace facet {
 
 /// Halves 8 bit grey images: every second pixel of what the binomial filter (1 4 6 4 1) / 16 makes
 /// of rows and columns; beyond its border an image goes on as its mirror. These are the pixels of
-/// OpenCV's pyrDown, in half of its time: sums of 25 pixels fit into 16 bits. Keeps its buffers
+/// OpenCV's pyrDown; sums of 25 pixels fit into 16 bits. Keeps its buffers
 /// from image to image. Not thread-safe.
 class ImageHalver {
  public:

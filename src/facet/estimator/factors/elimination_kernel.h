@@ -79,7 +79,7 @@ template <int kLanes, int kColumns>
 }
 
 /// h -= A B^T; h has stride_h between two columns. If B is A only the lower triangle is complete.
-/// Twice as fast as Eigen's product of this depth, which needs another matrix besides.
+/// Eigen's product of this depth needs another matrix besides.
 template <int kLanes>
 void SubtractNineColumns(const NineColumns& A, const NineColumns& B, double* h, long stride_h) {
   constexpr int kColumns = 3;

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "facet/calibration/board_calibration.h"
+#include "facet/calibration/calibration_groups.h"
 #include "facet/geometry/angles.h"
 
 namespace facet {
@@ -37,17 +37,11 @@ CalibrationMatrix OfACarefulCalibration(const StereoRig& rig, const CalibrationO
 // What the former run held or did not have is as after a careful calibration.
 CalibrationMatrix WithFormerRun(const CalibrationMatrix& careful, const CalibrationMatrix& former) {
   CalibrationMatrix covariance = kOtherDay * kOtherDay * careful + former;
-  const auto forget = [&](int first, int count) {
-    covariance.middleRows(first, count).setZero();
-    covariance.middleCols(first, count).setZero();
-    covariance.block(first, first, count, count) = careful.block(first, first, count, count);
-  };
-  if (SaysNothingOfLensModes(former)) forget(kLensModes, 2 * kNumLensModes);
-  for (const auto& [first, count] : {std::pair(0, kNumLensColumns),
-                                     std::pair(kMountRotation, 6),
-                                     std::pair(kTimeOffset, 1),
-                                     std::pair(kGyroScale, 3)}) {
-    if (AreHeld(former, first, count)) forget(first, count);
+  for (const auto& [first, size] : kCalibrationGroups) {
+    if (!AreHeld(former, first, size)) continue;
+    covariance.middleRows(first, size).setZero();
+    covariance.middleCols(first, size).setZero();
+    covariance.block(first, first, size, size) = careful.block(first, first, size, size);
   }
   return covariance;
 }
