@@ -75,7 +75,7 @@ TEST(CheckRecordedTest, PlantedDefectsAreNamed) {
   const auto recording = testing::DataDir("euroc_mh01_handheld");
   if (!recording) GTEST_SKIP() << testing::MissingData("euroc_mh01_handheld");
   const std::pair<const char*, const char*> defects[] = {
-      {"imu_early:ms=20", "time_offset (certain)"},
+      {"imu_early:ms=10", "time_offset (certain)"},
       {"cameras_turned:axis=1,deg=3", "camera_imu_rotation ("},
       {"imu_degrees", "the gyroscope measured in deg/s"},
       {"swapped", "cameras_swapped (certain)"},

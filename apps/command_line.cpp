@@ -377,7 +377,8 @@ void AddCalibrationOptions(CLI::App& command, SimulateArguments& a) {
                   "a seed: what a careful calibration would have written; truth/ has the exact one")
       ->check(NonNegativeNumber());
   command
-      .add_option("--draw-parts", a.drawn_parts, "lens,imu,time (all): which parts of it are drawn")
+      .add_option(
+          "--draw-parts", a.drawn_parts, "lens,imu,time,scale (all): which parts of it are drawn")
       ->delimiter(',')
       ->needs("--draw-calibration");
   command

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Runs `facet simulate` with drawn calibrations and lenses that do not obey their model.
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include "facet/calibration/rig_parameters.h"
+#include "facet/io/asl_dataset.h"
 #include "facet/io/calibration_file.h"
 #include "facet/testing/io/test_sequence.h"
 
@@ -72,6 +75,23 @@ void ExpectSameRig(const StereoRig& a, const StereoRig& b) {
   EXPECT_LT((a.T_BC[0].p - b.T_BC[0].p).norm(), 1e-9);
   EXPECT_LT(a.T_BC[0].q.angularDistance(b.T_BC[0].q), 1e-9);
   EXPECT_EQ(a.time_offset, b.time_offset);
+  EXPECT_LT((a.gyro_scale - b.gyro_scale).norm(), 1e-9);
+}
+
+std::vector<ImuSample> Imu(const fs::path& sequence) {
+  return AslDataset(sequence).imu();
+}
+
+/// How much the readings differ at most, in rad/s and m/s^2.
+double ImuDifference(const std::vector<ImuSample>& a, const std::vector<ImuSample>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double largest = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    largest = std::max({largest,
+                        (a[i].gyro - b[i].gyro).cwiseAbs().maxCoeff(),
+                        (a[i].accel - b[i].accel).cwiseAbs().maxCoeff()});
+  }
+  return largest;
 }
 
 TEST_F(DrawCalibrationTest, IsWrittenInPlaceOfTheExactOneAndChangesNoImage) {
@@ -84,6 +104,12 @@ TEST_F(DrawCalibrationTest, IsWrittenInPlaceOfTheExactOneAndChangesNoImage) {
   EXPECT_NEAR(Fx(Written("drawn")), Fx(Exact("drawn")), 1.5);
   EXPECT_NE(Written("drawn").time_offset.ns, 0);
   EXPECT_EQ(Exact("drawn").time_offset.ns, 0);
+  // The IMU has errors that the calibration does not know.
+  EXPECT_TRUE(Written("drawn").gyro_scale.isZero(0));
+  EXPECT_GT(Exact("drawn").gyro_scale.norm(), 1e-4);
+  const double difference = ImuDifference(Imu(out_ / "exact"), Imu(out_ / "drawn"));
+  EXPECT_GT(difference, 1e-3);
+  EXPECT_LT(difference, 0.2) << "a per cent of gravity and more";
 }
 
 TEST_F(DrawCalibrationTest, ACopyHasTheSameDrawAndLinksTheImages) {
@@ -92,7 +118,8 @@ TEST_F(DrawCalibrationTest, ACopyHasTheSameDrawAndLinksTheImages) {
   Simulate("copy", "--of " + (out_ / "exact").string() + " --draw-calibration 3");
   ExpectSameRig(Written("copy"), Written("drawn"));
   ExpectSameRig(Exact("copy"), Exact("drawn"));
-  for (const char* file : {"mav0/imu0/data.csv", "mav0/cam0/data.csv", "truth/planes.csv"}) {
+  EXPECT_LT(ImuDifference(Imu(out_ / "copy"), Imu(out_ / "drawn")), 1e-9);
+  for (const char* file : {"mav0/cam0/data.csv", "truth/planes.csv"}) {
     EXPECT_EQ(ReadText(out_ / "copy" / file), ReadText(out_ / "drawn" / file)) << file;
   }
   EXPECT_TRUE(fs::equivalent(Image("exact"), Image("copy")));
@@ -105,6 +132,9 @@ TEST_F(DrawCalibrationTest, ACopyOfADrawnSequenceStartsFromItsExactCalibration) 
   Simulate("direct", Scene() + "--draw-calibration 4");
   ExpectSameRig(Written("other"), Written("direct"));
   EXPECT_EQ(Fx(Exact("other")), Fx(Exact("drawn")));
+  // Another calibration of the same IMU.
+  EXPECT_EQ(Exact("other").gyro_scale, Exact("drawn").gyro_scale);
+  EXPECT_LT(ImuDifference(Imu(out_ / "other"), Imu(out_ / "drawn")), 1e-9);
   EXPECT_EQ(ReadText(out_ / "drawn" / "mav0" / "cam1" / "sensor.yaml"), before);
 }
 
@@ -114,6 +144,10 @@ TEST_F(DrawCalibrationTest, PartsCanBeDrawnAlone) {
   Simulate("time", source + "--draw-parts time");
   EXPECT_EQ(Fx(Written("time")), Fx(Written("exact")));
   EXPECT_NE(Written("time").time_offset.ns, 0);
+  EXPECT_LT(ImuDifference(Imu(out_ / "time"), Imu(out_ / "exact")), 1e-9);
+  Simulate("scale", source + "--draw-parts scale");
+  ExpectSameRig(Written("scale"), Written("exact"));
+  EXPECT_GT(ImuDifference(Imu(out_ / "scale"), Imu(out_ / "exact")), 1e-3);
   Simulate("rest", source + "--draw-parts lens,imu");
   EXPECT_NE(Fx(Written("rest")), Fx(Written("exact")));
   EXPECT_EQ(Written("rest").time_offset.ns, 0);

@@ -40,13 +40,15 @@ void CleanImu(SimulatorOptions& options) {
 /// Empty: all of them.
 DrawnParts PartsFromText(const std::vector<std::string>& names) {
   if (names.empty()) return {};
-  DrawnParts parts{false, false, false};
+  DrawnParts parts{false, false, false, false};
   for (const std::string& name : names) {
-    bool* part = name == "lens"   ? &parts.lens
-                 : name == "imu"  ? &parts.imu
-                 : name == "time" ? &parts.time
-                                  : nullptr;
-    if (!part) throw ConfigError("--draw-parts " + name + ": no such part; known: lens, imu, time");
+    bool* part = name == "lens"    ? &parts.lens
+                 : name == "imu"   ? &parts.imu
+                 : name == "time"  ? &parts.time
+                 : name == "scale" ? &parts.scale
+                                   : nullptr;
+    if (!part)
+      throw ConfigError("--draw-parts " + name + ": no such part; known: lens, imu, time, scale");
     *part = true;
   }
   return parts;
@@ -149,9 +151,14 @@ void CopySequence(SimulateArguments& a) {
   ApplyOptions(a);
   RecordingCopy recording = ReadRecording(a.source);
   if (request.drawn_calibration) {
-    recording.rig = WrittenCalibration(
-        recording.exact_rig,
-        {request.drawn_calibration, request.drawn_parts, request.options.calibration});
+    const CalibrationDraw draw{
+        request.drawn_calibration, request.drawn_parts, request.options.calibration};
+    recording.rig = WrittenCalibration(recording.exact_rig, draw);
+    // Another person's calibration of an IMU that has errors already is of the same IMU.
+    const bool has_errors = !recording.exact_rig.gyro_scale.isZero(0);
+    const ImuErrors imu_errors = has_errors ? ImuErrors() : UnknownImuErrors(draw);
+    AddImuErrors(imu_errors, recording.imu);
+    recording.exact_rig.gyro_scale += imu_errors.GyroScale();
   }
   for (const std::string& fault : a.faults)
     PlantFault(fault, recording);

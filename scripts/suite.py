@@ -9,11 +9,14 @@ and with drawn ones (docs/simulator.md, "What is simulated").
   suite.py run --against other/facet        another program on the same sequences, and the ratio to it
   suite.py second                           besides, a second flight of each rig: with the calibration.yaml that its flight
                                             through the scene before wrote
-  suite.py attribution                      which part of the drawn calibration costs what: lens, imu, time, all
+  suite.py run --duration 20                what is known of the calibration after 20 s
+  suite.py attribution                      which part of the drawn calibration costs what: lens, imu, time, scale, all
   suite.py run --suite config/planes_suite.yaml --out runs/planes_suite         where planes could harm
 
 A figure of a scene is the median over its starts (0, 0.1, 0.2 ... s) and draws; NEES and what is left of the errors of
-the calibration at the ends of the runs are means. The last columns have the median over the scenes and the worst one. Sequences and results go to --out.
+the calibration at the ends of the runs are means, or the worst run where that is said. The exact calibration has as
+many starts as there are draws, so that one lucky start is not what the draws are divided by. The last columns have the
+median over the scenes and the worst one. Sequences and results go to --out.
 """
 
 import argparse
@@ -35,7 +38,7 @@ import yaml
 import run_all
 
 ROOT = Path(__file__).resolve().parent.parent
-PARTS = ["lens", "imu", "time"]
+PARTS = ["lens", "imu", "time", "scale"]
 
 
 @dataclass
@@ -69,6 +72,7 @@ class Case:
     sequence: Path
     name: str = ""  # of the folder of results; empty: that of the sequence
     words: tuple = ()  # more arguments of `facet run`, by pipeline
+    seed: int = 0  # of the draw
 
 
 def read_suite(file):
@@ -123,16 +127,19 @@ def make(arguments, suite, scenes):
         list(pool.map(lambda item: render(arguments, suite, *item), todo))
 
 
-def drawn(arguments, scene, variant, draw, parts):
+def copy_drawn(arguments, source, name, seed, parts):
     """A copy with a drawn calibration, whose images are links; made if it is not there."""
-    source = rendered(arguments, scene, variant)
-    name = f"{source.name}-draw{draw}" + ("" if parts == PARTS else "-" + "-".join(parts))
     out = arguments.out / "drawn" / name
     if not (out / "simulation.txt").exists():
         shutil.rmtree(out, ignore_errors=True)
-        simulate(arguments.maker, out, ["--of", source, "--draw-calibration", scene.draw_seed(draw),
-                                        "--draw-parts", ",".join(parts)])
+        simulate(arguments.maker, out, ["--of", source, "--draw-calibration", seed, "--draw-parts", ",".join(parts)])
     return out
+
+
+def drawn(arguments, scene, variant, draw, parts):
+    source = rendered(arguments, scene, variant)
+    name = f"{source.name}-draw{draw}" + ("" if parts == PARTS else "-" + "-".join(parts))
+    return copy_drawn(arguments, source, name, scene.draw_seed(draw), parts)
 
 
 def list_cases(arguments, scenes, variant, kinds):
@@ -145,7 +152,7 @@ def list_cases(arguments, scenes, variant, kinds):
         yield Case(scene, "exact", source)
         for kind, parts in kinds.items():
             for draw in [] if kind == "second" else range(1, arguments.draws + 1):
-                yield Case(scene, kind, drawn(arguments, scene, variant, draw, parts))
+                yield Case(scene, kind, drawn(arguments, scene, variant, draw, parts), seed=scene.draw_seed(draw))
 
 
 def fingerprint(run):
@@ -184,7 +191,7 @@ def folder_of(arguments, label, name, pipeline, start):
 
 
 def second_flights(arguments, cases, label):
-    """Each scene with the exact images, which the rig of the scene before has flown through, and what was learnt there."""
+    """Each scene flown through by the rig of the scene before, with its IMU and what it has learnt there."""
     drawn_cases = [case for case in cases if case.kind == "drawn"]
     scenes = {case.scene.name: case for case in cases if case.kind == "exact"}
     names = list(scenes)
@@ -193,19 +200,25 @@ def second_flights(arguments, cases, label):
         learnt = {pipeline: ("--calibration",
                              str(folder_of(arguments, label, first.sequence.name, pipeline, 0) / "calibration.yaml"))
                   for pipeline in arguments.pipelines}
-        yield Case(second.scene, "second", second.sequence, f"{second.sequence.name}-after-{first.sequence.name}",
-                   tuple(learnt.items()))
+        name = f"{second.sequence.name}-after-{first.sequence.name}"
+        sequence = copy_drawn(arguments, second.sequence, name, first.seed, ["scale"])
+        yield Case(second.scene, "second", sequence, name, tuple(learnt.items()))
+
+
+def num_starts(arguments, case):
+    return arguments.exact_starts if case.kind == "exact" else arguments.starts
 
 
 def execute_all(arguments, cases, label, program):
     """{(scene, kind, pipeline): runs}, in the order of the cases."""
     groups, runs = {}, []
+    duration = ["--duration", f"{arguments.duration:g}"] if arguments.duration else []
     for case in cases:
         for pipeline in arguments.pipelines:
-            words = ["--pipeline", pipeline, *(w for text in arguments.set for w in ("--set", text)),
+            words = ["--pipeline", pipeline, *duration, *(w for text in arguments.set for w in ("--set", text)),
                      *dict(case.words).get(pipeline, ())]
             config = run_all.Config(pipeline, program, words)
-            for i in range(arguments.starts):
+            for i in range(num_starts(arguments, case)):
                 folder = folder_of(arguments, label, case.name or case.sequence.name, pipeline, i)
                 run = run_all.Run(case.sequence, config, 0.1 * i, folder)
                 runs.append(run)
@@ -241,11 +254,23 @@ CALIBRATION = {  # key of evaluation.json: name of the figure
 }
 
 
-def calibration_error(runs, key):
-    """Mean of its absolute values at the ends of the runs; NaN if the calibration was held."""
-    values = [run.evaluation.get("calibration", {}).get(key) for run in runs]
-    values = [abs(v) for v in values if v is not None]
-    return statistics.mean(values) if values else math.nan
+def sizes(values):
+    """Absolute values of those that there are; NaN without any, as where the calibration was held."""
+    return [abs(v) for v in values if v is not None] or [math.nan]
+
+
+def calibration_figures(runs):
+    """What is left of the errors at the ends of the runs."""
+    figures = {}
+    for key, name in CALIBRATION.items():
+        values = sizes(run.evaluation.get("calibration", {}).get(key) for run in runs)
+        figures[name] = statistics.mean(values)
+        if key == "time_offset_ms":
+            figures["time offset error, worst run [ms]"] = max(values)
+    scales = sizes(run.evaluation.get("scale_error_percent") for run in runs)
+    figures["error of scale [%]"] = statistics.mean(scales)
+    figures["error of scale, worst run [%]"] = max(scales)
+    return figures
 
 
 def figures_of(groups, scene, kinds, pipelines):
@@ -258,12 +283,14 @@ def figures_of(groups, scene, kinds, pipelines):
             error = ate_mm(groups[scene, kind, pipeline])
             row[f"{pipeline} {kind} mm"] = error
             row[f"{pipeline} {kind}/exact"] = error / exact
+            errors = [math.inf if run.ate() is None else 1e3 * run.ate() for run in groups[scene, kind, pipeline]]
+            row[f"{pipeline} {kind}/exact, worst run"] = max(errors) / exact
         for kind in ["exact", *kinds]:
             for part in ("position", "orientation"):
                 row[f"{pipeline} {part} NEES {kind}"] = nees(groups[scene, kind, pipeline], part)
         for kind in kinds:
-            for key, name in CALIBRATION.items():
-                row[f"{pipeline} {kind}: {name}"] = calibration_error(groups[scene, kind, pipeline], key)
+            for name, value in calibration_figures(groups[scene, kind, pipeline]).items():
+                row[f"{pipeline} {kind}: {name}"] = value
     if "S" in pipelines and "SPR" in pipelines:
         for kind in ["exact", *kinds]:
             pairs = zip(groups[scene, kind, "SPR"], groups[scene, kind, "S"], strict=True)
@@ -281,7 +308,7 @@ def overall(table, column):
 
 
 def form(column, value):
-    if "[px]" in column or "[ms]" in column:
+    if any(unit in column for unit in ("[px]", "[ms]", "[%]")):
         return f"{value:.3f}"
     return f"{value:.2f}" if "mm" not in column or value < 9.95 else f"{value:.1f}"
 
@@ -318,7 +345,8 @@ def run_variant(arguments, scenes, variant, kinds):
             again = list(second_flights(arguments, cases, f"{label}-{variant}"))
             groups.update(execute_all(arguments, again, f"{label}-{variant}", program))
         tables[label] = {name: figures_of(groups, name, kinds, arguments.pipelines) for name in names}
-        print_table(f"Variant {variant}, {program}, {arguments.starts} start(s), {arguments.draws} draws",
+        print_table(f"Variant {variant}, {program}, {arguments.starts} start(s) of {arguments.draws} draws, "
+                    f"{arguments.exact_starts} of the exact calibration",
                     tables[label])
     if arguments.against:
         print_table("Ratio of the first program to the second", ratio_table(tables["program"], tables["against"]))
@@ -334,6 +362,8 @@ def parse_arguments():
     parser.add_argument("--variant", help="a, b or ab (make: ab, otherwise a)")
     parser.add_argument("--pipelines", default="S,SPR", type=lambda text: text.split(","))
     parser.add_argument("--starts", type=int, default=1)
+    parser.add_argument("--exact-starts", type=int, help="with the exact calibration (as many as starts or draws)")
+    parser.add_argument("--duration", type=float, help="of the runs, in seconds (all)")
     parser.add_argument("--draws", type=int, help="of each scene (as the suite's file says)")
     parser.add_argument("--program", default=str(ROOT / "build" / "facet"))
     parser.add_argument("--against", help="another program")
@@ -349,6 +379,7 @@ def main():
     if arguments.scene:
         scenes = [scene for scene in scenes if any(text in scene.name for text in arguments.scene)]
     arguments.draws = suite["draws"] if arguments.draws is None else arguments.draws
+    arguments.exact_starts = arguments.exact_starts or max(arguments.starts, arguments.draws)
     arguments.variant = arguments.variant or ("ab" if arguments.what == "make" else "a")
     if arguments.what == "make":
         make(arguments, suite, scenes)

@@ -42,6 +42,7 @@ class Figures(unittest.TestCase):
         row = suite.figures_of(self.groups, "a", ["drawn"], ["S", "SPR"])
         self.assertAlmostEqual(row["S drawn mm"], 6)
         self.assertAlmostEqual(row["S drawn/exact"], 3)
+        self.assertAlmostEqual(row["S drawn/exact, worst run"], 4)
         self.assertAlmostEqual(row["SPR drawn mm"], 4)  # the run without a result counts as infinite
         self.assertAlmostEqual(row["SPR position NEES drawn"], 2.5)
         self.assertAlmostEqual(row["SPR/S exact"], 0.5)
@@ -54,6 +55,8 @@ class Figures(unittest.TestCase):
                 r.evaluation["calibration"] = {"time_offset_ms": offset}
         row = suite.figures_of(self.groups, "a", ["drawn"], ["SPR"])
         self.assertAlmostEqual(row["SPR drawn: time offset error [ms]"], 0.2)
+        self.assertAlmostEqual(row["SPR drawn: time offset error, worst run [ms]"], 0.3)
+        self.assertTrue(math.isnan(row["SPR drawn: error of scale [%]"]))
         self.assertTrue(math.isnan(row["SPR drawn: calibration NEES"]))
 
     def test_a_run_that_failed_spoils_the_figure_of_its_scene(self):

@@ -90,8 +90,12 @@ std::string WhatIsWrong(const CalibrationMatrix& of_all) {
   if (const std::string problem = OutOfBounds(sigmas); !problem.empty()) return problem;
   const CalibrationVector scale = sigmas.cwiseInverse();
   const CalibrationMatrix correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
-  if (!((correlation - correlation.transpose()).cwiseAbs().maxCoeff() < 1e-6))
-    return "a covariance is symmetric";
+  Eigen::Index row = 0, column = 0;
+  if (!((correlation - correlation.transpose()).cwiseAbs().maxCoeff(&row, &column) < 1e-6)) {
+    const auto name = [](Eigen::Index k) { return kCalibrationNames[static_cast<std::size_t>(k)]; };
+    return std::string("a covariance is symmetric, but ") + name(row) + " and " + name(column) +
+           " have two";
+  }
   if (correlation.ldlt().vectorD().minCoeff() <= 0) return "a covariance is positive definite";
   return "";
 }

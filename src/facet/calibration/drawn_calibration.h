@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "facet/base/options.h"
+#include "facet/base/random.h"
 #include "facet/calibration/board_calibration.h"
 
 namespace facet {
@@ -13,9 +14,10 @@ namespace facet {
 /// Which parts of a calibration are drawn; the others stay exact. A part is the same whether the
 /// others are drawn or not.
 struct DrawnParts {
-  bool lens = true;  ///< intrinsics of both cameras and the transform between them
-  bool imu = true;   ///< where both cameras are in the body
-  bool time = true;  ///< clock of the cameras against that of the IMU
+  bool lens = true;   ///< intrinsics of both cameras and the transform between them
+  bool imu = true;    ///< where both cameras are in the body
+  bool time = true;   ///< clock of the cameras against that of the IMU
+  bool scale = true;  ///< of the IMU's axes, and their misalignment
 };
 
 /// 1-sigma of the length of the errors.
@@ -24,6 +26,8 @@ struct DrawnCalibrationOptions {
   double imu_rotation_deg = 0.1;
   double imu_translation_m = 3e-3;
   double time_s = 1e-3;
+  double imu_scale_percent = 0.3;      ///< each axis of both sensors
+  double imu_misalignment_deg = 0.05;  ///< each axis of both sensors, towards each other one
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -34,6 +38,8 @@ struct DrawnCalibrationOptions {
     v.Field("imu_rotation_deg", imu_rotation_deg, Range{0, 10}, "1-sigma, cameras against IMU");
     v.Field("imu_translation_m", imu_translation_m, Range{0, 1}, "1-sigma, cameras against IMU");
     v.Field("time_s", time_s, Range{0, 0.1}, "1-sigma, clock of the cameras");
+    v.Field("imu_scale_percent", imu_scale_percent, Range{0, 10}, "1-sigma, axes of the IMU");
+    v.Field("imu_misalignment_deg", imu_misalignment_deg, Range{0, 5}, "1-sigma, axes of the IMU");
   }
 };
 
@@ -46,5 +52,24 @@ std::optional<StereoRig> DrawCalibration(const StereoRig& exact,
                                          std::uint64_t seed,
                                          const DrawnParts& parts = {},
                                          const DrawnCalibrationOptions& options = {});
+
+/// What the sensors of an IMU do beside their biases: they read `of_gyro` * w_B and
+/// `of_accel` * a_B.
+struct ImuErrors {
+  Matrix3d of_gyro = Matrix3d::Identity();
+  Matrix3d of_accel = Matrix3d::Identity();
+
+  /// By what share each axis of the gyroscope reads too much, as StereoRig has it.
+  Vector3d GyroScale() const { return of_gyro.diagonal() - Vector3d::Ones(); }
+};
+
+/// 1-sigma of every element: scales, and axes that are not quite orthogonal.
+ImuErrors DrawImuErrors(double scale_percent, double misalignment_deg, Rng& rng);
+
+/// The errors of the IMU that belongs to DrawCalibration with the same seed: a calibration does not
+/// know them. None where `parts` has none.
+ImuErrors DrawImuErrors(std::uint64_t seed,
+                        const DrawnParts& parts = {},
+                        const DrawnCalibrationOptions& options = {});
 
 }  // namespace facet

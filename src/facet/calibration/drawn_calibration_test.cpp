@@ -111,6 +111,30 @@ TEST(DrawnCalibrationTest, PartsAreTheSameWithAndWithoutTheOthers) {
   EXPECT_NE(time.time_offset.ns, 0);
 }
 
+TEST(DrawnCalibrationTest, ImuIsOffByAsMuchAsStatedAndTheCalibrationDoesNotKnow) {
+  const DrawnCalibrationOptions options;
+  double scale_squares = 0, turn_squares = 0;
+  constexpr int kMany = 500;
+  for (std::uint64_t seed = 1; seed <= kMany; ++seed) {
+    const ImuErrors errors = DrawImuErrors(seed);
+    for (const Matrix3d& M : {errors.of_gyro, errors.of_accel}) {
+      const Matrix3d off = M - Matrix3d::Identity();
+      scale_squares += off.diagonal().squaredNorm() / (6 * kMany);
+      turn_squares += (off.squaredNorm() - off.diagonal().squaredNorm()) / (12 * kMany);
+    }
+    EXPECT_EQ(errors.GyroScale(), errors.of_gyro.diagonal() - Vector3d::Ones());
+  }
+  EXPECT_NEAR(100 * std::sqrt(scale_squares), options.imu_scale_percent, 0.02);
+  const double turn_deg = std::sqrt(turn_squares) * 180 / std::numbers::pi;
+  EXPECT_NEAR(turn_deg, options.imu_misalignment_deg, 0.003);
+  EXPECT_TRUE(DrawImuErrors(1, {.scale = false}).of_gyro.isIdentity(0));
+  EXPECT_NE(DrawImuErrors(1).of_gyro, DrawImuErrors(1).of_accel);
+
+  StereoRig exact = EurocRig();
+  exact.gyro_scale = Vector3d(0.003, 0, 0);
+  EXPECT_TRUE(DrawCalibration(exact, 1)->gyro_scale.isZero(0));
+}
+
 TEST(DrawnCalibrationTest, KnowsNothingOfWhatLensesDoBesideTheirModels) {
   StereoRig exact = EurocRig();
   exact.lens_modes[0].setConstant(0.05);

@@ -7,6 +7,7 @@
 #include "facet/base/random.h"
 #include "facet/faults/fault_kind.h"
 #include "facet/geometry/angles.h"
+#include "facet/render/calibration_draw.h"
 
 namespace facet {
 
@@ -74,21 +75,9 @@ void NegateImu(const FaultValues& value, RecordingCopy& recording) {
 // leaves.
 void ScaleImu(const FaultValues& value, RecordingCopy& recording) {
   Rng rng(static_cast<std::uint64_t>(value.at("seed")));
-  const auto draw = [&] {
-    Matrix3d M = Matrix3d::Identity();
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) {
-        const double sigma = row == column ? value.at("percent") / 100 : value.at("deg") * kDegree;
-        M(row, column) += sigma * rng.Normal();
-      }
-    }
-    return M;
-  };
-  const Matrix3d of_gyro = draw(), of_accel = draw();
-  for (ImuSample& sample : recording.imu) {
-    sample.gyro = of_gyro * sample.gyro;
-    sample.accel = of_accel * sample.accel;
-  }
+  const ImuErrors errors = DrawImuErrors(value.at("percent"), value.at("deg"), rng);
+  AddImuErrors(errors, recording.imu);
+  recording.exact_rig.gyro_scale += errors.GyroScale();
 }
 
 // ---------------------------------------------------------------- wrong in the whole recording
@@ -96,6 +85,7 @@ void ScaleImu(const FaultValues& value, RecordingCopy& recording) {
 void ScaleGyroscope(const FaultValues& value, RecordingCopy& recording) {
   for (ImuSample& sample : recording.imu)
     sample.gyro *= 1 + value.at("percent") / 100;
+  recording.exact_rig.gyro_scale += Vector3d::Constant(value.at("percent") / 100);
 }
 
 void BiasGyroscope(const FaultValues& value, RecordingCopy& recording) {

@@ -167,6 +167,7 @@ Calibration ReadEurocCalibration(const fs::path& mav0, const fs::path& imu_file)
     result.imu_noise = ReadImuNoise(imu_yaml, result.warnings);
     if (YamlFile::Has(imu_yaml.root(), "T_BS"))
       T_BS_imu = ReadRigid(imu_yaml, imu_yaml.root(), "T_BS");
+    result.rig.gyro_scale = ReadGyroScale(imu_yaml);
   }
   for (std::size_t i = 0; i < 2; ++i) {
     const YamlFile yaml(mav0 / ("cam" + std::to_string(i)) / "sensor.yaml");

@@ -107,7 +107,7 @@ TEST_F(CalibrationWriterTest, ACovarianceThatIsNoneIsRefused) {
   const std::string good = CalibrationYaml(RigWithCovariance());
   EXPECT_THAT(ErrorOf(Replaced(good, "cam0_fy", "cam0_fz")), HasSubstr("parameters"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e-06, 4e-07")),
-              HasSubstr("symmetric"));
+              HasSubstr("symmetric, but cam0_fy and cam0_fx have two"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [-1e-06, 3e-07")),
               HasSubstr("positive diagonal"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e+12, 3e-07")),

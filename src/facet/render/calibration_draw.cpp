@@ -14,4 +14,15 @@ StereoRig WrittenCalibration(const StereoRig& exact, const CalibrationDraw& draw
       ": a board 0.6 to 1.3 m away does not calibrate these cameras; do both see the same things?");
 }
 
+ImuErrors UnknownImuErrors(const CalibrationDraw& draw) {
+  return draw.seed ? DrawImuErrors(*draw.seed, draw.parts, draw.options) : ImuErrors();
+}
+
+void AddImuErrors(const ImuErrors& errors, std::vector<ImuSample>& samples) {
+  for (ImuSample& sample : samples) {
+    sample.gyro = errors.of_gyro * sample.gyro;
+    sample.accel = errors.of_accel * sample.accel;
+  }
+}
+
 }  // namespace facet

@@ -4,8 +4,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "facet/calibration/drawn_calibration.h"
+#include "facet/imu/imu_types.h"
 
 namespace facet {
 
@@ -18,5 +20,11 @@ struct CalibrationDraw {
 
 /// The calibration to be written for the exact one. Throws ConfigError where none can be drawn.
 StereoRig WrittenCalibration(const StereoRig& exact, const CalibrationDraw& draw);
+
+/// The errors that the IMU has, which the written calibration does not know; none without a seed.
+ImuErrors UnknownImuErrors(const CalibrationDraw& draw);
+
+/// What an IMU with these errors reads.
+void AddImuErrors(const ImuErrors& errors, std::vector<ImuSample>& samples);
 
 }  // namespace facet

@@ -74,7 +74,13 @@ std::string FormatCamera(const StereoRig& rig, std::size_t camera, double rate_h
          FormatLensModes(rig.lens_modes[camera]) + FormatTimeOffset(rig.time_offset);
 }
 
-std::string FormatImu(const ImuNoise& noise) {
+/// Only where there is one.
+std::string FormatGyroScale(const Vector3d& scale) {
+  if (scale.isZero(0)) return "";
+  return "gyro_scale: [" + Columns(scale) + "] # the share that each axis reads too much\n";
+}
+
+std::string FormatImu(const ImuNoise& noise, const Vector3d& gyro_scale) {
   return "%YAML:1.0\nsensor_type: imu\ncomment: simulated by facet simulate\n\n" +
          FormatTransform(SE3()) + "rate_hz: " + Digits(noise.rate_hz) +
          "\n\ngyroscope_noise_density: " + Digits(noise.gyro_noise) +
@@ -82,7 +88,7 @@ std::string FormatImu(const ImuNoise& noise) {
          "       # [ rad / s^2 / sqrt(Hz) ]\naccelerometer_noise_density: " +
          Digits(noise.accel_noise) +
          "  # [ m / s^2 / sqrt(Hz) ]\naccelerometer_random_walk: " + Digits(noise.accel_walk) +
-         "    # [ m / s^3 / sqrt(Hz) ]\n";
+         "    # [ m / s^3 / sqrt(Hz) ]\n" + FormatGyroScale(gyro_scale);
 }
 
 /// A csv file that is written line by line.
@@ -198,7 +204,7 @@ void WriteCalibration(const fs::path& sequence,
       WriteTextFile(root / ("cam" + std::to_string(c)) / "sensor.yaml",
                     FormatCamera(*rig, c, frame_rate_hz));
     }
-    WriteTextFile(root / "imu0" / "sensor.yaml", FormatImu(noise));
+    WriteTextFile(root / "imu0" / "sensor.yaml", FormatImu(noise, rig->gyro_scale));
   }
   WriteTextFile(mav0 / "state_groundtruth_estimate0" / "sensor.yaml",
                 "%YAML:1.0\nsensor_type: visual-inertial\ncomment: exact, from facet simulate\n\n" +

@@ -80,19 +80,23 @@ void WriteInertialData(const SimulationRequest& request,
                        const Motion& motion,
                        const ImuNoise& noise,
                        std::uint64_t seed,
+                       const ImuErrors& errors,
                        const std::filesystem::path& folder) {
   if (!motion.real_imu.empty()) {
-    WriteImu(folder, motion.real_imu);
+    std::vector<ImuSample> samples = motion.real_imu;
+    AddImuErrors(errors, samples);
+    WriteImu(folder, samples);
     WriteStates(folder, TruthAtSamples(motion));
     return;
   }
-  const SensedImu imu = SenseImu(motion.trajectory,
-                                 motion.imu_begin,
-                                 motion.imu_end,
-                                 noise,
-                                 request.options.imu,
-                                 motion.vibration,
-                                 seed);
+  SensedImu imu = SenseImu(motion.trajectory,
+                           motion.imu_begin,
+                           motion.imu_end,
+                           noise,
+                           request.options.imu,
+                           motion.vibration,
+                           seed);
+  AddImuErrors(errors, imu.samples);
   WriteImu(folder, imu.samples);
   WriteStates(folder, imu.truth);
 }
@@ -287,13 +291,16 @@ SimulationReport Simulate(const SimulationRequest& request,
                                               request.options.truth,
                                               seeds.truth,
                                               request.num_threads);
-  const StereoRig measured = WrittenCalibration(
-      sensors.rig, {request.drawn_calibration, request.drawn_parts, request.options.calibration});
-  const StereoRig exact = ExactRig(request, sensors.rig);
+  const CalibrationDraw draw{
+      request.drawn_calibration, request.drawn_parts, request.options.calibration};
+  const StereoRig measured = WrittenCalibration(sensors.rig, draw);
+  const ImuErrors imu_errors = UnknownImuErrors(draw);
+  StereoRig exact = ExactRig(request, sensors.rig);
+  exact.gyro_scale += imu_errors.GyroScale();
   for (std::size_t i = 0; i < folders.size(); ++i) {
     WriteCalibration(folders[i], measured, exact, sensors.noise, request.options.image.rate_hz);
     const std::uint64_t imu_seed = seeds.WithNoise(static_cast<int>(i)).imu;
-    WriteInertialData(request, motion, sensors.noise, imu_seed, folders[i]);
+    WriteInertialData(request, motion, sensors.noise, imu_seed, imu_errors, folders[i]);
     WriteSurfaces(folders[i], scene.mesh, truth);
   }
 
