@@ -29,6 +29,7 @@ constexpr double kOriginSigma = 1e-4;
 ConsistencyOptions::ConsistencyOptions() {
   estimator.imu.gyro_noise_scale = estimator.imu.accel_noise_scale = 1.0;
   estimator.imu.gyro_walk_scale = estimator.imu.accel_walk_scale = 1.0;
+  estimator.calibration.gyro_misalignment_deg = 0;  // nor has the simulated IMU any
   estimator.start.sigma_position = estimator.start.sigma_yaw = kOriginSigma;
   // The runner hides right observations as a front end does: after the start, keyframes only.
   simulator.right_on_every_frame = true;

@@ -43,7 +43,7 @@ std::vector<Scenario> FindScenarios(double duration_s);
 struct ConsistencyOptions {
   ConsistencyOptions();
 
-  EstimatorOptions estimator;  ///< IMU scales 1, origin known to 0.1 mm
+  EstimatorOptions estimator;  ///< IMU scales 1, axes exact, origin known to 0.1 mm
   FeatureSimulatorOptions simulator;
   int num_seeds = 50;
   int first_seed = 1;

@@ -4,6 +4,7 @@
 
 #include "facet/base/options.h"
 #include "facet/calibration/lens_modes.h"
+#include "facet/geometry/angles.h"
 
 namespace facet {
 
@@ -273,10 +274,15 @@ struct CalibrationOptions {
   double mount_translation_m = 0.003;  ///< 1-sigma of the length
   double time_s = 0.001;               ///< 1-sigma
   double gyro_scale_percent = 0.3;     ///< 1-sigma, each axis
+  /// 1-sigma, each axis towards each other one. Not estimated: what turns show of it is taken for a
+  /// turn of the mount, so that nobody knows the body's axes better.
+  double gyro_misalignment_deg = 0.05;
 
   static CalibrationOptions Held() {
     return {.lens = false, .mount = false, .time = false, .gyro = false};
   }
+  /// How well the body's axes are known [rad]; an IMU that is taken as exact has exact ones.
+  double AxesSigma() const { return gyro ? gyro_misalignment_deg * kDegree : 0; }
   bool IsHeld() const { return !lens && !mount && !time && !gyro; }
 
   template <class Visitor>
@@ -308,6 +314,10 @@ struct CalibrationOptions {
             gyro_scale_percent,
             Range{1e-4, 10},
             "error of the scale of each axis of the gyroscope, 1-sigma [%]");
+    v.Field("gyro_misalignment_deg",
+            gyro_misalignment_deg,
+            Range{0, 10},
+            "error of the direction of each axis of the gyroscope, 1-sigma, not estimated [deg]");
   }
 };
 

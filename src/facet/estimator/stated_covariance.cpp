@@ -24,8 +24,9 @@ constexpr double kForgotten = 1.0 / 500;
 
 }  // namespace
 
-StatedCovariance::StatedCovariance(double accel_noise_scale)
-    : least_of_imu_(std::clamp(1 / (accel_noise_scale * accel_noise_scale), kLeastFactor, 1.0)) {}
+StatedCovariance::StatedCovariance(double accel_noise_scale, double axes_sigma)
+    : least_of_imu_(std::clamp(1 / (accel_noise_scale * accel_noise_scale), kLeastFactor, 1.0)),
+      axes_variance_(axes_sigma * axes_sigma) {}
 
 void StatedCovariance::Mean::Add(double measured) {
   weight = std::min(weight + 1, max_weight);
@@ -78,7 +79,9 @@ Matrix<15, 15> StatedCovariance::Of(const Matrix<15, 15>& solved) const {
   scale.segment<3>(6).setConstant(std::sqrt(OfImu() * of_calibration_));
   // A quiet IMU says nothing of its biases.
   scale.tail<6>().setConstant(std::sqrt(of_calibration_));
-  return scale.asDiagonal() * solved * scale.asDiagonal();
+  Matrix<15, 15> stated = scale.asDiagonal() * solved * scale.asDiagonal();
+  stated.diagonal().head<3>().array() += axes_variance_;
+  return stated;
 }
 
 }  // namespace facet

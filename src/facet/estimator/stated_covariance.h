@@ -12,8 +12,8 @@ namespace facet {
 class StatedCovariance {
  public:
   /// `accel_noise_scale`: the noise that the solve assumes, over that of the IMU's calibration; no
-  /// IMU is quieter than that.
-  explicit StatedCovariance(double accel_noise_scale);
+  /// IMU is quieter than that. `axes_sigma`: of the directions of the body's axes [rad].
+  explicit StatedCovariance(double accel_noise_scale, double axes_sigma = 0);
 
   /// After a keyframe's solve: ImuPositionError of the interval that ends with it. Not where
   /// something else than noise decides: without landmarks, after a contradiction.
@@ -50,7 +50,7 @@ class StatedCovariance {
   double OfImu() const { return Believed(Measured()); }
   double OfWay() const { return Believed(of_way_measured_) * of_way_calibration_; }
 
-  double least_of_imu_;
+  double least_of_imu_, axes_variance_;
   Mean imu_lately_{50}, imu_for_long_{500};
   double of_calibration_ = 1;
   /// Position and heading are sums of the whole way; each part of it counts as it was when it was

@@ -31,6 +31,16 @@ TEST(StatedCovarianceTest, IsThatOfTheSolveBeforeAnythingIsKnown) {
   EXPECT_EQ(OfPosition(StatedCovariance(8)), 1);
 }
 
+TEST(StatedCovarianceTest, NobodyKnowsTheAxesOfTheBodyBetterThanTheImuHasThem) {
+  constexpr double kAxesSigma = 1e-3;
+  StatedCovariance stated(8, kAxesSigma);
+  for (int i = 0; i < 1000; ++i)
+    stated.AddImuError(0);
+  Matrix<15, 15> of_axes = Matrix<15, 15>::Zero();
+  of_axes.topLeftCorner<3, 3>() = kAxesSigma * kAxesSigma * Matrix3d::Identity();
+  EXPECT_LT((stated.Of(Matrix<15, 15>::Zero()) - of_axes).norm(), 1e-15);
+}
+
 TEST(StatedCovarianceTest, FollowsAQuietImuAndCountsWhatItBelievedBefore) {
   for (const double share : {0.5, 0.01}) {
     StatedCovariance stated(8);

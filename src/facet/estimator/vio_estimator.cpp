@@ -56,7 +56,7 @@ VioEstimator::VioEstimator(const StereoRig& rig,
       start_(rig, options),
       calibration_(rig, options.calibration),
       bias_watch_(noise),
-      stated_covariance_(options.imu.accel_noise_scale),
+      stated_covariance_(options.imu.accel_noise_scale, options.calibration.AxesSigma()),
       optimizer_(rig, options),
       planes_(options),
       updater_(rig, options.solver, BiasWalk(noise, options.imu)) {
