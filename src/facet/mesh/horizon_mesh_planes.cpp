@@ -22,6 +22,7 @@ void HorizonMesh::FillSearchMesh(const MeshView& view, SearchMesh& out) const {
   out.t = view.t;
   out.T_WC = view.T_WC;
   out.focal_px = view.focal_px;
+  out.baseline_m = view.baseline_m;
   out.first_match = view.first_match;
   out.end_match = view.end_match;
   out.vertices.clear();

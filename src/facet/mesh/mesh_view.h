@@ -40,8 +40,9 @@ struct MeshPoint {
 struct MeshView {
   FrameId frame;
   Timestamp t;
-  SE3 T_WC;             ///< left camera
-  double focal_px = 0;  ///< for sizes in pixels
+  SE3 T_WC;               ///< left camera
+  double focal_px = 0;    ///< for sizes in pixels
+  double baseline_m = 0;  ///< of the stereo pair
   std::vector<MeshPoint> points;
   /// Ids of the support points that the keyframe has matched: from the first to before the end.
   LandmarkId first_match, end_match;

@@ -12,8 +12,9 @@ namespace facet {
 
 struct SearchMesh {
   Timestamp t;
-  SE3 T_WC;             ///< left camera of the keyframe
-  double focal_px = 0;  ///< of that camera
+  SE3 T_WC;               ///< left camera of the keyframe
+  double focal_px = 0;    ///< of that camera
+  double baseline_m = 0;  ///< of the stereo pair
 
   std::vector<Vector3d> vertices;      ///< in W, as tracked or matched
   std::vector<LandmarkId> vertex_ids;  ///< one per vertex, ascending; see IsSupport

@@ -53,6 +53,7 @@ const MeshView& MeshViewBuilder::Build(const FrontendResult& keyframe,
   SetRig(snapshot.rig);
   view_.T_WC = snapshot.T_WC0;
   view_.focal_px = rig_.cameras[0].mean_focal_px();
+  view_.baseline_m = rig_.baseline_m();
   view_.points.clear();
   AddObservations(keyframe, snapshot);
   AddSupport(keyframe.depths.support);

@@ -91,7 +91,7 @@ void PlaneTracker::Retire(std::size_t plane) {
 
 // Planes of the estimator that turned out to be none, or the same as another.
 void PlaneTracker::Revise(const MapSnapshot& map, PlaneAssignments& out) {
-  RemoveMisfits(map, faces_.camera.sigma_direction, planes_, out);
+  RemoveMisfits(map, faces_.camera, planes_, out);
   MergeSameSurfaces(map, planes_, out);
   for (const PlaneId plane : out.retired)
     relations_.Forget(plane);

@@ -163,8 +163,6 @@ struct PlaneMeasurementOptions {
   double sigma_scale = 2;
   /// What the errors of all points of a keyframe have in common, as a share of one point's sigma.
   double common_share = 0.6;
-  /// Least 1-sigma of a distance [m] and of a slope [deg].
-  double min_sigma_m = 0.003, min_sigma_deg = 0.1;
 
   template <class Visitor>
   void Visit(Visitor& v) {
@@ -175,8 +173,6 @@ struct PlaneMeasurementOptions {
             common_share,
             Range{0, 10},
             "what all points of a keyframe have in common, as a share of one's sigma");
-    v.Field("min_sigma_m", min_sigma_m, Range{0, 1}, "least 1-sigma of a distance [m]");
-    v.Field("min_sigma_deg", min_sigma_deg, Range{0, 10}, "least 1-sigma of a slope [deg]");
   }
 };
 

@@ -8,6 +8,7 @@
 
 #include "facet/geometry/angles.h"
 #include "facet/geometry/plane_fit.h"
+#include "facet/regularities/detect/common_error.h"
 #include "facet/regularities/track/plane_gate.h"
 
 namespace facet {
@@ -90,6 +91,7 @@ WeightedPoints PointsOn(const TrackedPlane& plane,
 
 std::optional<PlaneMeasurement> Measure(const WeightedPoints& points,
                                         double unevenness_m,
+                                        const FaceCamera& camera,
                                         const SE3& T_WB,
                                         const PlaneMeasurementOptions& options) {
   const auto& [p_W, weights] = points;
@@ -104,14 +106,15 @@ std::optional<PlaneMeasurement> Measure(const WeightedPoints& points,
   // What the surface rises above the plane here, all points see alike.
   const double sigma_m = std::hypot(
       options.sigma_scale / std::sqrt(total), options.common_share * point_sigma_m, unevenness_m);
+  const CommonError common = CommonErrorOf(fit.plane, fit.centroid, camera);
   const auto slope_sigma = [&](double extent_m) {
-    return std::hypot(sigma_m / extent_m, options.min_sigma_deg * kDegree);
+    return std::hypot(sigma_m / extent_m, common.slope_rad);
   };
   PlaneMeasurement measured;
   const Quaterniond q_BW = T_WB.q.conjugate();
   measured.centre_B = q_BW * (fit.centroid - T_WB.p);
   measured.along_B = {q_BW * fit.major_W, q_BW * fit.plane.n.cross(fit.major_W)};
-  measured.sigma_m = std::hypot(sigma_m, options.min_sigma_m);
+  measured.sigma_m = std::hypot(sigma_m, common.offset_m);
   measured.sigma_rad = {slope_sigma(fit.extent_major_m), slope_sigma(fit.extent_minor_m)};
   if (!(measured.sigma_rad[1] <= kMaxSlopeSigma)) return std::nullopt;
   return measured;
@@ -135,7 +138,7 @@ std::vector<PlaneMeasurement> MeasurePlanes(const SearchMesh& mesh,
     const WeightedPoints points =
         PointsOn(plane, static_cast<int>(k), faces, matched, around, map.latest.T_WB);
     std::optional<PlaneMeasurement> measured =
-        Measure(points, plane.fit.unevenness.sigma_m(), map.latest.T_WB, options);
+        Measure(points, plane.fit.unevenness.sigma_m(), faces.camera, map.latest.T_WB, options);
     if (!measured) continue;
     measured->frame = map.keyframes.back().id;
     measured->plane = plane.id;

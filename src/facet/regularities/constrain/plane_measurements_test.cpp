@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "facet/geometry/so3.h"
+#include "facet/regularities/detect/common_error.h"
 #include "facet/testing/regularities/test_scene.h"
 
 namespace facet {
@@ -12,6 +13,8 @@ namespace {
 using testing::MakeMesh;
 using testing::MakeWall;
 using testing::Patch;
+
+constexpr double kWithoutCommonError_m = 1e9;  // baseline
 
 class PlaneMeasurementsTest : public ::testing::Test {
  protected:
@@ -76,7 +79,8 @@ TEST_F(PlaneMeasurementsTest, SaysWhereTheBodySawThePlane) {
 // The points' noise is what the mesh says it is, so the whitened errors have unit variance.
 TEST_F(PlaneMeasurementsTest, ErrorsAreAsLargeAsTheSigmasSay) {
   options_.sigma_scale = 1;
-  options_.min_sigma_m = options_.min_sigma_deg = options_.common_share = 0;
+  options_.common_share = 0;
+  view_.baseline_m = kWithoutCommonError_m;
   view_.sigma_depth_m = 0.02;
   const Plane plane = wall_.ToPlane();
   constexpr int kRuns = 400;
@@ -96,22 +100,28 @@ TEST_F(PlaneMeasurementsTest, ErrorsAreAsLargeAsTheSigmasSay) {
     EXPECT_NEAR(squares(k), 1, 0.25) << k;
 }
 
-TEST_F(PlaneMeasurementsTest, ScaleAndFloorsWidenTheSigmas) {
+TEST_F(PlaneMeasurementsTest, ScaleAndWhatAllDisparitiesAreOffWidenTheSigmas) {
   const TrackedPlane known = Known(wall_, PlaneId{0});
   options_.sigma_scale = 1;
-  options_.min_sigma_m = options_.min_sigma_deg = options_.common_share = 0;
+  options_.common_share = 0;
+  view_.baseline_m = kWithoutCommonError_m;
   const PlaneMeasurement narrow = Measure({wall_}, known).at(0);
   options_.sigma_scale = 3;
-  options_.min_sigma_m = 0.02;
+  view_.baseline_m = 0.11;
   const PlaneMeasurement wide = Measure({wall_}, known).at(0);
-  EXPECT_NEAR(wide.sigma_m, std::hypot(3 * narrow.sigma_m, 0.02), 1e-12);
-  EXPECT_NEAR(wide.sigma_rad[0], 3 * narrow.sigma_rad[0], 1e-12);
+  const Vector3d centre_W = T_WB_ * wide.centre_B;
+  const CommonError common = CommonErrorOf(
+      wall_.ToPlane(), centre_W, {view_.camera_W, 0, kCommonDisparity_px / (467 * 0.11)});
+  EXPECT_GT(common.offset_m, 1e-3);
+  EXPECT_NEAR(wide.sigma_m, std::hypot(3 * narrow.sigma_m, common.offset_m), 1e-5);
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_NEAR(wide.sigma_rad[k], std::hypot(3 * narrow.sigma_rad[k], common.slope_rad), 1e-5);
 }
 
 // However many points there are: what they have in common, a share of one point's sigma, stays.
 TEST_F(PlaneMeasurementsTest, WhatPointsHaveInCommonDoesNotAverageOut) {
   const TrackedPlane known = Known(wall_, PlaneId{0});
-  options_.min_sigma_m = options_.min_sigma_deg = 0;
+  view_.baseline_m = kWithoutCommonError_m;
   options_.sigma_scale = 1e-9;
   view_.sigma_depth_m = 0.02;
   options_.common_share = 0.5;

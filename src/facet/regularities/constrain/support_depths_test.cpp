@@ -32,6 +32,7 @@ class SupportDepthsTest : public ::testing::Test {
     const Vector3d first = (1 - offset_m / kWall_m) * Vector3d(kWall_m, y, 0);
     SearchMesh mesh;
     mesh.focal_px = 467;
+    mesh.baseline_m = 0.11;
     mesh.vertices = {first, {kWall_m, 0.3, 0}, {kWall_m, 0, 0.3}};
     mesh.faces = {{0, 1, 2}};
     const std::int64_t id = is_support ? kFirstSupportId : 0;

@@ -10,6 +10,7 @@
 #include "facet/geometry/angles.h"
 #include "facet/geometry/plane_fit.h"
 #include "facet/geometry/so3.h"
+#include "facet/regularities/detect/common_error.h"
 #include "facet/regularities/detect/surface_step.h"
 
 namespace facet {
@@ -28,9 +29,6 @@ constexpr double kMaxAround_m = 0.5;
 constexpr int kMaxRounds = 8;
 constexpr int kMaxSplits = 2;
 constexpr double kCell_m = 0.3;  // pieces farther apart than a cell are not connected
-// Errors that all points of a view have in common: of the calibration and of the matching.
-constexpr double kCommonAngle = 0.2 * kDegree;
-constexpr double kCommonOffset_m = 0.003;
 
 struct WeightedPlane {
   PlaneFit fit;
@@ -158,14 +156,14 @@ std::vector<std::vector<int>> ConnectedPieces(const SurfaceFaces& faces,
   return pieces;
 }
 
-Matrix3d NormalCovariance(const WeightedPlane& plane, double inflation) {
+Matrix3d NormalCovariance(const WeightedPlane& plane, double inflation, double common_slope) {
   // The normal turns about each principal direction by an error that the spread across it averages.
   const Vector3d n = plane.fit.plane.n;
   const double w = plane.total_weight;
   const double minor = plane.fit.extent_minor_m, major = plane.fit.extent_major_m;
   const Vector3d e_major = plane.fit.major_W;
   const Vector3d e_minor = n.cross(e_major);
-  const double common = kCommonAngle * kCommonAngle;
+  const double common = common_slope * common_slope;
   return (inflation / (w * major * major) + common) * e_major * e_major.transpose() +
          (inflation / (w * minor * minor) + common) * e_minor * e_minor.transpose();
 }
@@ -198,10 +196,10 @@ PlaneCandidate MakeCandidate(const SurfaceFaces& faces,
   candidate.centroid_W = plane.fit.centroid;
   candidate.area_m2 = AreaOf(faces, on_plane);
   candidate.thickness_m = plane.fit.thickness_m;
-  candidate.normal_covariance = NormalCovariance(plane, inflation);
+  const CommonError common = CommonErrorOf(plane.fit.plane, plane.fit.centroid, faces.camera);
+  candidate.normal_covariance = NormalCovariance(plane, inflation, common.slope_rad);
   candidate.length_scale = plane.length_scale;
-  const double common_m = plane.length_scale * kCommonOffset_m;
-  candidate.offset_variance_m2 = inflation / plane.total_weight + common_m * common_m;
+  candidate.offset_variance_m2 = inflation / plane.total_weight + common.offset_m * common.offset_m;
   candidate.orientation =
       OrientationOf(candidate.plane_W.n, candidate.normal_covariance, options.max_plane_lean_deg);
   if (SideOf(faces, on_plane, candidate.plane_W.n) < 0) {

@@ -42,14 +42,15 @@ TEST(PlaneCandidateTest, FitsAllThreeDegreesOfFreedomFromARoughStart) {
   EXPECT_NEAR(found[0].plane_W.n.norm(), 1, 1e-12);
 }
 
-// Errors of single points, their flatness, and what all points of the view have in common.
-std::vector<Patch> DisturbedWall(Rng& rng) {
-  const double common_angle = 0.2 * kDegree, common_offset_m = 0.003;
-  Patch wall = MakeWall({3, 0, 1}, 0, 2.4, 1.6);
-  wall = Turned(wall, Vector3d::UnitY(), common_angle * rng.Normal());
-  wall = Turned(wall, Vector3d::UnitZ(), common_angle * rng.Normal());
-  wall.centre_W += common_offset_m * rng.Normal() * Vector3d::UnitX();
-  return {wall};
+// Disparities that are off all over the image, and more and more towards its sides. The camera
+// looks along x.
+void DisturbDisparities(Rng& rng, SurfaceFaces& faces) {
+  const Vector3d error = faces.camera.sigma_inverse_depth * rng.Normal3();
+  for (FacePoint& point : faces.points) {
+    const Vector3d p_C = point.p_W - faces.camera.p_W;
+    const double inverse_depth = 1 / p_C.x() + error.dot(p_C) / p_C.x();
+    point.p_W = faces.camera.p_W + p_C / (p_C.x() * inverse_depth);
+  }
 }
 
 TEST(PlaneCandidateTest, CovarianceAgreesWithMonteCarlo) {
@@ -62,7 +63,8 @@ TEST(PlaneCandidateTest, CovarianceAgreesWithMonteCarlo) {
     view.camera_W = {0, 0, 1};
     view.sigma_depth_m = 0.02;
     view.seed = rng.Next();
-    SurfaceFaces faces = MakeFaces(DisturbedWall(rng), view);
+    SurfaceFaces faces = MakeFaces({MakeWall({3, 0, 1}, 0, 2.4, 1.6)}, view);
+    DisturbDisparities(rng, faces);
     for (FacePoint& point : faces.points)
       point.p_W.x() += 0.005 * rng.Normal();
     const auto found = Fit(faces, truth);
@@ -94,6 +96,7 @@ SurfaceFaces TwoTablesAndAStep(double size) {
   TestView view;
   view.camera_W = {0, 0, size * 1.5};
   view.sigma_depth_m = size * 0.02;
+  view.baseline_m *= size;
   std::vector<Patch> patches = {MakeFloor({4.5, -2.5, 0.7}, 1.4, 1.6),
                                 MakeFloor({4.5, 0, 0.7}, 1.4, 1.6),
                                 MakeFloor({4.5, 1.8, 0.78}, 1.4, 2)};

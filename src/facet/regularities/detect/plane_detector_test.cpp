@@ -197,6 +197,7 @@ TEST(PlaneDetectorTest, ClutterAndSpheresHoldNoPlane) {
     Rng rng(seed);
     SearchMesh mesh;
     mesh.focal_px = 467;
+    mesh.baseline_m = 0.11;
     mesh.T_WC.p = {0, 0, 1};
     for (int i = 0; i < 300; ++i) {
       const int first = static_cast<int>(mesh.vertices.size());

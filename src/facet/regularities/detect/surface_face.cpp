@@ -43,7 +43,9 @@ std::vector<int> LandmarksOfVertices(const SearchMesh& mesh, const MapSnapshot& 
 }
 
 void FillSurfaceFaces(const SearchMesh& mesh, SurfaceFaces& out) {
-  out.camera = {mesh.T_WC.p, kSigma_px / mesh.focal_px};
+  out.camera = {mesh.T_WC.p,
+                kSigma_px / mesh.focal_px,
+                kCommonDisparity_px / (mesh.focal_px * mesh.baseline_m)};
   out.points.resize(mesh.vertices.size());
   out.faces.resize(mesh.faces.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)

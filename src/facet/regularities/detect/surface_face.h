@@ -24,6 +24,10 @@ inline constexpr double kMaxFaceAngle = 25 * kDegree;
 /// good a plane as a table at two; and farther, of what does so at kFarDistance_m [m].
 inline constexpr double kFullSizeDistance_m = 1.5;
 
+/// What is left of the errors of disparities that all points of a view have in common, 1-sigma: see
+/// CommonErrorOf.
+inline constexpr double kCommonDisparity_px = 0.05;
+
 /// A vertex of the mesh with what is known of its distance from the camera.
 struct FacePoint {
   Vector3d p_W = Vector3d::Zero();
@@ -51,7 +55,8 @@ struct FacePoint {
 /// Where the points are seen from, and how exactly.
 struct FaceCamera {
   Vector3d p_W = Vector3d::Zero();
-  double sigma_direction = 0;  ///< of a vertex's direction, 1-sigma [rad]
+  double sigma_direction = 0;      ///< of a vertex's direction, 1-sigma [rad]
+  double sigma_inverse_depth = 0;  ///< common to all vertices, 1-sigma [1/m]
 };
 
 FacePoint MakeFacePoint(const Vector3d& p_W, double sigma_depth_m, const FaceCamera& camera);

@@ -13,6 +13,7 @@ SearchMesh OneFace(const Vector3d& camera_W) {
   SearchMesh mesh;
   mesh.T_WC.p = camera_W;
   mesh.focal_px = 0.7 / 1.5e-3;
+  mesh.baseline_m = 0.11;
   mesh.vertices = {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
   mesh.faces = {{0, 1, 2}};
   mesh.vertex_ids = {LandmarkId{1}, LandmarkId{2}, LandmarkId{3}};

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "facet/geometry/so3.h"
+#include "facet/regularities/detect/common_error.h"
 #include "facet/regularities/detect/surface_face.h"
 #include "facet/regularities/track/plane_gate.h"
 #include "facet/regularities/track/surface_curvature.h"
@@ -23,8 +24,6 @@ constexpr std::size_t kMinLandmarks = 8;
 constexpr double kLandmarkFlatness_m = 0.01;
 constexpr double kMostUneven_m = 0.1;  // what is farther off is on something else
 constexpr double kMaxSigmas = 2.5;     // a landmark that is farther off weighs as if it were here
-// Errors that the poses give to all landmarks of a plane, 1-sigma.
-constexpr double kSigmaOffset_m = 0.003, kSigmaSlope = 0.004;
 // A plane is removed when it exceeds either limit in kMaxMisfits keyframes in a row.
 constexpr double kMaxChiSquare = 12;  // 3 degrees of freedom
 constexpr double kMaxScatterAtOnce = 2;
@@ -49,15 +48,14 @@ struct PlaneLandmarks {
 };
 
 PlaneLandmarks LandmarksByVision(const MapSnapshot& map,
-                                 double sigma_direction,
+                                 const FaceCamera& camera,
                                  const TrackedPlane& tracked) {
   const Plane& plane = tracked.estimate.plane_W;
   PlaneLandmarks landmarks;
   for (const LandmarkEstimate& landmark : map.landmarks) {
     // The pulls of several planes cannot be told apart.
     if (landmark.planes[0] != tracked.id || landmark.planes[1].IsValid()) continue;
-    const FacePoint point =
-        MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, {map.latest.T_WB.p, sigma_direction});
+    const FacePoint point = MakeFacePoint(landmark.p_W, landmark.sigma_depth_m, camera);
     const double variance = point.VarianceAlong(plane.n);
     const double at_m = plane.SignedDistance(landmark.p_W);
     const double across_m =
@@ -102,6 +100,7 @@ void AddExcess(const PlaneLandmarks& landmarks,
 
 std::optional<LandmarkFit> FitLandmarks(const PlaneLandmarks& landmarks,
                                         const PlaneEstimate& plane,
+                                        const FaceCamera& camera,
                                         const SE3& T_WB) {
   const std::size_t num = landmarks.points_W.size();
   if (num < kMinLandmarks) return std::nullopt;
@@ -131,13 +130,11 @@ std::optional<LandmarkFit> FitLandmarks(const PlaneLandmarks& landmarks,
   const Matrix3d covariance = factor.solve(Matrix3d::Identity());
   best.plane_W.n = (n - B * fit.tail<2>()).normalized();
   best.plane_W.d = best.plane_W.n.dot(best.centroid_W);
+  const CommonError common = CommonErrorOf(best.plane_W, best.centroid_W, camera);
   best.normal_covariance =
-      B * (covariance.bottomRightCorner<2, 2>() + Square(kSigmaSlope) * Matrix2d::Identity()) *
+      B * (covariance.bottomRightCorner<2, 2>() + Square(common.slope_rad) * Matrix2d::Identity()) *
       B.transpose();
-  const double length_scale =
-      std::accumulate(landmarks.length_scales.begin(), landmarks.length_scales.end(), 0.0) /
-      static_cast<double>(num);
-  best.offset_variance_m2 = covariance(0, 0) + Square(length_scale * kSigmaOffset_m);
+  best.offset_variance_m2 = covariance(0, 0) + Square(common.offset_m);
   LandmarkFit out{ChiSquare(best, plane, T_WB),
                   (square - b.dot(fit)) / static_cast<double>(num),
                   FitCurvature(landmarks.points_W, landmarks.weights, n)};
@@ -146,9 +143,9 @@ std::optional<LandmarkFit> FitLandmarks(const PlaneLandmarks& landmarks,
   return out;
 }
 
-bool IsMisfit(const MapSnapshot& map, double sigma_direction, TrackedPlane& plane) {
+bool IsMisfit(const MapSnapshot& map, const FaceCamera& camera, TrackedPlane& plane) {
   const std::optional<LandmarkFit> fit =
-      FitLandmarks(LandmarksByVision(map, sigma_direction, plane), plane.estimate, map.latest.T_WB);
+      FitLandmarks(LandmarksByVision(map, camera, plane), plane.estimate, camera, map.latest.T_WB);
   if (!fit) {
     plane.fit.num_misfits = 0;
     return false;
@@ -165,11 +162,13 @@ bool IsMisfit(const MapSnapshot& map, double sigma_direction, TrackedPlane& plan
 }  // namespace
 
 void RemoveMisfits(const MapSnapshot& map,
-                   double sigma_direction,
+                   const FaceCamera& of_view,
                    std::vector<TrackedPlane>& planes,
                    PlaneAssignments& out) {
+  FaceCamera camera = of_view;
+  camera.p_W = map.latest.T_WB.p;
   std::erase_if(planes, [&](TrackedPlane& plane) {
-    if (plane.IsTentative() || !IsMisfit(map, sigma_direction, plane)) return false;
+    if (plane.IsTentative() || !IsMisfit(map, camera, plane)) return false;
     for (const LandmarkEstimate& landmark : map.landmarks) {
       if (landmark.IsOn(plane.id)) out.detached.emplace_back(landmark.id, plane.id);
     }

@@ -76,6 +76,7 @@ SearchMesh MakeMesh(const std::vector<Patch>& patches, const TestView& view) {
   out.t = Timestamp{0} + FromSeconds(view.time_s);
   out.T_WC.p = view.camera_W;
   out.focal_px = kFocal_px;
+  out.baseline_m = view.baseline_m;
   Rng rng(view.seed);
   for (std::size_t k = 0; k < patches.size(); ++k) {
     const std::size_t first = out.vertices.size();

@@ -43,6 +43,7 @@ struct TestView {
   double pixel_noise = 1;       ///< noise across the rays, as a share of what is assumed
   double time_s = 0;
   std::uint64_t seed = 1;
+  double baseline_m = 0.11;  ///< of the stereo pair
 };
 
 /// The patches as jittered grids of triangles that face the camera, with the same ids in every
