@@ -138,6 +138,15 @@ TEST_F(DrawCalibrationTest, ACopyOfADrawnSequenceStartsFromItsExactCalibration) 
   EXPECT_EQ(ReadText(out_ / "drawn" / "mav0" / "cam1" / "sensor.yaml"), before);
 }
 
+TEST_F(DrawCalibrationTest, ACopyKeepsErrorsOfTheImuThatNoCalibrationHas) {
+  Simulate("drawn", Scene() + "--draw-calibration 3 --set calibration.imu_scale_percent=0");
+  EXPECT_TRUE(Exact("drawn").gyro_scale.isZero(0));
+  Simulate("other", "--of " + (out_ / "drawn").string() + " --draw-calibration 4");
+  EXPECT_LT(ImuDifference(Imu(out_ / "other"), Imu(out_ / "drawn")), 1e-9);
+  EXPECT_EQ(ReadText(out_ / "other" / "truth" / "imu0" / "errors.yaml"),
+            ReadText(out_ / "drawn" / "truth" / "imu0" / "errors.yaml"));
+}
+
 TEST_F(DrawCalibrationTest, PartsCanBeDrawnAlone) {
   Simulate("exact", Scene());
   const std::string source = "--of " + (out_ / "exact").string() + " --draw-calibration 3 ";
@@ -177,7 +186,7 @@ TEST_F(DrawCalibrationTest, WrongUsageSaysWhatToDo) {
   EXPECT_THAT(Simulate("x", Scene() + "--calibration-error", 2),
               HasSubstr("--calibration-error: is no option any more; --draw-calibration SEED"));
   EXPECT_THAT(Simulate("x", Scene() + "--draw-calibration 1 --draw-parts lens,focus", 2),
-              HasSubstr("--draw-parts focus: no such part; known: lens, imu, time"));
+              HasSubstr("--draw-parts focus: no such part; known: lens, imu, time, scale"));
   EXPECT_THAT(Simulate("x", Scene() + "--draw-parts lens", 2),
               HasSubstr("--draw-parts requires --draw-calibration"));
   EXPECT_THAT(Simulate("x", Scene() + "--draw-calibration -1", 2), HasSubstr("--draw-calibration"));

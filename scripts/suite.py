@@ -130,9 +130,11 @@ def make(arguments, suite, scenes):
 def copy_drawn(arguments, source, name, seed, parts):
     """A copy with a drawn calibration, whose images are links; made if it is not there."""
     out = arguments.out / "drawn" / name
-    if not (out / "simulation.txt").exists():
+    what = f"--draw-calibration {seed} --draw-parts {','.join(parts)}"
+    made = out / "simulation.txt"
+    if not made.exists() or what not in made.read_text(encoding="utf-8"):  # or by a version with other parts
         shutil.rmtree(out, ignore_errors=True)
-        simulate(arguments.maker, out, ["--of", source, "--draw-calibration", seed, "--draw-parts", ",".join(parts)])
+        simulate(arguments.maker, out, ["--of", source, *what.split()])
     return out
 
 
@@ -158,8 +160,9 @@ def list_cases(arguments, scenes, variant, kinds):
 def fingerprint(run):
     """Equal where a run would do the same again."""
     program = os.stat(shutil.which(run.config.program) or run.config.program)
-    return json.dumps([run.config.program, program.st_mtime_ns, program.st_size, str(run.sequence), run.start,
-                       run.config.arguments])
+    made = os.stat(run.sequence / "simulation.txt")
+    return json.dumps([run.config.program, program.st_mtime_ns, program.st_size, str(run.sequence), made.st_mtime_ns,
+                       run.start, run.config.arguments])
 
 
 def execute(run):
@@ -255,7 +258,8 @@ CALIBRATION = {  # key of evaluation.json: name of the figure
 
 
 def sizes(values):
-    """Absolute values of those that there are; NaN without any, as where the calibration was held."""
+    """Absolute values of those that there are; NaN without any, as where the calibration was held. What has failed is in
+    the errors of position."""
     return [abs(v) for v in values if v is not None] or [math.nan]
 
 
@@ -283,8 +287,8 @@ def figures_of(groups, scene, kinds, pipelines):
             error = ate_mm(groups[scene, kind, pipeline])
             row[f"{pipeline} {kind} mm"] = error
             row[f"{pipeline} {kind}/exact"] = error / exact
-            errors = [math.inf if run.ate() is None else 1e3 * run.ate() for run in groups[scene, kind, pipeline]]
-            row[f"{pipeline} {kind}/exact, worst run"] = max(errors) / exact
+            worst = max(ate_mm([run]) for run in groups[scene, kind, pipeline])
+            row[f"{pipeline} {kind}/exact, worst run"] = worst / exact
         for kind in ["exact", *kinds]:
             for part in ("position", "orientation"):
                 row[f"{pipeline} {part} NEES {kind}"] = nees(groups[scene, kind, pipeline], part)
@@ -334,23 +338,25 @@ def ratio_table(table, reference):
 
 def run_variant(arguments, scenes, variant, kinds):
     cases = list(list_cases(arguments, scenes, variant, kinds))
+    until = f"-{arguments.duration:g}s" if arguments.duration else ""
     names = list(dict.fromkeys(case.scene.name for case in cases))
     programs = {"program": arguments.program}
     if arguments.against:
         programs["against"] = arguments.against
     tables = {}
     for label, program in programs.items():
-        groups = execute_all(arguments, cases, f"{label}-{variant}", program)
+        label_of_runs = f"{label}-{variant}{until}"
+        groups = execute_all(arguments, cases, label_of_runs, program)
         if "second" in kinds:
-            again = list(second_flights(arguments, cases, f"{label}-{variant}"))
-            groups.update(execute_all(arguments, again, f"{label}-{variant}", program))
+            again = list(second_flights(arguments, cases, label_of_runs))
+            groups.update(execute_all(arguments, again, label_of_runs, program))
         tables[label] = {name: figures_of(groups, name, kinds, arguments.pipelines) for name in names}
         print_table(f"Variant {variant}, {program}, {arguments.starts} start(s) of {arguments.draws} draws, "
                     f"{arguments.exact_starts} of the exact calibration",
                     tables[label])
     if arguments.against:
         print_table("Ratio of the first program to the second", ratio_table(tables["program"], tables["against"]))
-    (arguments.out / f"figures-{variant}.json").write_text(json.dumps(tables, indent=1) + "\n", encoding="utf-8")
+    (arguments.out / f"figures-{variant}{until}.json").write_text(json.dumps(tables, indent=1) + "\n", encoding="utf-8")
 
 
 def parse_arguments():

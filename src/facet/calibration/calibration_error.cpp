@@ -78,7 +78,9 @@ CalibrationError CompareCalibrations(const StereoRig& estimate, const StereoRig&
   CompareDisparities(estimate, truth, out);
   if (estimate.covariance) {
     FACET_CHECK(estimate.covariance->rows() == kNumCalibration);
-    out.nees = NeesOf(out.error, *estimate.covariance);
+    CalibrationMatrix covariance = *estimate.covariance;
+    covariance.diagonal().segment<3>(kMountRotation).array() += std::pow(estimate.axes_sigma, 2);
+    out.nees = NeesOf(out.error, covariance);
   }
   return out;
 }

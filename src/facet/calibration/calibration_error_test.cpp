@@ -50,6 +50,17 @@ TEST(CalibrationErrorTest, TheCovarianceIsInTheSameOrder) {
   EXPECT_NEAR(*CompareCalibrations(rig, EurocRig()).nees, 4.0 / kNumCalibration, 1e-6);
 }
 
+TEST(CalibrationErrorTest, TheMountMayBeOffByWhatTheAxesAre) {
+  StereoRig rig = EurocRig();
+  rig.T_BC[0] = rig.T_BC[0].Retract(Vector3d(0.002, 0, 0), Vector3d::Zero());
+  rig.T_BC[1] = rig.T_BC[0] * EurocRig().T_C1C0().Inverse();
+  MatrixXd covariance = 1e-6 * MatrixXd::Identity(kNumCalibration, kNumCalibration);
+  rig.covariance = std::make_shared<const MatrixXd>(covariance);
+  const double against_the_gyroscope = *CompareCalibrations(rig, EurocRig()).nees;
+  rig.axes_sigma = std::sqrt(3e-6);
+  EXPECT_NEAR(*CompareCalibrations(rig, EurocRig()).nees, 0.25 * against_the_gyroscope, 1e-4);
+}
+
 TEST(CalibrationErrorTest, WhatWasHeldHasNoNees) {
   StereoRig rig = EurocRig();
   rig.time_offset = rig.time_offset + Duration{2'000'000};

@@ -93,8 +93,8 @@ std::string WhatIsWrong(const CalibrationMatrix& of_all) {
   Eigen::Index row = 0, column = 0;
   if (!((correlation - correlation.transpose()).cwiseAbs().maxCoeff(&row, &column) < 1e-6)) {
     const auto name = [](Eigen::Index k) { return kCalibrationNames[static_cast<std::size_t>(k)]; };
-    return std::string("a covariance is symmetric, but ") + name(row) + " and " + name(column) +
-           " have two";
+    return std::string("a covariance is symmetric, but that of ") + name(row) + " and " +
+           name(column) + " is another one the other way round";
   }
   if (correlation.ldlt().vectorD().minCoeff() <= 0) return "a covariance is positive definite";
   return "";

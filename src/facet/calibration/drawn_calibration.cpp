@@ -60,10 +60,7 @@ ImuErrors DrawImuErrors(double scale_percent, double misalignment_deg, Rng& rng)
   return {of_gyro, of_accel};
 }
 
-ImuErrors DrawImuErrors(std::uint64_t seed,
-                        const DrawnParts& parts,
-                        const DrawnCalibrationOptions& options) {
-  if (!parts.scale) return {};
+ImuErrors DrawImuErrors(std::uint64_t seed, const DrawnCalibrationOptions& options) {
   Rng rng(PartSeeds(seed).scale);
   return DrawImuErrors(options.imu_scale_percent, options.imu_misalignment_deg, rng);
 }

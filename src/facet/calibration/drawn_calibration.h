@@ -20,7 +20,7 @@ struct DrawnParts {
   bool scale = true;  ///< of the IMU's axes, and their misalignment
 };
 
-/// 1-sigma of the length of the errors.
+/// 1-sigma; of the mount of the length of the errors.
 struct DrawnCalibrationOptions {
   BoardCalibrationOptions board;
   double imu_rotation_deg = 0.1;
@@ -53,23 +53,18 @@ std::optional<StereoRig> DrawCalibration(const StereoRig& exact,
                                          const DrawnParts& parts = {},
                                          const DrawnCalibrationOptions& options = {});
 
-/// What the sensors of an IMU do beside their biases: they read `of_gyro` * w_B and
-/// `of_accel` * a_B.
+/// By what the readings of an IMU are multiplied, beside what a calibration knows: scales of the
+/// axes, and axes that are not where the body's are.
 struct ImuErrors {
   Matrix3d of_gyro = Matrix3d::Identity();
   Matrix3d of_accel = Matrix3d::Identity();
-
-  /// By what share each axis of the gyroscope reads too much, as StereoRig has it.
-  Vector3d GyroScale() const { return of_gyro.diagonal() - Vector3d::Ones(); }
 };
 
 /// 1-sigma of every element: scales, and axes that are not quite orthogonal.
 ImuErrors DrawImuErrors(double scale_percent, double misalignment_deg, Rng& rng);
 
 /// The errors of the IMU that belongs to DrawCalibration with the same seed: a calibration does not
-/// know them. None where `parts` has none.
-ImuErrors DrawImuErrors(std::uint64_t seed,
-                        const DrawnParts& parts = {},
-                        const DrawnCalibrationOptions& options = {});
+/// know them.
+ImuErrors DrawImuErrors(std::uint64_t seed, const DrawnCalibrationOptions& options = {});
 
 }  // namespace facet

@@ -27,6 +27,9 @@ struct StereoRig {
   /// Of all this, in the order of CalibrationVector (calibration/calibration_vector.h); null: not
   /// known.
   std::shared_ptr<const MatrixXd> covariance;
+  /// `covariance` is of the cameras against the axes of the gyroscope, which may be off those of
+  /// the body by this much about each axis, 1-sigma [rad].
+  double axes_sigma = 0;
 
   bool HasLensModes() const { return !lens_modes[0].isZero(0) || !lens_modes[1].isZero(0); }
   SE3 T_C1C0() const { return T_BC[1].Inverse() * T_BC[0]; }

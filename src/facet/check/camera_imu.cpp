@@ -26,9 +26,7 @@ constexpr int kMinTurns = 15;
 constexpr double kLeastSigmas = 5, kCertainSigmas = 10;
 // Above this it is another mount, or another sensor, and no error of a calibration.
 constexpr double kGrosslyTurned = 20 * kDegree;
-// Four to five times what a careful calibration is off by (calibration/drawn_calibration.h).
-constexpr double kTurned = 0.4 * kDegree, kOffset_s = 0.005, kScale = 0.015;
-constexpr double kBias = 0.105;
+constexpr double kTurned = 2 * kDegree, kOffset_s = 0.006, kScale = 0.035, kBias = 0.105;
 // Where the fit does not describe the turns, its parameters mean nothing.
 constexpr double kLargestCost = 6;
 constexpr std::size_t kNumParts = 4;

@@ -364,10 +364,9 @@ void SelfCalibration::MoveToImage(const SlidingWindow& window,
 std::optional<StereoRig> SelfCalibration::Refined(double noise_factor) const {
   if (!kept_) return std::nullopt;
   StereoRig rig = kept_->rig;
-  CalibrationMatrix left = LeftWithNoise(noise_factor, kept_->possible, kept_->covariance);
-  if (options_.mount)
-    left.diagonal().segment<3>(kMountRotation).array() += std::pow(options_.AxesSigma(), 2);
-  rig.covariance = std::make_shared<const MatrixXd>(left);
+  rig.covariance = std::make_shared<const MatrixXd>(
+      LeftWithNoise(noise_factor, kept_->possible, kept_->covariance));
+  rig.axes_sigma = options_.mount ? options_.AxesSigma() : 0;
   return rig;
 }
 

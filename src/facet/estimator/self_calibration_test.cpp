@@ -11,6 +11,7 @@
 #include "facet/calibration/drawn_calibration.h"
 #include "facet/estimator/start/start_calibration.h"
 #include "facet/estimator/vio_estimator.h"
+#include "facet/geometry/angles.h"
 #include "facet/sim/euroc_rig.h"
 #include "facet/sim/feature_simulator.h"
 #include "facet/testing/estimator/spoilt_run.h"
@@ -68,11 +69,19 @@ Calibrated Fly(
   const auto refined = estimator.Calibration();
   EXPECT_TRUE(refined) << seed;
   if (!refined) return {};
+  EXPECT_EQ(refined->axes_sigma, CalibrationOptions().AxesSigma());
   return {CalibrationDifference(run.rig, *refined),
           refined->covariance->diagonal().cwiseSqrt(),
           CalibrationDifference(run.rig, written),
           StartCovariance(written, {}).diagonal().cwiseSqrt(),
           estimator.window().calibration->are_modes_settled()};
+}
+
+TEST(CalibrationOptionsTest, AnImuThatIsTakenAsExactHasExactAxes) {
+  CalibrationOptions options;
+  EXPECT_NEAR(options.AxesSigma(), 0.05 * kDegree, 1e-12);
+  options.gyro = false;
+  EXPECT_EQ(options.AxesSigma(), 0);
 }
 
 double MeanSquare(const CalibrationVector& error, const CalibrationVector& sigma) {

@@ -77,15 +77,16 @@ void ScaleImu(const FaultValues& value, RecordingCopy& recording) {
   Rng rng(static_cast<std::uint64_t>(value.at("seed")));
   const ImuErrors errors = DrawImuErrors(value.at("percent"), value.at("deg"), rng);
   AddImuErrors(errors, recording.imu);
-  recording.exact_rig.gyro_scale += errors.GyroScale();
+  recording.exact_rig.gyro_scale = GyroScaleWith(errors, recording.exact_rig.gyro_scale);
 }
 
 // ---------------------------------------------------------------- wrong in the whole recording
 
 void ScaleGyroscope(const FaultValues& value, RecordingCopy& recording) {
-  for (ImuSample& sample : recording.imu)
-    sample.gyro *= 1 + value.at("percent") / 100;
-  recording.exact_rig.gyro_scale += Vector3d::Constant(value.at("percent") / 100);
+  ImuErrors errors;
+  errors.of_gyro *= 1 + value.at("percent") / 100;
+  AddImuErrors(errors, recording.imu);
+  recording.exact_rig.gyro_scale = GyroScaleWith(errors, recording.exact_rig.gyro_scale);
 }
 
 void BiasGyroscope(const FaultValues& value, RecordingCopy& recording) {

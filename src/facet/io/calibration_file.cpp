@@ -199,6 +199,7 @@ Calibration ReadKalibrCalibration(const fs::path& camchain, const fs::path& imu_
   result.rig.time_offset = offsets[0];
   result.rig.gyro_scale = ReadGyroScale(yaml);
   result.rig.covariance = ReadCovariance(yaml);
+  result.rig.axes_sigma = ReadAxesSigma(yaml);
   if (std::abs(ToSeconds(offsets[1]) - ToSeconds(offsets[0])) > kMaxTimeOffsetDifferenceS) {
     result.warnings.push_back(camchain.string() +
                               ": the cameras have different time offsets; that of cam0 is used");

@@ -77,6 +77,14 @@ std::string CalibrationYaml(const StereoRig& rig) {
     text += "# By what share the gyroscope reads too much on each axis.\ngyro_scale: " +
             List(rig.gyro_scale) + "\n";
   if (rig.covariance) text += Covariance(*rig.covariance);
+  if (rig.axes_sigma > 0) {
+    text +=
+        "# The mount is that against the axes of the gyroscope, which may be off those of the body "
+        "by\n"
+        "# this much about each axis, 1-sigma [rad]; not part of the covariance.\n"
+        "axes_sigma: " +
+        Number(rig.axes_sigma) + "\n";
+  }
   return text;
 }
 

@@ -103,11 +103,21 @@ TEST_F(CalibrationWriterTest, WithoutACovarianceThereIsNone) {
   EXPECT_FALSE(ReadBack(CalibrationYaml(EurocRig())).covariance);
 }
 
+TEST_F(CalibrationWriterTest, WhatTheAxesAreOffByIsKept) {
+  StereoRig rig = RigWithCovariance();
+  EXPECT_EQ(ReadBack(CalibrationYaml(rig)).axes_sigma, 0);
+  rig.axes_sigma = 1e-3;
+  const std::string text = CalibrationYaml(rig);
+  EXPECT_EQ(ReadBack(text).axes_sigma, 1e-3);
+  EXPECT_THAT(ErrorOf(Replaced(text, "axes_sigma: 0.001", "axes_sigma: 5")),
+              HasSubstr("in radians, such as 0.001"));
+}
+
 TEST_F(CalibrationWriterTest, ACovarianceThatIsNoneIsRefused) {
   const std::string good = CalibrationYaml(RigWithCovariance());
   EXPECT_THAT(ErrorOf(Replaced(good, "cam0_fy", "cam0_fz")), HasSubstr("parameters"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e-06, 4e-07")),
-              HasSubstr("symmetric, but cam0_fy and cam0_fx have two"));
+              HasSubstr("symmetric, but that of cam0_fy and cam0_fx is another one"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [-1e-06, 3e-07")),
               HasSubstr("positive diagonal"));
   EXPECT_THAT(ErrorOf(Replaced(good, "- [1e-06, 3e-07", "- [1e+12, 3e-07")),

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kMaxRotationError = 1e-3;
 constexpr double kMaxLeverArmM = 10;
-constexpr double kMaxGyroScale = 0.2;
+constexpr double kMaxGyroScale = 0.2, kMaxAxesSigma = 0.2;  // a share, rad
 constexpr double kMaxLensMode_px = 20;
 constexpr double kMaxSide_px = 65536;
 // Densities that far from those of a usual sensor are no units' mistake.
@@ -174,6 +174,15 @@ std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml) {
   matrix = 0.5 * (matrix + matrix.transpose()).eval();
   if (size < kNumCalibration) ForgetLensModes(matrix);
   return std::make_shared<const MatrixXd>(matrix);
+}
+
+double ReadAxesSigma(const YamlFile& yaml) {
+  if (!YamlFile::Has(yaml.root(), "axes_sigma")) return 0;
+  const double sigma = yaml.RequireNumber(yaml.root(), "axes_sigma");
+  if (!(sigma >= 0 && sigma < kMaxAxesSigma))
+    yaml.Fail(yaml.root()["axes_sigma"],
+              "what the axes of an IMU are off by is an angle in radians, such as 0.001");
+  return sigma;
 }
 
 ImuNoise ReadImuNoise(const YamlFile& yaml, std::vector<std::string>& warnings) {

@@ -30,6 +30,9 @@ Vector3d ReadGyroScale(const YamlFile& yaml);
 /// nothing of them. Refuses what is no covariance of these parameters.
 std::shared_ptr<const MatrixXd> ReadCovariance(const YamlFile& yaml);
 
+/// The `axes_sigma` that a run has written with its covariance [rad]; zero if there is none.
+double ReadAxesSigma(const YamlFile& yaml);
+
 /// Noise densities at the root of the file or below `imu0`; warns of values that are off by
 /// decades, and of missing ones, whose place those of an ADIS16448 take.
 ImuNoise ReadImuNoise(const YamlFile& yaml, std::vector<std::string>& warnings);

@@ -14,8 +14,14 @@ StereoRig WrittenCalibration(const StereoRig& exact, const CalibrationDraw& draw
       ": a board 0.6 to 1.3 m away does not calibrate these cameras; do both see the same things?");
 }
 
-ImuErrors UnknownImuErrors(const CalibrationDraw& draw) {
-  return draw.seed ? DrawImuErrors(*draw.seed, draw.parts, draw.options) : ImuErrors();
+std::optional<ImuErrors> UnknownImuErrors(const CalibrationDraw& draw) {
+  if (!draw.seed || !draw.parts.scale) return std::nullopt;
+  return DrawImuErrors(*draw.seed, draw.options);
+}
+
+Vector3d GyroScaleWith(const ImuErrors& errors, const Vector3d& before) {
+  const Vector3d ones = Vector3d::Ones();
+  return (before + ones).cwiseProduct(errors.of_gyro.diagonal()) - ones;
 }
 
 void AddImuErrors(const ImuErrors& errors, std::vector<ImuSample>& samples) {

@@ -21,10 +21,14 @@ struct CalibrationDraw {
 /// The calibration to be written for the exact one. Throws ConfigError where none can be drawn.
 StereoRig WrittenCalibration(const StereoRig& exact, const CalibrationDraw& draw);
 
-/// The errors that the IMU has, which the written calibration does not know; none without a seed.
-ImuErrors UnknownImuErrors(const CalibrationDraw& draw);
+/// The errors that the IMU has, which the written calibration does not know; none if none are
+/// drawn.
+std::optional<ImuErrors> UnknownImuErrors(const CalibrationDraw& draw);
 
-/// What an IMU with these errors reads.
+/// What an IMU with these errors reads, biases and noise included.
 void AddImuErrors(const ImuErrors& errors, std::vector<ImuSample>& samples);
+
+/// Of a gyroscope that had the scale `before`.
+Vector3d GyroScaleWith(const ImuErrors& errors, const Vector3d& before);
 
 }  // namespace facet

@@ -109,6 +109,10 @@ class CsvFile {
   std::ofstream stream_;
 };
 
+fs::path ImuErrorsFile(const fs::path& sequence) {
+  return sequence / "truth" / "imu0" / "errors.yaml";
+}
+
 /// A row of planes.csv: one planar part, or all parts of a floor, ceiling or wall that lie in one
 /// plane.
 struct PlaneRow {
@@ -209,6 +213,21 @@ void WriteCalibration(const fs::path& sequence,
   WriteTextFile(mav0 / "state_groundtruth_estimate0" / "sensor.yaml",
                 "%YAML:1.0\nsensor_type: visual-inertial\ncomment: exact, from facet simulate\n\n" +
                     FormatTransform(SE3()));
+}
+
+void WriteImuErrors(const fs::path& sequence, const ImuErrors& errors) {
+  const auto rows = [](const Matrix3d& M) {
+    return "[" + Columns(M.row(0)) + "," + Columns(M.row(1)) + "," + Columns(M.row(2)) + "]\n";
+  };
+  WriteTextFile(
+      ImuErrorsFile(sequence),
+      "%YAML:1.0\n# The sensors read these 3 x 3 matrices times what they would without them.\n"
+      "of_gyro: " +
+          rows(errors.of_gyro) + "of_accel: " + rows(errors.of_accel));
+}
+
+bool HasImuErrors(const fs::path& sequence) {
+  return fs::is_regular_file(ImuErrorsFile(sequence));
 }
 
 fs::path ImageFile(const fs::path& sequence, int camera, Timestamp t) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 
+#include "facet/calibration/drawn_calibration.h"
 #include "facet/camera/stereo_rig.h"
 #include "facet/imu/imu_types.h"
 #include "facet/render/scene_mesh.h"
@@ -20,6 +21,12 @@ void WriteCalibration(const std::filesystem::path& sequence,
                       const StereoRig& exact,
                       const ImuNoise& noise,
                       double frame_rate_hz);
+
+/// truth/imu0/errors.yaml: what the IMU does that its calibration does not know. None without it.
+void WriteImuErrors(const std::filesystem::path& sequence, const ImuErrors& errors);
+
+/// Whether the readings of a sequence have such errors.
+bool HasImuErrors(const std::filesystem::path& sequence);
 
 /// mav0/camN/data/STAMP.png, for camera N.
 std::filesystem::path ImageFile(const std::filesystem::path& sequence, int camera, Timestamp t);

@@ -80,11 +80,11 @@ void WriteInertialData(const SimulationRequest& request,
                        const Motion& motion,
                        const ImuNoise& noise,
                        std::uint64_t seed,
-                       const ImuErrors& errors,
+                       const std::optional<ImuErrors>& errors,
                        const std::filesystem::path& folder) {
   if (!motion.real_imu.empty()) {
     std::vector<ImuSample> samples = motion.real_imu;
-    AddImuErrors(errors, samples);
+    if (errors) AddImuErrors(*errors, samples);
     WriteImu(folder, samples);
     WriteStates(folder, TruthAtSamples(motion));
     return;
@@ -96,7 +96,7 @@ void WriteInertialData(const SimulationRequest& request,
                            request.options.imu,
                            motion.vibration,
                            seed);
-  AddImuErrors(errors, imu.samples);
+  if (errors) AddImuErrors(*errors, imu.samples);
   WriteImu(folder, imu.samples);
   WriteStates(folder, imu.truth);
 }
@@ -294,13 +294,14 @@ SimulationReport Simulate(const SimulationRequest& request,
   const CalibrationDraw draw{
       request.drawn_calibration, request.drawn_parts, request.options.calibration};
   const StereoRig measured = WrittenCalibration(sensors.rig, draw);
-  const ImuErrors imu_errors = UnknownImuErrors(draw);
+  const std::optional<ImuErrors> imu_errors = UnknownImuErrors(draw);
   StereoRig exact = ExactRig(request, sensors.rig);
-  exact.gyro_scale += imu_errors.GyroScale();
+  if (imu_errors) exact.gyro_scale = GyroScaleWith(*imu_errors, exact.gyro_scale);
   for (std::size_t i = 0; i < folders.size(); ++i) {
     WriteCalibration(folders[i], measured, exact, sensors.noise, request.options.image.rate_hz);
     const std::uint64_t imu_seed = seeds.WithNoise(static_cast<int>(i)).imu;
     WriteInertialData(request, motion, sensors.noise, imu_seed, imu_errors, folders[i]);
+    if (imu_errors) WriteImuErrors(folders[i], *imu_errors);
     WriteSurfaces(folders[i], scene.mesh, truth);
   }
 

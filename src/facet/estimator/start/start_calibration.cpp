@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "facet/calibration/board_calibration.h"
 #include "facet/calibration/calibration_groups.h"
 #include "facet/geometry/angles.h"
@@ -36,15 +34,6 @@ CalibrationMatrix OfACarefulCalibration(const StereoRig& rig, const CalibrationO
   return covariance;
 }
 
-// The body's axes are those of the IMU's gyroscope for this run as for the former one, which has
-// stated how far they may be off those of the body (SelfCalibration::Refined). A covariance that
-// has no room for that was not stated by a run.
-CalibrationMatrix WithoutAxes(const CalibrationMatrix& former, double axes_sigma) {
-  CalibrationMatrix known = former;
-  known.diagonal().segment<3>(kMountRotation).array() -= axes_sigma * axes_sigma;
-  return Eigen::LLT<CalibrationMatrix>(known).info() == Eigen::Success ? known : former;
-}
-
 // What the former run held or did not have is as after a careful calibration.
 CalibrationMatrix WithFormerRun(const CalibrationMatrix& careful, const CalibrationMatrix& former) {
   CalibrationMatrix covariance = kOtherDay * kOtherDay * careful + former;
@@ -61,8 +50,7 @@ CalibrationMatrix WithFormerRun(const CalibrationMatrix& careful, const Calibrat
 
 CalibrationMatrix StartCovariance(const StereoRig& rig, const CalibrationOptions& options) {
   CalibrationMatrix covariance = OfACarefulCalibration(rig, options);
-  if (rig.covariance)
-    covariance = WithFormerRun(covariance, WithoutAxes(*rig.covariance, options.AxesSigma()));
+  if (rig.covariance) covariance = WithFormerRun(covariance, *rig.covariance);
   const auto hold = [&](int first, int count) {
     covariance.middleRows(first, count).setZero();
     covariance.middleCols(first, count).setZero();

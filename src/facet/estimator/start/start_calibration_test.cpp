@@ -41,28 +41,6 @@ TEST(StartCovarianceTest, WhatTheFormerRunHeldIsAsAfterACarefulCalibration) {
   EXPECT_LT(ratio(kGyroScale), 0.2);
 }
 
-// It is the same IMU: its axes are off those of the body as before.
-TEST(StartCovarianceTest, TheMountIsToTheAxesThatTheFormerRunUsed) {
-  const CalibrationOptions options;
-  const double of_axes = options.AxesSigma() * options.AxesSigma();
-  StereoRig rig = testing::MakeTestRig();
-  const CalibrationMatrix careful = StartCovariance(rig, options);
-  CalibrationMatrix former = 1e-4 * careful;
-  former.diagonal().segment<3>(kMountRotation).array() += of_axes;
-  rig.covariance = std::make_shared<const MatrixXd>(former);
-  const auto share = [&] {
-    return std::sqrt(StartCovariance(rig, options)(kMountRotation, kMountRotation) /
-                     careful(kMountRotation, kMountRotation));
-  };
-  EXPECT_NEAR(share(), std::hypot(0.1, 0.01), 1e-3);
-
-  // Who knows the axes better than that has not left room for them.
-  former.diagonal().segment<3>(kMountRotation).setConstant(0.5 * of_axes);
-  rig.covariance = std::make_shared<const MatrixXd>(former);
-  EXPECT_GT(share(), 0.5);
-  EXPECT_EQ(WhatIsWrong(StartCovariance(rig, options)), "");
-}
-
 // A narrow lens hardly has an angle to the third power, and none to the ninth.
 TEST(StartCovarianceTest, OfANarrowLensCanBeReadBack) {
   StereoRig rig = testing::MakeTestRig();

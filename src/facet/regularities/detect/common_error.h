@@ -3,6 +3,8 @@
 // stereo pair and of the matching that are left when the calibration has been estimated.
 #pragma once
 
+#include <cmath>
+
 #include "facet/geometry/plane.h"
 #include "facet/regularities/detect/surface_face.h"
 
@@ -17,7 +19,9 @@ struct CommonError {
 /// Of a plane around the point p_W on it. With pi = n / d in the camera's frame, the points of a
 /// plane have the inverse depths 1/z = pi . (x, y, 1). Disparities that are off by (e_x, e_y, e_0)
 /// . (x, y, 1), each kCommonDisparity_px, change pi by a focal_px * baseline_m-th of that: so the
-/// plane turns by d times that change, and moves by d |p| times it at p.
+/// plane turns by d times that change, and moves by d |p| times it at p. The two go together where
+/// a plane is seen at a flat angle (it turns about the point nearest to the camera), which their
+/// users neglect.
 inline CommonError CommonErrorOf(const Plane& plane_W,
                                  const Vector3d& p_W,
                                  const FaceCamera& camera) {

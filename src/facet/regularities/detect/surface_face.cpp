@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "facet/base/check.h"
+
 namespace facet {
 
 namespace {
@@ -43,6 +45,7 @@ std::vector<int> LandmarksOfVertices(const SearchMesh& mesh, const MapSnapshot& 
 }
 
 void FillSurfaceFaces(const SearchMesh& mesh, SurfaceFaces& out) {
+  FACET_CHECK(mesh.vertices.empty() || mesh.focal_px * mesh.baseline_m > 0);
   out.camera = {mesh.T_WC.p,
                 kSigma_px / mesh.focal_px,
                 kCommonDisparity_px / (mesh.focal_px * mesh.baseline_m)};

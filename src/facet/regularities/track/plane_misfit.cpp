@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
 #include <Eigen/Cholesky>
@@ -162,11 +161,9 @@ bool IsMisfit(const MapSnapshot& map, const FaceCamera& camera, TrackedPlane& pl
 }  // namespace
 
 void RemoveMisfits(const MapSnapshot& map,
-                   const FaceCamera& of_view,
+                   const FaceCamera& camera,
                    std::vector<TrackedPlane>& planes,
                    PlaneAssignments& out) {
-  FaceCamera camera = of_view;
-  camera.p_W = map.latest.T_WB.p;
   std::erase_if(planes, [&](TrackedPlane& plane) {
     if (plane.IsTentative() || !IsMisfit(map, camera, plane)) return false;
     for (const LandmarkEstimate& landmark : map.landmarks) {

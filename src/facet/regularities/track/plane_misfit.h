@@ -15,9 +15,9 @@ namespace facet {
 /// the detector may find planes among them anew. Planes whose landmarks lie on a curved surface
 /// stay, because seeing them again still helps the estimator, but it is recorded
 /// (TrackedPlane::curvature). How uneven the surface of each plane is, is estimated and announced.
-/// `of_view`: of the newest view; its place is not used.
+/// `camera`: of the newest view.
 void RemoveMisfits(const MapSnapshot& map,
-                   const FaceCamera& of_view,
+                   const FaceCamera& camera,
                    std::vector<TrackedPlane>& planes,
                    PlaneAssignments& out);
 

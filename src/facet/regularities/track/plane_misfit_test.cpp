@@ -50,11 +50,11 @@ MapSnapshot Seen(Surface x, double noise_m, std::uint64_t seed = 1) {
 
 // In which keyframe the wall ends, 0: in none of the first twenty.
 template <class MapAt>
-int EndsAfter(MapAt map_at) {
+int EndsAfter(MapAt map_at, const FaceCamera& camera = kView) {
   std::vector<TrackedPlane> planes = {Wall()};
   PlaneAssignments out;
   for (int k = 1; k <= 20; ++k) {
-    RemoveMisfits(map_at(k), kView, planes, out);
+    RemoveMisfits(map_at(k), camera, planes, out);
     if (!planes.empty()) {
       EXPECT_TRUE(out.retired.empty() && out.detached.empty());
       continue;
@@ -106,12 +106,10 @@ TEST(PlaneMisfitTest, ARowOfThingsEndsInTheLongRun) {
 }
 
 TEST(PlaneMisfitTest, FarAwayThingsMayStandOutMore) {
-  const auto ends_after = [](double by_m) {
-    return EndsAfter([&](int k) {
-      MapSnapshot map = Seen(RowOfThings(by_m), 0.005, k);
-      map.latest.T_WB.p.x() = 3 - 4 * kFarDistance_m;
-      return map;
-    });
+  FaceCamera far_away = kView;
+  far_away.p_W.x() = 3 - 4 * kFarDistance_m;
+  const auto ends_after = [&](double by_m) {
+    return EndsAfter([&](int k) { return Seen(RowOfThings(by_m), 0.005, k); }, far_away);
   };
   EXPECT_EQ(ends_after(0.028), 0);
   EXPECT_GT(ends_after(0.2), 0);
