@@ -12,6 +12,7 @@
 #include "facet/calibration/rig_parameters.h"
 #include "facet/io/asl_dataset.h"
 #include "facet/io/calibration_file.h"
+#include "facet/render/sequence_writer.h"
 #include "facet/testing/io/test_sequence.h"
 
 namespace facet {
@@ -145,6 +146,15 @@ TEST_F(DrawCalibrationTest, ACopyKeepsErrorsOfTheImuThatNoCalibrationHas) {
   EXPECT_LT(ImuDifference(Imu(out_ / "other"), Imu(out_ / "drawn")), 1e-9);
   EXPECT_EQ(ReadText(out_ / "other" / "truth" / "imu0" / "errors.yaml"),
             ReadText(out_ / "drawn" / "truth" / "imu0" / "errors.yaml"));
+
+  // A fault multiplies them.
+  Simulate("faulty", "--of " + (out_ / "drawn").string() + " --fault gyro_scaled:percent=1");
+  const Matrix3d before = ReadImuErrors(out_ / "drawn")->of_gyro;
+  const Matrix3d after = ReadImuErrors(out_ / "faulty")->of_gyro;
+  EXPECT_LT((after - 1.01 * before).norm(), 1e-9);
+  WriteText(out_ / "faulty" / "truth" / "imu0" / "errors.yaml", "of_gyro: [1, 0, 0]\n");
+  EXPECT_THAT(Simulate("x", "--of " + (out_ / "faulty").string() + " --draw-calibration 4", 3),
+              HasSubstr("errors.yaml:1: a matrix has nine numbers"));
 }
 
 TEST_F(DrawCalibrationTest, PartsCanBeDrawnAlone) {

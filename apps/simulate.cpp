@@ -150,23 +150,18 @@ void CopySequence(SimulateArguments& a) {
   CheckOut(a.out);
   ApplyOptions(a);
   RecordingCopy recording = ReadRecording(a.source);
-  std::optional<ImuErrors> imu_errors;
   if (request.drawn_calibration) {
     const CalibrationDraw draw{
         request.drawn_calibration, request.drawn_parts, request.options.calibration};
     recording.rig = WrittenCalibration(recording.exact_rig, draw);
     // Another person's calibration of an IMU that has errors already is of the same IMU.
-    if (!HasImuErrors(recording.source)) imu_errors = UnknownImuErrors(draw);
-    if (imu_errors) {
-      AddImuErrors(*imu_errors, recording.imu);
-      recording.exact_rig.gyro_scale = GyroScaleWith(*imu_errors, recording.exact_rig.gyro_scale);
-    }
+    const auto imu_errors = UnknownImuErrors(draw);
+    if (imu_errors && !recording.imu_errors) AddImuErrors(*imu_errors, recording);
   }
   for (const std::string& fault : a.faults)
     PlantFault(fault, recording);
   ResultFolder folder(a.out);
   WriteRecording(recording, folder.staging());
-  if (imu_errors) WriteImuErrors(folder.staging(), *imu_errors);
   WriteTextFile(folder.staging() / "simulation.txt",
                 "Made by Facet " FACET_VERSION " with\n\n  " + a.command_line + "\n");
   folder.Commit();

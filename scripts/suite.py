@@ -16,7 +16,8 @@ and with drawn ones (docs/simulator.md, "What is simulated").
 A figure of a scene is the median over its starts (0, 0.1, 0.2 ... s) and draws; NEES and what is left of the errors of
 the calibration at the ends of the runs are means, or the worst run where that is said. The exact calibration has as
 many starts as there are draws, so that one lucky start is not what the draws are divided by. The last columns have the
-median over the scenes and the worst one. Sequences and results go to --out.
+median over the scenes, the worst one and the mean, which for NEES is that of all draws. Sequences and results go to
+--out.
 """
 
 import argparse
@@ -292,7 +293,7 @@ def figures_of(groups, scene, kinds, pipelines):
         for kind in ["exact", *kinds]:
             for part in ("position", "orientation"):
                 row[f"{pipeline} {part} NEES {kind}"] = nees(groups[scene, kind, pipeline], part)
-        for kind in kinds:
+        for kind in ["exact", *kinds]:
             for name, value in calibration_figures(groups[scene, kind, pipeline]).items():
                 row[f"{pipeline} {kind}: {name}"] = value
     if "S" in pipelines and "SPR" in pipelines:
@@ -322,10 +323,11 @@ def print_table(title, table):
     if not table:
         sys.exit("suite: nothing to run")
     columns = list(next(iter(table.values())))
-    print(f"\n{title}\n\n| | {' | '.join(table)} | median | worst |\n|---|{'---|' * (len(table) + 2)}")
+    print(f"\n{title}\n\n| | {' | '.join(table)} | median | worst | mean |\n|---|{'---|' * (len(table) + 3)}")
     for column in columns:
         cells = [form(column, row[column]) for row in table.values()]
-        cells += [form(column, value) for value in overall(table, column)]
+        mean = statistics.mean(row[column] for row in table.values())
+        cells += [form(column, value) for value in (*overall(table, column), mean)]
         print(f"| {column} | {' | '.join(cells)} |")
 
 

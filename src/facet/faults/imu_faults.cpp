@@ -7,7 +7,6 @@
 #include "facet/base/random.h"
 #include "facet/faults/fault_kind.h"
 #include "facet/geometry/angles.h"
-#include "facet/render/calibration_draw.h"
 
 namespace facet {
 
@@ -75,9 +74,7 @@ void NegateImu(const FaultValues& value, RecordingCopy& recording) {
 // leaves.
 void ScaleImu(const FaultValues& value, RecordingCopy& recording) {
   Rng rng(static_cast<std::uint64_t>(value.at("seed")));
-  const ImuErrors errors = DrawImuErrors(value.at("percent"), value.at("deg"), rng);
-  AddImuErrors(errors, recording.imu);
-  recording.exact_rig.gyro_scale = GyroScaleWith(errors, recording.exact_rig.gyro_scale);
+  AddImuErrors(DrawImuErrors(value.at("percent"), value.at("deg"), rng), recording);
 }
 
 // ---------------------------------------------------------------- wrong in the whole recording
@@ -85,8 +82,7 @@ void ScaleImu(const FaultValues& value, RecordingCopy& recording) {
 void ScaleGyroscope(const FaultValues& value, RecordingCopy& recording) {
   ImuErrors errors;
   errors.of_gyro *= 1 + value.at("percent") / 100;
-  AddImuErrors(errors, recording.imu);
-  recording.exact_rig.gyro_scale = GyroScaleWith(errors, recording.exact_rig.gyro_scale);
+  AddImuErrors(errors, recording);
 }
 
 void BiasGyroscope(const FaultValues& value, RecordingCopy& recording) {

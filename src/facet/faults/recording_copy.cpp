@@ -10,6 +10,7 @@
 #include "facet/io/errors.h"
 #include "facet/io/image_reader.h"
 #include "facet/io/png_writer.h"
+#include "facet/render/calibration_draw.h"
 #include "facet/render/sequence_writer.h"
 
 namespace facet {
@@ -86,6 +87,13 @@ void WriteImages(const std::vector<RecordedImage>& images, const fs::path& camer
 
 }  // namespace
 
+void AddImuErrors(const ImuErrors& errors, RecordingCopy& recording) {
+  AddImuErrors(errors, recording.imu);
+  recording.exact_rig.gyro_scale = GyroScaleWith(errors, recording.exact_rig.gyro_scale);
+  const ImuErrors before = recording.imu_errors.value_or(ImuErrors());
+  recording.imu_errors = {errors.of_gyro * before.of_gyro, errors.of_accel * before.of_accel};
+}
+
 RecordingCopy ReadRecording(const fs::path& sequence) {
   const AslDataset dataset(sequence);
   const fs::path mav0 = FindMav0(sequence);
@@ -95,6 +103,7 @@ RecordingCopy ReadRecording(const fs::path& sequence) {
   recording.exact_rig = ExactRig(recording.source, recording.rig);
   recording.imu_noise = dataset.imu_noise();
   recording.imu = dataset.imu();
+  recording.imu_errors = ReadImuErrors(recording.source);
   for (const FrameEntry& frame : dataset.frames()) {
     recording.images[0].push_back({frame.t, CameraFolder(mav0, 0) / "data" / frame.left, {}});
     if (frame.HasRight())
@@ -114,6 +123,7 @@ void WriteRecording(const RecordingCopy& recording, const fs::path& folder) {
   for (std::size_t camera = 0; camera < 2; ++camera)
     WriteImages(recording.images[camera], CameraFolder(folder / "mav0", camera));
   WriteImu(folder, recording.imu);
+  if (recording.imu_errors) WriteImuErrors(folder, *recording.imu_errors);
 }
 
 }  // namespace facet

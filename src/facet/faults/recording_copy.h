@@ -5,10 +5,12 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
+#include "facet/calibration/drawn_calibration.h"
 #include "facet/camera/stereo_rig.h"
 #include "facet/imu/imu_types.h"
 
@@ -29,8 +31,12 @@ struct RecordingCopy {
   StereoRig exact_rig;           ///< that of the source's truth/, or else the recorded one
   ImuNoise imu_noise;
   std::vector<ImuSample> imu;
+  std::optional<ImuErrors> imu_errors;  ///< that the readings have: of truth/, or added since
   std::array<std::vector<RecordedImage>, 2> images;  ///< left, right; in order of time
 };
+
+/// What an IMU with these errors, too, would have read; the truth follows.
+void AddImuErrors(const ImuErrors& errors, RecordingCopy& recording);
 
 /// Everything but the pixels. Throws InputError.
 RecordingCopy ReadRecording(const std::filesystem::path& sequence);

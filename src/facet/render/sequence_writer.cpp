@@ -13,6 +13,7 @@
 #include "facet/io/lens_yaml.h"
 #include "facet/io/ply_writer.h"
 #include "facet/io/text_file.h"
+#include "facet/io/yaml_file.h"
 
 namespace facet {
 namespace {
@@ -108,6 +109,8 @@ class CsvFile {
   fs::path file_;
   std::ofstream stream_;
 };
+
+constexpr double kLargestImuError = 0.5;
 
 fs::path ImuErrorsFile(const fs::path& sequence) {
   return sequence / "truth" / "imu0" / "errors.yaml";
@@ -226,8 +229,20 @@ void WriteImuErrors(const fs::path& sequence, const ImuErrors& errors) {
           rows(errors.of_gyro) + "of_accel: " + rows(errors.of_accel));
 }
 
-bool HasImuErrors(const fs::path& sequence) {
-  return fs::is_regular_file(ImuErrorsFile(sequence));
+std::optional<ImuErrors> ReadImuErrors(const fs::path& sequence) {
+  if (!fs::is_regular_file(ImuErrorsFile(sequence))) return std::nullopt;
+  const YamlFile yaml(ImuErrorsFile(sequence));
+  const auto matrix = [&](const char* key) -> Matrix3d {
+    const YAML::Node node = yaml.Require(yaml.root(), key);
+    const std::vector<double> values = yaml.Numbers(node);
+    if (values.size() != 9) yaml.Fail(node, "a matrix has nine numbers, row by row");
+    const Matrix3d M =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+    if (!((M - Matrix3d::Identity()).cwiseAbs().maxCoeff() < kLargestImuError))
+      yaml.Fail(node, "errors of an IMU are small beside the unit matrix");
+    return M;
+  };
+  return ImuErrors{matrix("of_gyro"), matrix("of_accel")};
 }
 
 fs::path ImageFile(const fs::path& sequence, int camera, Timestamp t) {

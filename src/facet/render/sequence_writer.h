@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include "facet/calibration/drawn_calibration.h"
@@ -22,11 +23,11 @@ void WriteCalibration(const std::filesystem::path& sequence,
                       const ImuNoise& noise,
                       double frame_rate_hz);
 
-/// truth/imu0/errors.yaml: what the IMU does that its calibration does not know. None without it.
+/// truth/imu0/errors.yaml: what the IMU does that its calibration does not know.
 void WriteImuErrors(const std::filesystem::path& sequence, const ImuErrors& errors);
 
-/// Whether the readings of a sequence have such errors.
-bool HasImuErrors(const std::filesystem::path& sequence);
+/// Those of a sequence; empty if it tells none. Throws InputError.
+std::optional<ImuErrors> ReadImuErrors(const std::filesystem::path& sequence);
 
 /// mav0/camN/data/STAMP.png, for camera N.
 std::filesystem::path ImageFile(const std::filesystem::path& sequence, int camera, Timestamp t);
