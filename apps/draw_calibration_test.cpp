@@ -152,6 +152,15 @@ TEST_F(DrawCalibrationTest, ACopyKeepsErrorsOfTheImuThatNoCalibrationHas) {
   const Matrix3d before = ReadImuErrors(out_ / "drawn")->of_gyro;
   const Matrix3d after = ReadImuErrors(out_ / "faulty")->of_gyro;
   EXPECT_LT((after - 1.01 * before).norm(), 1e-9);
+  // No calibration may say of a scale what a gross one does.
+  Simulate("gross", "--of " + (out_ / "drawn").string() + " --fault gyro_scaled:percent=80");
+  EXPECT_TRUE(Exact("gross").gyro_scale.isZero(0));
+  Simulate("of_gross", "--of " + (out_ / "gross").string() + " --draw-calibration 4");
+  EXPECT_LT((ReadImuErrors(out_ / "of_gross")->of_gyro - 1.8 * before).norm(), 1e-9);
+  WriteText(out_ / "faulty" / "truth" / "imu0" / "errors.yaml",
+            "of_gyro: [1, 0, 0, 0, .nan, 0, 0, 0, 1]\n");
+  EXPECT_THAT(Simulate("x", "--of " + (out_ / "faulty").string() + " --draw-calibration 4", 3),
+              HasSubstr("errors.yaml:1: "));
   WriteText(out_ / "faulty" / "truth" / "imu0" / "errors.yaml", "of_gyro: [1, 0, 0]\n");
   EXPECT_THAT(Simulate("x", "--of " + (out_ / "faulty").string() + " --draw-calibration 4", 3),
               HasSubstr("errors.yaml:1: a matrix has nine numbers"));

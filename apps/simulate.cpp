@@ -6,7 +6,9 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
+#include <string_view>
 
 #include "interrupts.h"
 #include "progress_bar.h"
@@ -37,19 +39,24 @@ void CleanImu(SimulatorOptions& options) {
   options.imu.add_bias = false;
 }
 
+struct NamedPart {
+  std::string_view name;
+  bool DrawnParts::*member;
+};
+constexpr NamedPart kParts[] = {{"lens", &DrawnParts::lens},
+                                {"imu", &DrawnParts::imu},
+                                {"time", &DrawnParts::time},
+                                {"scale", &DrawnParts::scale}};
+
 /// Empty: all of them.
 DrawnParts PartsFromText(const std::vector<std::string>& names) {
   if (names.empty()) return {};
   DrawnParts parts{false, false, false, false};
   for (const std::string& name : names) {
-    bool* part = name == "lens"    ? &parts.lens
-                 : name == "imu"   ? &parts.imu
-                 : name == "time"  ? &parts.time
-                 : name == "scale" ? &parts.scale
-                                   : nullptr;
-    if (!part)
+    const auto part = std::ranges::find(kParts, name, &NamedPart::name);
+    if (part == std::end(kParts))
       throw ConfigError("--draw-parts " + name + ": no such part; known: lens, imu, time, scale");
-    *part = true;
+    parts.*part->member = true;
   }
   return parts;
 }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kMaxRotationError = 1e-3;
 constexpr double kMaxLeverArmM = 10;
-constexpr double kMaxGyroScale = 0.2, kMaxAxesSigma = 0.2;  // a share, rad
+constexpr double kMaxAxesSigma = 0.2;  // rad
 constexpr double kMaxLensMode_px = 20;
 constexpr double kMaxSide_px = 65536;
 // Densities that far from those of a usual sensor are no units' mistake.

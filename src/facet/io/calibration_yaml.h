@@ -22,6 +22,9 @@ CameraModel ReadCamera(const YamlFile& yaml, const YAML::Node& camera);
 /// The `lens_modes` that a run has written with a camera [px]; zero if there are none.
 LensModeVector ReadLensModes(const YamlFile& yaml, const YAML::Node& camera);
 
+/// What a calibration may say of a scale is less than this share.
+inline constexpr double kMaxGyroScale = 0.2;
+
 /// The `gyro_scale` that a run has written with its calibration; zero if there is none.
 Vector3d ReadGyroScale(const YamlFile& yaml);
 

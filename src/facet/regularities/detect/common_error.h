@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the points of a view have in common beside their own noise: errors of the lenses, of the
-// stereo pair and of the matching that are left when the calibration has been estimated.
+// What the points of a view have in common beside their own noise: errors of the lenses and of the
+// stereo pair that are left when the calibration has been estimated.
 #pragma once
 
 #include <cmath>
