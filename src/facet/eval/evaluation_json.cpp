@@ -202,9 +202,12 @@ void AddShares(const PlaneError& error, const std::string& limits, Rows& rows) {
   add("planes precision", error.precision);
 }
 
-void AddPlaneRows(const PlaneError& error, const std::optional<PlaneError>& close, Rows& rows) {
+void AddPlaneRows(const RunEvaluation& e, Rows& rows) {
+  if (!e.planes) return;
+  const PlaneError& error = *e.planes;
   AddShares(error, "", rows);
-  if (close) AddShares(*close, ", 3 deg 5 cm", rows);
+  if (e.close_planes) AddShares(*e.close_planes, ", 3 deg 5 cm", rows);
+  if (e.close_planes_by_distance) AddShares(*e.close_planes_by_distance, ", 3 deg 2 %", rows);
   if (error.normal_error_deg_median) {
     rows.emplace_back("planes normal, median [deg]", Text("%.2f", *error.normal_error_deg_median));
     rows.emplace_back("planes offset, median [m]", Text("%.4f", *error.offset_error_m_median));
@@ -262,7 +265,7 @@ Rows RowsOf(const RunEvaluation& e) {
   if (e.time_offset) rows.emplace_back("time offset [s]", Text("%+.6f", ToSeconds(*e.time_offset)));
   if (e.mesh) AddMeshRows("mesh", *e.mesh, rows);
   if (e.map) AddMeshRows("map", *e.map, rows);
-  if (e.planes) AddPlaneRows(*e.planes, e.close_planes, rows);
+  AddPlaneRows(e, rows);
   if (e.consistency) AddConsistencyRows(*e.consistency, rows);
   if (e.calibration) AddCalibrationRows(*e.calibration, rows);
   return rows;
@@ -316,6 +319,8 @@ nlohmann::ordered_json ToJson(const RunEvaluation& e) {
   if (e.planes) {
     json["planes"] = ToJson(*e.planes);
     if (e.close_planes) json["planes"]["within_3deg_5cm"] = ToJson(*e.close_planes);
+    if (e.close_planes_by_distance)
+      json["planes"]["within_3deg_2percent"] = ToJson(*e.close_planes_by_distance);
   }
   if (e.consistency) json["consistency"] = ToJson(*e.consistency);
   if (e.calibration) json["calibration"] = ToJson(*e.calibration);

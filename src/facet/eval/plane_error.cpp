@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -25,16 +26,33 @@ struct SupportedPlane {
   Vector3d n_G;
   Vector3d centre_G;  // of the support, on the plane
   double area_m2;
+  double max_offset_m;
 };
 
 struct Difference {
   double angle_deg = 0, offset_m = 0;
 };
 
-SupportedPlane IntoTruthFrame(const EstimatedPlane& plane, const TrajectoryAlignment& alignment) {
+double MaxOffset(const Vector3d& centre_W,
+                 std::span<const Vector3d> path_W,
+                 const PlaneErrorOptions& options) {
+  if (options.max_offset_share <= 0) return options.max_offset_m;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const Vector3d& p_W : path_W)
+    nearest_m = std::min(nearest_m, (p_W - centre_W).norm());
+  return path_W.empty() ? 0 : options.max_offset_share * nearest_m;
+}
+
+SupportedPlane IntoTruthFrame(const EstimatedPlane& plane,
+                              const TrajectoryAlignment& alignment,
+                              std::span<const Vector3d> path_W,
+                              const PlaneErrorOptions& options) {
   const Vector3d on_plane =
       plane.centre_W - (plane.n_W.dot(plane.centre_W) - plane.d_W) * plane.n_W;
-  return {alignment.T_GW.q * plane.n_W, alignment * on_plane, plane.area_m2};
+  return {alignment.T_GW.q * plane.n_W,
+          alignment * on_plane,
+          plane.area_m2,
+          MaxOffset(plane.centre_W, path_W, options)};
 }
 
 Difference Compare(const SupportedPlane& estimate, const TruePlane& truth) {
@@ -102,9 +120,10 @@ std::optional<Pair> Match(const SupportedPlane& estimate,
     if (!MayBeParallel(estimate.n_G, plane.n_G, options.max_angle_deg)) continue;
     const Difference difference = Compare(estimate, plane);
     if (difference.angle_deg > options.max_angle_deg) continue;
-    if (difference.offset_m > options.max_offset_m) continue;
-    const double score =
-        difference.angle_deg / options.max_angle_deg + difference.offset_m / options.max_offset_m;
+    if (!(difference.offset_m <= estimate.max_offset_m)) continue;
+    const double share =
+        estimate.max_offset_m > 0 ? difference.offset_m / estimate.max_offset_m : 0;
+    const double score = difference.angle_deg / options.max_angle_deg + share;
     if (!best || score < best->score) best = Pair{.difference = difference, .score = score};
   }
   return best;
@@ -192,10 +211,11 @@ void SetErrors(const std::vector<Pair>& matched, PlaneError& error) {
 PlaneError EvaluatePlanes(std::span<const EstimatedPlane> estimated_W,
                           std::span<const TruePlane> truth_G,
                           const TrajectoryAlignment& alignment,
-                          const PlaneErrorOptions& options) {
+                          const PlaneErrorOptions& options,
+                          std::span<const Vector3d> path_W) {
   std::vector<SupportedPlane> estimates;
   for (const EstimatedPlane& plane : estimated_W)
-    estimates.push_back(IntoTruthFrame(plane, alignment));
+    estimates.push_back(IntoTruthFrame(plane, alignment, path_W, options));
   const std::vector<TrueSurface> surfaces = GroupSurfaces(truth_G, options);
   const std::vector<Pair> pairs = MatchingPairs(estimates, surfaces, options);
   const std::vector<Pair> matched = OneToOne(pairs, estimates.size(), surfaces.size());

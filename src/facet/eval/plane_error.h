@@ -15,6 +15,9 @@ namespace facet {
 struct PlaneErrorOptions {
   double max_angle_deg = 10;   ///< between the normals of two planes that match
   double max_offset_m = 0.10;  ///< distance of the support's centre from the true plane
+  /// The same as a share of the distance from which the plane was seen, for scenes of any size;
+  /// above 0 it takes the place of max_offset_m.
+  double max_offset_share = 0;
   /// A plane whose support is this many times as large as a true surface is not that surface.
   double max_area_ratio = 4;
   /// Less than this is a boundary seen by chance. Such a surface cannot be found, and must not take
@@ -33,6 +36,9 @@ struct PlaneErrorOptions {
 
 /// Tighter limits for a second judgement: a plane between two surfaces may pass the wider ones.
 inline constexpr PlaneErrorOptions kClosePlanes{.max_angle_deg = 3, .max_offset_m = 0.05};
+/// As tight, near and far.
+inline constexpr PlaneErrorOptions kClosePlanesByDistance{.max_angle_deg = 3,
+                                                          .max_offset_share = 0.02};
 
 struct PlaneError {
   int num_true = 0;  ///< surfaces that count for the recall
@@ -49,11 +55,13 @@ struct PlaneError {
 /// An estimate matches a true surface that has a plane within the limits of angle and offset, and
 /// is compared with its best one. The score is the sum of angle and offset over their limits. Of
 /// all pairs the best score is taken first, one to one; equal scores: the surface seen more, then
-/// the larger one, then the order of the lists. Throws InputError for lists that hold the same
-/// planes so often that the pairs would fill the memory.
+/// the larger one, then the order of the lists. `path_W`: where the run was, from the nearest of
+/// which a plane counts as seen; needed with max_offset_share only. Throws InputError for lists
+/// that hold the same planes so often that the pairs would fill the memory.
 PlaneError EvaluatePlanes(std::span<const EstimatedPlane> estimated_W,
                           std::span<const TruePlane> truth_G,
                           const TrajectoryAlignment& alignment,
-                          const PlaneErrorOptions& options = {});
+                          const PlaneErrorOptions& options = {},
+                          std::span<const Vector3d> path_W = {});
 
 }  // namespace facet

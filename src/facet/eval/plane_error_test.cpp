@@ -102,6 +102,21 @@ TEST(PlaneErrorTest, WhatIsRoughlyThereIsNotClose) {
   EXPECT_EQ(recall(2.9, 0.049, kClosePlanes), 1);
 }
 
+TEST(PlaneErrorTest, LimitsThatGrowWithTheDistanceFromThePath) {
+  const std::vector<TruePlane> wall = {True({1, 0, 0}, 20, 30)};
+  const auto recall = [&](double offset_m, const std::vector<Vector3d>& path_W) {
+    const std::vector<EstimatedPlane> planes = {Estimate({1, 0, 0}, {20 + offset_m, 0, 0})};
+    return *EvaluatePlanes(planes, wall, {}, kClosePlanesByDistance, path_W).recall;
+  };
+  const std::vector<Vector3d> far_and_near = {{0, 0, 0}, {5, 0, 0}, {0, 0, 0}};
+  EXPECT_EQ(recall(0.29, far_and_near), 1);  // 2 % of 15 m
+  EXPECT_EQ(recall(0.31, far_and_near), 0);
+  EXPECT_EQ(recall(0.31, {{0, 0, 0}}), 1);  // 2 % of 20 m
+  EXPECT_EQ(recall(0.29, {}), 0);           // never seen
+  EXPECT_EQ(EvaluatePlanes({{Estimate({1, 0, 0}, {20.31, 0, 0})}}, wall, {}, kClosePlanes).recall,
+            0);
+}
+
 TEST(PlaneErrorTest, RecallIsWeightedBySeenArea) {
   const std::vector<EstimatedPlane> planes = {Estimate({0, 0, 1}, {0, 0, 0})};
   EXPECT_DOUBLE_EQ(*EvaluatePlanes(planes, Room(), {}).recall, 0.5);

@@ -175,13 +175,17 @@ void EvaluateParts(const fs::path& result,
   }
   const fs::path planes = result / "planes.csv";
   if (options.judge_planes && !truth.planes_file.empty() && fs::exists(planes)) {
+    std::vector<Vector3d> path_W;
+    for (const PosePair& pair : evaluation.pairs)
+      path_W.push_back(pair.T_WB.p);
     const auto evaluate = [&,
                            estimated = ReadEstimatedPlanes(planes),
                            all = ReadTruePlanes(truth.planes_file)](const auto& limits) {
-      return EvaluatePlanes(estimated, all, evaluation.causal.alignment, limits);
+      return EvaluatePlanes(estimated, all, evaluation.causal.alignment, limits, path_W);
     };
     evaluation.planes = evaluate(PlaneErrorOptions());
     evaluation.close_planes = evaluate(kClosePlanes);
+    evaluation.close_planes_by_distance = evaluate(kClosePlanesByDistance);
   }
 }
 

@@ -43,7 +43,8 @@ struct RunEvaluation {
   std::vector<SegmentError> segments;  ///< if there are two or more; those that can be judged
   std::optional<MeshError> mesh, map;
   std::optional<PlaneError> planes;
-  std::optional<PlaneError> close_planes;  ///< the same with kClosePlanes
+  std::optional<PlaneError> close_planes;              ///< the same with kClosePlanes
+  std::optional<PlaneError> close_planes_by_distance;  ///< and with kClosePlanesByDistance
   std::optional<ConsistencyError> consistency;
   std::optional<CalibrationError> calibration;  ///< of the one that was estimated
   std::vector<std::string> warnings;
