@@ -33,7 +33,7 @@ struct LadderOptions {
   ConsistencyOptions consistency;
   std::vector<std::string> flights;  ///< empty: all
   double duration_s = 40;
-  double scale = 1;     ///< of all lengths, the accelerometer's errors included
+  double scale = 1;     ///< of all lengths, accelerations included
   double budget_s = 0;  ///< no realisation of a flight begins later than this; 0: no limit
   int jobs = 1;
 };
@@ -67,9 +67,7 @@ std::vector<Realisation> RunFlight(const Scenario& scenario,
         }
         if (!run) {
           const double begin_ms = ThreadCpuMs();
-          run = ScaledRun(Simulate(scenario, options.consistency, realisation.seed),
-                          scenario.trajectory,
-                          options.scale);
+          run = ScaledRun(Simulate(scenario, options.consistency, realisation.seed), options.scale);
           realisation.simulation_s = (ThreadCpuMs() - begin_ms) / 1000;
         }
         realisation.outcomes.push_back(
@@ -129,7 +127,7 @@ int Main(int argc, char** argv) {
   app.add_option("--first-seed", consistency.first_seed, "the first of them");
   app.add_option("--duration", options.duration_s, "length of a run [s]")
       ->check(CLI::Range(5, 120));
-  app.add_option("--scale", options.scale, "all lengths times this")
+  app.add_option("--scale", options.scale, "all lengths, and gravity, times this")
       ->check(CLI::Range(0.01, 100.0));
   app.add_option("--only", options.flights, "names of flights, with commas")->delimiter(',');
   app.add_option("--rungs", rung_keys, "keys of rungs besides S, with commas")->delimiter(',');

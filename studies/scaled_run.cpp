@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "scaled_run.h"
 
-#include "facet/imu/imu_types.h"
-
 namespace facet {
 
-SimulatedRun ScaledRun(SimulatedRun run, const SplineTrajectory& trajectory, double scale) {
+SimulatedRun ScaledRun(SimulatedRun run, double scale) {
   for (SE3& T_BC : run.rig.T_BC)
     T_BC.p *= scale;
   for (NavState& truth : run.truth) {
@@ -20,18 +18,19 @@ SimulatedRun ScaledRun(SimulatedRun run, const SplineTrajectory& trajectory, dou
     surface.half_u *= scale;
     surface.half_v *= scale;
   }
-  // f = R^T (a - g) + e becomes R^T (s a - g) + s e.
-  for (ImuSample& sample : run.imu) {
-    const Quaterniond q_BW = trajectory.At(sample.t).state.T_WB.q.conjugate();
-    sample.accel = scale * sample.accel + (scale - 1) * (q_BW * GravityInWorld());
-  }
+  for (ImuSample& sample : run.imu)
+    sample.accel *= scale;
   return run;
 }
 
 ConsistencyOptions ScaledOptions(ConsistencyOptions options, double scale) {
   options.simulator.imu.noise.accel_noise *= scale;
   options.simulator.imu.noise.accel_walk *= scale;
+  options.estimator.imu.gravity_mps2 *= scale;
+  options.estimator.imu.max_accel_noise *= scale;
   options.estimator.start.sigma_position *= scale;
+  options.estimator.start.sigma_velocity *= scale;
+  options.estimator.start.sigma_accel_bias *= scale;
   return options;
 }
 
