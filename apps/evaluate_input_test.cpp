@@ -201,6 +201,7 @@ TEST_F(EvaluateInputTest, PlanesAreJudgedTwice) {
   EXPECT_EQ(planes["precision"], 1);
   EXPECT_EQ(planes["within_3deg_5cm"]["recall"], 0);
   EXPECT_EQ(planes["within_3deg_5cm"]["precision"], 0);
+  EXPECT_EQ(planes["within_3deg_2percent"]["precision"], 0);  // less than 4 m away
 }
 
 TEST_F(EvaluateInputTest, SceneWithoutPlanes) {

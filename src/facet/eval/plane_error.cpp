@@ -33,14 +33,17 @@ struct Difference {
   double angle_deg = 0, offset_m = 0;
 };
 
-double MaxOffset(const Vector3d& centre_W,
+// In the frame and size of the truth, as offsets are.
+double MaxOffset(const Vector3d& centre_G,
+                 const TrajectoryAlignment& alignment,
                  std::span<const Vector3d> path_W,
                  const PlaneErrorOptions& options) {
   if (options.max_offset_share <= 0) return options.max_offset_m;
-  double nearest_m = std::numeric_limits<double>::infinity();
+  if (path_W.empty()) return 0;
+  double nearest_m2 = std::numeric_limits<double>::infinity();
   for (const Vector3d& p_W : path_W)
-    nearest_m = std::min(nearest_m, (p_W - centre_W).norm());
-  return path_W.empty() ? 0 : options.max_offset_share * nearest_m;
+    nearest_m2 = std::min(nearest_m2, (alignment * p_W - centre_G).squaredNorm());
+  return options.max_offset_share * std::sqrt(nearest_m2);
 }
 
 SupportedPlane IntoTruthFrame(const EstimatedPlane& plane,
@@ -49,10 +52,11 @@ SupportedPlane IntoTruthFrame(const EstimatedPlane& plane,
                               const PlaneErrorOptions& options) {
   const Vector3d on_plane =
       plane.centre_W - (plane.n_W.dot(plane.centre_W) - plane.d_W) * plane.n_W;
+  const Vector3d centre_G = alignment * on_plane;
   return {alignment.T_GW.q * plane.n_W,
-          alignment * on_plane,
+          centre_G,
           plane.area_m2,
-          MaxOffset(plane.centre_W, path_W, options)};
+          MaxOffset(centre_G, alignment, path_W, options)};
 }
 
 Difference Compare(const SupportedPlane& estimate, const TruePlane& truth) {

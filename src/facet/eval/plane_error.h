@@ -15,8 +15,8 @@ namespace facet {
 struct PlaneErrorOptions {
   double max_angle_deg = 10;   ///< between the normals of two planes that match
   double max_offset_m = 0.10;  ///< distance of the support's centre from the true plane
-  /// The same as a share of the distance from which the plane was seen, for scenes of any size;
-  /// above 0 it takes the place of max_offset_m.
+  /// The same as a share of the distance between the support's centre and the nearest place of the
+  /// run, for scenes of any size; above 0 it takes the place of max_offset_m.
   double max_offset_share = 0;
   /// A plane whose support is this many times as large as a true surface is not that surface.
   double max_area_ratio = 4;
@@ -55,8 +55,8 @@ struct PlaneError {
 /// An estimate matches a true surface that has a plane within the limits of angle and offset, and
 /// is compared with its best one. The score is the sum of angle and offset over their limits. Of
 /// all pairs the best score is taken first, one to one; equal scores: the surface seen more, then
-/// the larger one, then the order of the lists. `path_W`: where the run was, from the nearest of
-/// which a plane counts as seen; needed with max_offset_share only. Throws InputError for lists
+/// the larger one, then the order of the lists. `path_W`: where the run was;
+/// needed with max_offset_share only. Throws InputError for lists
 /// that hold the same planes so often that the pairs would fill the memory.
 PlaneError EvaluatePlanes(std::span<const EstimatedPlane> estimated_W,
                           std::span<const TruePlane> truth_G,

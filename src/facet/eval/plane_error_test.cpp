@@ -112,7 +112,12 @@ TEST(PlaneErrorTest, LimitsThatGrowWithTheDistanceFromThePath) {
   EXPECT_EQ(recall(0.29, far_and_near), 1);  // 2 % of 15 m
   EXPECT_EQ(recall(0.31, far_and_near), 0);
   EXPECT_EQ(recall(0.31, {{0, 0, 0}}), 1);  // 2 % of 20 m
-  EXPECT_EQ(recall(0.29, {}), 0);           // never seen
+  EXPECT_EQ(recall(0.29, {}), 0);           // no path
+  TrajectoryAlignment twice;
+  twice.scale = 2;
+  const std::vector<EstimatedPlane> half = {Estimate({1, 0, 0}, {10.14, 0, 0})};
+  const std::vector<Vector3d> from{{2.5, 0, 0}};
+  EXPECT_EQ(EvaluatePlanes(half, wall, twice, kClosePlanesByDistance, from).num_matched, 1);
   EXPECT_EQ(EvaluatePlanes({{Estimate({1, 0, 0}, {20.31, 0, 0})}}, wall, {}, kClosePlanes).recall,
             0);
 }
