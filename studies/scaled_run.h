@@ -8,8 +8,8 @@ namespace facet {
 
 /// The run as it would be if all lengths were `scale` times as long: flight, scene and stereo pair.
 /// The images are the same to the last bit. The IMU turns as before and accelerates, errs and
-/// drifts `scale` times as much, in a gravity that is `scale` times as strong: nothing but lengths
-/// that are fixed numbers of metres can tell the two worlds apart.
+/// drifts `scale` times as much, in a gravity that is `scale` times as strong: nothing but fixed
+/// lengths, speeds and accelerations in the code can tell the two worlds apart.
 SimulatedRun ScaledRun(SimulatedRun run, double scale);
 
 /// The noise of that run's IMU, its gravity, and what the estimator expects of lengths, speeds and
