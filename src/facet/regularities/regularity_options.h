@@ -18,8 +18,9 @@ struct DetectionOptions {
   /// Least spread (1-sigma) of a plane's points in its narrow direction, and of the landmarks of a
   /// new plane; less where it is near, more where it is far, as for the surface [m].
   double min_extent_m = 0.12;
-  /// Points farther from a plane than this are not on it, however uncertain they are, and parallel
-  /// surfaces nearer to each other than this cannot be told apart; up to kFarDistance_m [m].
+  /// Points farther from a plane than this are not on it, however uncertain they are, nor are those
+  /// that are known worse than to 1.6 times this (SquaredGate); parallel surfaces nearer to each
+  /// other than this cannot be told apart; up to kFarDistance_m [m].
   double max_distance_m = 0.05;
   /// Least number of faces of a plane (the paper: 20).
   int min_faces = 0;
@@ -49,7 +50,7 @@ struct DetectionOptions {
             Range{1e-3, 10},
             "least extent of a plane in its narrower direction [m]");
     v.Field(
-        "max_distance_m", max_distance_m, Range{1e-3, 10}, "points farther off are not on it [m]");
+        "max_distance_m", max_distance_m, Range{0.01, 10}, "points farther off are not on it [m]");
     v.Field("min_faces", min_faces, Range{0, 1000}, "least number of faces on a plane");
     v.Field("world_origin",
             world_origin,

@@ -83,7 +83,7 @@ class Judge {
         const double variance =
             point.VarianceFromSurface(plane.n) + planes_[k].uncertainty.VarianceAt(point.p_W);
         const double distance_m = plane.SignedDistance(point.p_W);
-        if (distance_m * distance_m > SquaredGate(variance, max_distance_m, point.length_scale))
+        if (!(distance_m * distance_m < SquaredGate(variance, max_distance_m, point.length_scale)))
           return;
         const double growth_m = point.length_scale * kPlaneGrowth_m;
         if (planes_[k].tracked->extent.IsNear(point.p_W, growth_m)) on_[i] |= Planes{1} << k;

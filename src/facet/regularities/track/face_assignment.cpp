@@ -53,8 +53,8 @@ double WorstCorner(const SurfaceFaces& faces,
     const double variance = point.VarianceAlong(plane.n) + plane_variance_m2;
     const double distance_m = plane.SignedDistance(point.p_W);
     const double gate = SquaredGate(variance, max_distance_m, point.length_scale);
+    if (!(distance_m * distance_m < limit * gate)) return limit;
     worst = std::max(worst, distance_m * distance_m / gate);
-    if (worst >= limit) break;
   }
   return worst;
 }

@@ -19,6 +19,11 @@ using testing::Patch;
 
 constexpr int kBoard = 0, kWall = 1;
 
+Patch WithStep(Patch patch, double step_m) {
+  patch.step_m = step_m;
+  return patch;
+}
+
 class FaceAssignmentTest : public ::testing::Test {
  protected:
   FaceAssignmentTest() {
@@ -62,7 +67,7 @@ class FaceAssignmentTest : public ::testing::Test {
   const Vector3d crossing_{3, 0, 1.4};  // the wall is at x = 3; the board meets it at this height
   Patch board_;
   // Wall beside the board, where it is at most 4 cm from the board's plane.
-  const Patch strip_ = MakeWall({3, 0.85, 1.4}, 0, 0.6, 0.6);
+  const Patch strip_ = WithStep(MakeWall({3, 0.85, 1.4}, 0, 0.6, 0.6), 0.15);
   std::vector<TrackedPlane> planes_;
 };
 
@@ -80,29 +85,32 @@ TEST_F(FaceAssignmentTest, TheOtherSideIsNotClaimed) {
   EXPECT_EQ(std::count(claims.begin(), claims.end(), kBoard), 0);
 }
 
-// However little is known of the corners' depths.
+// The gate is widest for corners that are known to as much.
 TEST_F(FaceAssignmentTest, NothingBeyondTheLargestGateIsClaimed) {
   planes_ = {Known(strip_, PlaneId{7})};
   Show(strip_, 0);
-  const auto num_claimed = [&](double before_m) {
+  const auto num_claimed = [&](double before_m, double sigma_m) {
     Patch patch = strip_;
     patch.centre_W.x() -= before_m;
     SurfaceFaces faces = MakeFaces({patch}, view_);
     for (FacePoint& point : faces.points) {
       point.p_W.x() = strip_.centre_W.x() - before_m;
-      point.sigma_along_m = 0.3;
+      point.sigma_along_m = sigma_m;
     }
     const std::vector<int> claims = AssignFaces(faces, planes_, map_, RegularityOptions());
     return std::count(claims.begin(), claims.end(), 0);
   };
-  EXPECT_GT(num_claimed(0.045), 3);
-  EXPECT_EQ(num_claimed(0.055), 0);
+  EXPECT_GT(num_claimed(0.045, 0.05), 3);
+  EXPECT_EQ(num_claimed(0.055, 0.05), 0);
+  EXPECT_EQ(num_claimed(0.045, 0.02), 0);        // two sigmas off
+  EXPECT_EQ(num_claimed(0.0, 0.3), 0);           // hardly known: on no plane
   view_.camera_W.x() -= 4 * kFarDistance_m - 3;  // the wall is at x = 3
-  EXPECT_GT(num_claimed(0.19), 3);
-  EXPECT_EQ(num_claimed(0.23), 0);
+  EXPECT_GT(num_claimed(0.19, 0.2), 3);
+  EXPECT_EQ(num_claimed(0.23, 0.2), 0);
 }
 
 TEST_F(FaceAssignmentTest, FacesThatLieAcrossAreNotClaimed) {
+  view_.sigma_depth_m = 0;  // normals are what they are turned to
   planes_ = {Known(strip_, PlaneId{7})};
   Show(strip_, 0);
   SurfaceFaces faces = MakeFaces({strip_}, view_);
@@ -110,6 +118,9 @@ TEST_F(FaceAssignmentTest, FacesThatLieAcrossAreNotClaimed) {
     face.n_W = ExpSO3({0, 30 * std::numbers::pi / 180, 0}) * face.n_W;
   const std::vector<int> claims = AssignFaces(faces, planes_, map_, RegularityOptions());
   EXPECT_EQ(std::count(claims.begin(), claims.end(), 0), 0);
+  const std::vector<int> as_it_is =
+      AssignFaces(MakeFaces({strip_}, view_), planes_, map_, RegularityOptions());
+  EXPECT_GT(std::count(as_it_is.begin(), as_it_is.end(), 0), 3);
 }
 
 // Landmarks and surface far before the crossing are no matter of dispute.

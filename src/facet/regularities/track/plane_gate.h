@@ -4,19 +4,27 @@
 // still be 10 cm away from where the camera is expected to see it.
 #pragma once
 
-#include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "facet/regularities/detect/plane_candidate.h"
 
 namespace facet {
 
-/// Squared distance from a plane up to which a vertex of the mesh is on it [m^2]: three sigmas, but
-/// at least 2 cm and at most `max_distance_m` (DetectionOptions), both times the vertex's
-/// `length_scale`. `variance_m2`: of the distance, from vertex and plane.
+/// 1-sigma of what stands out of a surface that is a plane: prints, frames, panels [m].
+inline constexpr double kRelief_m = 0.01;
+
+/// Squared distance from a plane up to which a vertex of the mesh is on it [m^2]: there it is as
+/// likely to be on this plane as to be on something else (docs/math.md, 7.3). On the plane the
+/// distance has `variance_m2`, from vertex and plane, and the plane's relief; on something else it
+/// is uniformly distributed. No gate is wider than `max_distance_m` (DetectionOptions), and a
+/// vertex that is known worse than to sqrt(e) times that is on no plane. Lengths are those at the
+/// vertex's `length_scale`.
 inline double SquaredGate(double variance_m2, double max_distance_m, double length_scale) {
-  constexpr double kLeast_m = 0.02;
-  const double least_m = length_scale * kLeast_m, most_m = length_scale * max_distance_m;
-  return std::min(std::max(9 * variance_m2, least_m * least_m), most_m * most_m);
+  const double relief_m = length_scale * kRelief_m, most_m = length_scale * max_distance_m;
+  const double variance = variance_m2 + relief_m * relief_m;
+  const double worst_variance = std::numbers::e * most_m * most_m;
+  return variance < worst_variance ? variance * std::log(worst_variance / variance) : 0;
 }
 
 /// Variance of the distance between one plane and any points that are fixed to the camera: for many

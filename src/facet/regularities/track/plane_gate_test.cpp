@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "facet/regularities/track/plane_gate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -62,6 +63,37 @@ Vector<10> Draw(const Matrix<10, 10>& covariance, Rng& rng) {
     x(i) = rng.Normal() * std::sqrt(std::max(factor.vectorD()(i), 0.0));
   const Vector<10> y = factor.matrixL() * x;
   return factor.transpositionsP().transpose() * y;
+}
+
+// At the gate a point of the plane is as likely as something else, however well it is known.
+TEST(PlaneGateTest, AtTheGatePlaneAndSomethingElseAreAsLikely) {
+  const auto density_at_gate = [](double sigma_m) {
+    const double on_plane_m = std::hypot(sigma_m, kRelief_m);
+    const double gate2 = SquaredGate(sigma_m * sigma_m, 0.05, 1);
+    return std::exp(-0.5 * gate2 / (on_plane_m * on_plane_m)) / on_plane_m;
+  };
+  for (const double sigma_m : {0.001, 0.01, 0.03, 0.06, 0.08})
+    EXPECT_NEAR(density_at_gate(sigma_m) / density_at_gate(0), 1, 1e-9) << sigma_m;
+}
+
+TEST(PlaneGateTest, GateIsNoWiderThanItMayBe) {
+  double widest2 = 0;
+  for (double sigma_m = 0; sigma_m < 0.2; sigma_m += 1e-3)
+    widest2 = std::max(widest2, SquaredGate(sigma_m * sigma_m, 0.05, 1));
+  EXPECT_LE(widest2, 0.05 * 0.05 * (1 + 1e-9));
+  EXPECT_GT(widest2, 0.049 * 0.049);
+  EXPECT_NEAR(std::sqrt(SquaredGate(0, 0.05, 1)), 0.02, 0.001);  // what stands out of walls
+}
+
+TEST(PlaneGateTest, VerticesThatAreHardlyKnownAreOnNoPlane) {
+  EXPECT_GT(SquaredGate(0.08 * 0.08, 0.05, 1), 0);
+  EXPECT_EQ(SquaredGate(0.083 * 0.083, 0.05, 1), 0);
+  EXPECT_EQ(SquaredGate(std::numeric_limits<double>::infinity(), 0.05, 1), 0);
+}
+
+TEST(PlaneGateTest, GatesFarAwayAreThoseOfALargerWorld) {
+  const double near2 = SquaredGate(0.02 * 0.02, 0.05, 1);
+  EXPECT_NEAR(SquaredGate(0.1 * 0.1, 0.05, 5) / (25 * near2), 1, 1e-12);
 }
 
 TEST(PlaneGateTest, DistanceVarianceEqualsNumericDerivative) {
