@@ -161,8 +161,10 @@ struct SolverOptions {
 
 /// Relations between planes, and of planes to gravity.
 struct RelationOptions {
-  double sigma_deg = 0.7;          ///< parallel, orthogonal, coplanar, heading; 1-sigma
-  double gravity_sigma_deg = 0.7;  ///< horizontal, vertical
+  double sigma_deg = 0.7;  ///< parallel, orthogonal, coplanar, heading; 1-sigma
+  /// Horizontal, vertical: floors and walls are built level and plumb to a few tenths of a degree;
+  /// what leans by more than four sigmas is related to gravity no longer.
+  double gravity_sigma_deg = 0.3;
 
   template <class Visitor>
   void Visit(Visitor& v) {

@@ -18,6 +18,9 @@ constexpr double kRightAngle = 0.5 * std::numbers::pi;
 // Planes that are off by more are not related, but a wall that is off by more than the second has a
 // heading of its own.
 constexpr double kMaxAngle = 3 * kDegree, kNewHeading = 8 * kDegree;
+// What is level or upright leans by at most this. The estimator gives such a relation up beyond
+// four of its sigmas, which is the same, and a relation is proposed once.
+constexpr double kMaxLean = 1.2 * kDegree;
 constexpr double kMaxHeight_m = 0.02;  // the same for heights
 // A relation must have held in so many keyframes in a row.
 constexpr int kMinKeyframes = 5;
@@ -102,7 +105,8 @@ void PlaneRelations::RelateToGravity(const RelatedPlane& plane, std::vector<Plan
   const double lean = is_level ? std::asin(std::min(1.0, n.head<2>().norm())) : std::asin(n.z());
   const Vector3d up = Vector3d::UnitZ() - n.z() * n;
   const double sigma = up.norm() > 1e-6 ? SigmaInDirection(estimate, up.normalized()) : kDegree;
-  if (Weigh(relation, lean, AngleLimit(sigma))) out.push_back(relation);
+  if (Weigh(relation, lean, std::max(kMaxLean, std::min(kMaxAngle, 3 * sigma))))
+    out.push_back(relation);
 }
 
 // Largest first: a plane that is of no star yet becomes the middle of one.

@@ -133,6 +133,17 @@ TEST_F(PlaneRelationsTest, WhatIsOffOrSmallOrObliqueIsNotRelated) {
   EXPECT_FALSE(Contains(found, {kVertical, PlaneId{3}}));
 }
 
+// At the start it may be the estimate that leans; the estimator would give the relation up.
+TEST_F(PlaneRelationsTest, WhatLeansIsRelatedToGravityOnceItDoesNotAnyMore) {
+  AddWall(0, 1.5);
+  EXPECT_TRUE(Update(50).empty());
+  const Vector3d upright = Vector3d::UnitX();
+  estimates_[0].plane_W.n = upright;
+  const auto found = Update(kMinKeyframes);
+  EXPECT_EQ(found.size(), 1u);
+  EXPECT_TRUE(Contains(found, {PlaneRelationKind::kVertical, PlaneId{0}}));
+}
+
 TEST_F(PlaneRelationsTest, TheLargestIsInTheMiddle) {
   AddWall(0, 0, 1.1);
   AddWall(90, 0, 30);
