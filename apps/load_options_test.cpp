@@ -75,8 +75,10 @@ TEST(LoadOptionsTest, EveryAllowedValueIsTakenByThePipeline) {
 }
 
 TEST(LoadOptionsTest, SavedDefaultsOfAnEarlierVersionAreTodaysDefaults) {
-  // But for the one whose value has changed since.
-  const LoadedOptions loaded = LoadOptions(SavedConfig(), {"estimator.imu.gyro_noise_scale=6"});
+  // But for those whose value has changed since.
+  const LoadedOptions loaded = LoadOptions(
+      SavedConfig(),
+      {"estimator.imu.gyro_noise_scale=6", "estimator.planes.relations.gravity_sigma_deg=0.3"});
   EXPECT_EQ(FormatOptions(loaded.options, Audience::kExperts),
             FormatOptions(VioOptions(), Audience::kExperts));
   EXPECT_FALSE(loaded.notices.empty());

@@ -47,7 +47,7 @@ SplineTrajectory LookAround() {
 
 SimulatedRun Simulate(double roughness_m, double duration_s = kEnd_s) {
   FeatureSimulatorOptions options;
-  options.max_tracks = 100;
+  options.max_tracks = 150;  // so that the wall is persistent before it leaves the view
   options.duration_s = duration_s;
   options.roughness_m = roughness_m;
   options.room.num_boxes = options.room.num_boards = 0;
