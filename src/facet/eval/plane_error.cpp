@@ -33,30 +33,26 @@ struct Difference {
   double angle_deg = 0, offset_m = 0;
 };
 
-// In the frame and size of the truth, as offsets are.
 double MaxOffset(const Vector3d& centre_G,
-                 const TrajectoryAlignment& alignment,
-                 std::span<const Vector3d> path_W,
+                 std::span<const Vector3d> path_G,
                  const PlaneErrorOptions& options) {
   if (options.max_offset_share <= 0) return options.max_offset_m;
-  if (path_W.empty()) return 0;
+  if (path_G.empty()) return 0;
   double nearest_m2 = std::numeric_limits<double>::infinity();
-  for (const Vector3d& p_W : path_W)
-    nearest_m2 = std::min(nearest_m2, (alignment * p_W - centre_G).squaredNorm());
+  for (const Vector3d& p_G : path_G)
+    nearest_m2 = std::min(nearest_m2, (p_G - centre_G).squaredNorm());
   return options.max_offset_share * std::sqrt(nearest_m2);
 }
 
 SupportedPlane IntoTruthFrame(const EstimatedPlane& plane,
                               const TrajectoryAlignment& alignment,
-                              std::span<const Vector3d> path_W,
+                              std::span<const Vector3d> path_G,
                               const PlaneErrorOptions& options) {
   const Vector3d on_plane =
       plane.centre_W - (plane.n_W.dot(plane.centre_W) - plane.d_W) * plane.n_W;
   const Vector3d centre_G = alignment * on_plane;
-  return {alignment.T_GW.q * plane.n_W,
-          centre_G,
-          plane.area_m2,
-          MaxOffset(centre_G, alignment, path_W, options)};
+  return {
+      alignment.T_GW.q * plane.n_W, centre_G, plane.area_m2, MaxOffset(centre_G, path_G, options)};
 }
 
 Difference Compare(const SupportedPlane& estimate, const TruePlane& truth) {
@@ -216,10 +212,10 @@ PlaneError EvaluatePlanes(std::span<const EstimatedPlane> estimated_W,
                           std::span<const TruePlane> truth_G,
                           const TrajectoryAlignment& alignment,
                           const PlaneErrorOptions& options,
-                          std::span<const Vector3d> path_W) {
+                          std::span<const Vector3d> path_G) {
   std::vector<SupportedPlane> estimates;
   for (const EstimatedPlane& plane : estimated_W)
-    estimates.push_back(IntoTruthFrame(plane, alignment, path_W, options));
+    estimates.push_back(IntoTruthFrame(plane, alignment, path_G, options));
   const std::vector<TrueSurface> surfaces = GroupSurfaces(truth_G, options);
   const std::vector<Pair> pairs = MatchingPairs(estimates, surfaces, options);
   const std::vector<Pair> matched = OneToOne(pairs, estimates.size(), surfaces.size());

@@ -55,13 +55,13 @@ struct PlaneError {
 /// An estimate matches a true surface that has a plane within the limits of angle and offset, and
 /// is compared with its best one. The score is the sum of angle and offset over their limits. Of
 /// all pairs the best score is taken first, one to one; equal scores: the surface seen more, then
-/// the larger one, then the order of the lists. `path_W`: where the run was;
-/// needed with max_offset_share only. Throws InputError for lists
-/// that hold the same planes so often that the pairs would fill the memory.
+/// the larger one, then the order of the lists. `path_G`: where the run truly was;
+/// needed with max_offset_share only. Throws InputError for lists that hold the same planes so
+/// often that the pairs would fill the memory.
 PlaneError EvaluatePlanes(std::span<const EstimatedPlane> estimated_W,
                           std::span<const TruePlane> truth_G,
                           const TrajectoryAlignment& alignment,
                           const PlaneErrorOptions& options = {},
-                          std::span<const Vector3d> path_W = {});
+                          std::span<const Vector3d> path_G = {});
 
 }  // namespace facet

@@ -104,9 +104,9 @@ TEST(PlaneErrorTest, WhatIsRoughlyThereIsNotClose) {
 
 TEST(PlaneErrorTest, LimitsThatGrowWithTheDistanceFromThePath) {
   const std::vector<TruePlane> wall = {True({1, 0, 0}, 20, 30)};
-  const auto recall = [&](double offset_m, const std::vector<Vector3d>& path_W) {
+  const auto recall = [&](double offset_m, const std::vector<Vector3d>& path_G) {
     const std::vector<EstimatedPlane> planes = {Estimate({1, 0, 0}, {20 + offset_m, 0, 0})};
-    return *EvaluatePlanes(planes, wall, {}, kClosePlanesByDistance, path_W).recall;
+    return *EvaluatePlanes(planes, wall, {}, kClosePlanesByDistance, path_G).recall;
   };
   const std::vector<Vector3d> far_and_near = {{0, 0, 0}, {5, 0, 0}, {0, 0, 0}};
   EXPECT_EQ(recall(0.29, far_and_near), 1);  // 2 % of 15 m
@@ -116,7 +116,7 @@ TEST(PlaneErrorTest, LimitsThatGrowWithTheDistanceFromThePath) {
   TrajectoryAlignment twice;
   twice.scale = 2;
   const std::vector<EstimatedPlane> half = {Estimate({1, 0, 0}, {10.14, 0, 0})};
-  const std::vector<Vector3d> from{{2.5, 0, 0}};
+  const std::vector<Vector3d> from{{5, 0, 0}};  // in the size of the truth
   EXPECT_EQ(EvaluatePlanes(half, wall, twice, kClosePlanesByDistance, from).num_matched, 1);
   EXPECT_EQ(EvaluatePlanes({{Estimate({1, 0, 0}, {20.31, 0, 0})}}, wall, {}, kClosePlanes).recall,
             0);

@@ -175,13 +175,13 @@ void EvaluateParts(const fs::path& result,
   }
   const fs::path planes = result / "planes.csv";
   if (options.judge_planes && !truth.planes_file.empty() && fs::exists(planes)) {
-    std::vector<Vector3d> path_W;
+    std::vector<Vector3d> path_G;
     for (const PosePair& pair : evaluation.pairs)
-      path_W.push_back(pair.T_WB.p);
+      path_G.push_back(pair.T_GB.p);
     const auto evaluate = [&,
                            estimated = ReadEstimatedPlanes(planes),
                            all = ReadTruePlanes(truth.planes_file)](const auto& limits) {
-      return EvaluatePlanes(estimated, all, evaluation.causal.alignment, limits, path_W);
+      return EvaluatePlanes(estimated, all, evaluation.causal.alignment, limits, path_G);
     };
     evaluation.planes = evaluate(PlaneErrorOptions());
     evaluation.close_planes = evaluate(kClosePlanes);
