@@ -80,9 +80,10 @@ class Judge {
       near.ForEachNear(plane, max_scale * max_distance_m, [&](std::size_t i) {
         const FacePoint& point = points_[i];
         if (plane.n.dot(point.ray_W) > 0) return;  // from behind it is another surface
+        const double distance_m = plane.SignedDistance(point.p_W);
+        if (std::abs(distance_m) > point.length_scale * max_distance_m) return;  // the widest gate
         const double variance =
             point.VarianceFromSurface(plane.n) + planes_[k].uncertainty.VarianceAt(point.p_W);
-        const double distance_m = plane.SignedDistance(point.p_W);
         if (!(distance_m * distance_m < SquaredGate(variance, max_distance_m, point.length_scale)))
           return;
         const double growth_m = point.length_scale * kPlaneGrowth_m;

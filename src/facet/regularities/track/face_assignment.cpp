@@ -50,8 +50,10 @@ double WorstCorner(const SurfaceFaces& faces,
   double worst = 0;
   for (const int corner : face.corners) {
     const FacePoint& point = faces.points[corner];
-    const double variance = point.VarianceAlong(plane.n) + plane_variance_m2;
     const double distance_m = plane.SignedDistance(point.p_W);
+    // Beyond the widest gate: most corners, at a fraction of the cost.
+    if (std::abs(distance_m) > point.length_scale * max_distance_m) return limit;
+    const double variance = point.VarianceAlong(plane.n) + plane_variance_m2;
     const double gate = SquaredGate(variance, max_distance_m, point.length_scale);
     if (!(distance_m * distance_m < limit * gate)) return limit;
     worst = std::max(worst, distance_m * distance_m / gate);
